@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh depth of field, GLSL. Version 0.1.0.
+// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a Post-Process
+// Depth of Field Shader", Listings 1-4. Sections and figures named below are of that paper.
+//
+// CONTRACT
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.glsl beside it has those, ready made.
+//   In    colour: linear, HDR, before bloom and tone mapping.   depth: along the view axis, metres.
+//   Out   colour blurred by a polygonal aperture, alpha = CoC after the passes.
+//   CoC   circle of confusion: a DIAMETER as a fraction of the image height.
+//   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
+//   Targets between the passes: RGBA16F, linear filter, clamp. Depth: nearest filter, clamp; it need not be filterable.
+//
+//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine -> bloom, tone mapping
+//
+//   aperture   lines (degrees)                                passes   combine
+//   square     0, then 90                                     2
+//   diamond    0, then 45                                     2
+//   hexagon    90, then 30 and, from the same, 150            3        min
+//   octagon    0, then 90;  45, then 135                      4        min
+//   star       as octagon                                     4        max
+//
+// PASTE: put this file after your #version line (330, 300 es or 450, or later of the same kind), then for one line pass
+//           uniform sampler2D ColorSamp, DepthSamp;  in vec2 uv;  out vec4 result;
+//           void main() {
+//               result = BokehDepthOfField(ColorSamp, DepthSamp, uv, BokehLineEnd(angle, aspectRatio),
+//                                          BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true); }
+//
+// CONTENTS
+//   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets
+//   [5] line filter: BokehDepthOfField   [6] combine: BokehDepthOfFieldFinal   [7] naive gather: BokehNaiveGather
+//   [8] exact polygons (not in this version)   [9] debug views: BokehDebugCoC
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [1] configuration
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//   name                  default    range     meaning
+//   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
+//   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
+//   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
+//   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_MULT   30.0       > 0       Listing 3
+//   BOKEH_MAX_COLOR       65504.0              largest half float
+//   BOKEH_MIN_DEPTH       0.000001             metres, stands for zero and negative depth
+//   BOKEH_MAX_DEPTH       1000000000.0         metres, stands for infinite depth: the CoC is A f / (S1 - f) there
+
+#ifndef BOKEH_NUM_SAMPLES
+#define BOKEH_NUM_SAMPLES 13
+#endif
+#ifndef BOKEH_SENSOR_HEIGHT
+#define BOKEH_SENSOR_HEIGHT 0.024
+#endif
+#ifndef BOKEH_MAX_COC
+#define BOKEH_MAX_COC 0.1
+#endif
+#ifndef BOKEH_BLEEDING_BIAS
+#define BOKEH_BLEEDING_BIAS 0.02
+#endif
+#ifndef BOKEH_BLEEDING_MULT
+#define BOKEH_BLEEDING_MULT 30.0
+#endif
+#ifndef BOKEH_MAX_COLOR
+#define BOKEH_MAX_COLOR 65504.0
+#endif
+#ifndef BOKEH_MIN_DEPTH
+#define BOKEH_MIN_DEPTH 0.000001
+#endif
+#ifndef BOKEH_MAX_DEPTH
+#define BOKEH_MAX_DEPTH 1000000000.0
+#endif
+
+#if BOKEH_NUM_SAMPLES < 2
+#error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
+#endif
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [2] porting: the one place where the three languages differ
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//   A texture and its sampler are one parameter, a sampler2D. OpenGL ES has no default precision for float in fragment
+//   shaders; half precision can neither address a 4K image nor hold a sum of HDR colours, hence highp throughout.
+
+#ifdef GL_ES
+#if __VERSION__ < 300
+#error bokeh.glsl needs GLSL ES 3.00 or later: put '#version 300 es' first
+#endif
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+#else
+#if __VERSION__ < 330
+#error bokeh.glsl needs GLSL 3.30 or later: put '#version 330' first
+#endif
+#endif
+
+// Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
+vec4 BokehFetch(sampler2D tex, vec2 uv)
+{
+    return textureLod(tex, uv, 0.0);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [3] Listing 1: circle of confusion
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 1: CoC of a thin lens (section 4.1)
+//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
+//   A             diameter of the aperture, metres
+//   f             focal length, metres
+//   S1            focus distance, metres, > f
+//   sensorHeight  height of the image sensor, metres
+//   MaxCoC        largest CoC allowed, fraction of the image height
+//   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
+float BokehCoC(float S2, float A, float f, float S1, float sensorHeight, float MaxCoC)
+{
+    float magnification = f / (S1 - f);
+    float c = A * magnification * (abs(S2 - S1) / S2);
+    return clamp(c / sensorHeight, 0.0, MaxCoC);
+}
+
+// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
+//   The comparison is written so that NaN fails it: max() may return either operand for NaN.
+float BokehSafeChannel(float value)
+{
+    float safe = 0.0;
+    if (value > 0.0)
+    {
+        safe = min(value, BOKEH_MAX_COLOR);
+    }
+    return safe;
+}
+
+// Listing 1: depth made safe: NaN, zero and negative become the smallest depth, infinite the largest
+float BokehSafeDepth(float S2)
+{
+    float safe = BOKEH_MIN_DEPTH;
+    if (S2 > BOKEH_MIN_DEPTH)
+    {
+        safe = min(S2, BOKEH_MAX_DEPTH);
+    }
+    return safe;
+}
+
+// Listing 1: colour as it is, CoC beside it in alpha
+//   color         linear HDR colour; its alpha is not used
+//   CoC           fraction of the image height
+//   returns       what every later pass reads: rgb finite and >= 0, a = CoC
+vec4 BokehPackCoC(vec4 color, float CoC)
+{
+    return vec4(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b), CoC);
+}
+
+// Listing 1: CoCMap, the first pass and the only one that sees the engine's raw colour
+//   ColorSamp     linear HDR scene colour
+//   DepthSamp     r = depth along the view axis, metres (docs/inputs.md has the depth conventions)
+//   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
+//   returns       rgb = colour, a = CoC
+vec4 BokehCoCMap(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float A, float f, float S1, float sensorHeight,
+    float MaxCoC)
+{
+    float S2 = BokehSafeDepth(BokehFetch(DepthSamp, uv).r);
+    float CoC = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    return BokehPackCoC(BokehFetch(ColorSamp, uv), CoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [4] Listing 2: sample offsets
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//      u ->      angle = 0: along +u;  90 degrees: along +v, which is towards the last row in memory
+//    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
+//    |                              ^ this pixel
+//    v
+
+// Listing 2: the end of a line of length 1 centred on this pixel
+//   angle         radians
+//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a highlight is not stretched
+//   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
+vec2 BokehLineEnd(float angle, float aspectRatio)
+{
+    return vec2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+}
+
+// Listing 2: makeOffsets, sample i of numSamples evenly spaced from one end of the line to the other
+//   Counted from the middle (-1 .. +1), so that the offsets are exact negatives of each other and the middle one is 0.
+//   returns       uv offset for a CoC of 1
+vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
+{
+    int last = max(numSamples, 2) - 1;
+    float t = float(2 * i - last) / float(last);
+    return lineEnd * t;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [5] Listing 3: one pass of the line filter
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 3: weight of one sample against intensity leakage (section 2.1)
+//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it. It counts by its own
+//   CoC then: not at all when in focus, fully from a CoC of 1 / bleedingMult up. All other samples count fully.
+//   bleedingBias  CoC difference that is still let pass, fraction of the image height; 1 or more turns the test off
+//   bleedingMult  weight for each unit of CoC
+//   returns       0 .. 1
+float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC, float bleedingBias,
+    float bleedingMult)
+{
+    float weight = 1.0;
+    if (sampleDepth < centerDepth && centerCoC > sampleCoC + bleedingBias)
+    {
+        weight = clamp(sampleCoC * bleedingMult, 0.0, 1.0);
+    }
+    return weight;
+}
+
+// Listing 3: the weighted average, or this pixel where there is none
+//   Every sample may have been rejected when their number is even: the middle of the line is not sampled then.
+//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC (Figure 7)
+vec4 BokehResolve(vec4 color, float totalWeight, vec4 centerPixel, bool blurCoC)
+{
+    vec4 result = centerPixel;
+    if (totalWeight > 0.0)
+    {
+        result = color / totalWeight;
+    }
+    if (!blurCoC)
+    {
+        result = vec4(result.rgb, centerPixel.a);
+    }
+    return result;
+}
+
+// Listing 3: DepthOfField, the mean of the samples along one line
+//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   lineEnd       from BokehLineEnd
+//   numSamples    samples on the line, 2 or more
+vec4 BokehDepthOfField(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 lineEnd, int numSamples,
+    float bleedingBias, float bleedingMult, bool blurCoC)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+    float totalWeight = 0.0;
+    for (int i = 0; i < numSamples; i++)
+    {
+        vec2 sampleCoords = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
+        vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
+        float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
+        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+            bleedingMult);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [6] Listing 4: combine by min / max
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC included (section 4.5)
+vec4 BokehCombine(vec4 a, vec4 b, bool useMax)
+{
+    vec4 result = min(a, b);
+    if (useMax)
+    {
+        result = max(a, b);
+    }
+    return result;
+}
+
+// Listing 4: DepthOfFieldFinal, the last line pass of the second parallelogram, combined with the first
+//   ColorSampA    input of this line pass, as ColorSamp of BokehDepthOfField
+//   ColorSampB    the finished first parallelogram
+//   useMax        false: min, polygons; true: max, stars
+vec4 BokehDepthOfFieldFinal(sampler2D ColorSampA, sampler2D DepthSamp, vec2 uv, vec2 lineEnd, int numSamples,
+    float bleedingBias, float bleedingMult, bool blurCoC, sampler2D ColorSampB, bool useMax)
+{
+    vec4 a = BokehDepthOfField(ColorSampA, DepthSamp, uv, lineEnd, numSamples, bleedingBias, bleedingMult, blurCoC);
+    vec4 b = BokehFetch(ColorSampB, uv);
+    return BokehCombine(a, b, useMax);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [7] naive gather
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Section 3: gather with any table of 2D offsets
+//   KernelSamp    numSamples x 1 texels: rg = offset in units of the CoC, x to the right, y towards the last row;
+//                 32-bit float, nearest filter. A texture, since SM3 pixel shaders cannot index their constants.
+//   aspectRatio   width / height of the image
+vec4 BokehNaiveGather(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D KernelSamp, vec2 uv, float aspectRatio,
+    int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    vec2 scale = vec2(centerPixel.a / aspectRatio, centerPixel.a);
+    vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+    float totalWeight = 0.0;
+    for (int i = 0; i < numSamples; i++)
+    {
+        vec2 kernelCoords = vec2((float(i) + 0.5) / float(numSamples), 0.5);
+        vec2 sampleCoords = uv + BokehFetch(KernelSamp, kernelCoords).rg * scale;
+        vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
+        float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
+        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+            bleedingMult);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
+//   lineEndU, lineEndV  the two sides, from BokehLineEnd
+//   side                samples along a side, 2 or more: 4, 8, 12, 16, 20, 24 for the counts of Table 1
+vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 lineEndU, vec2 lineEndV, int side,
+    float bleedingBias, float bleedingMult, bool blurCoC)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+    float totalWeight = 0.0;
+    for (int j = 0; j < side; j++)
+    {
+        vec2 rowCoords = uv + BokehMakeOffsets(lineEndV, j, side) * centerPixel.a;
+        for (int i = 0; i < side; i++)
+        {
+            vec2 sampleCoords = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
+            vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
+            float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
+            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+                bleedingMult);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [8] exact polygons: not in this version
+// ---------------------------------------------------------------------------------------------------------------------
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [9] debug views
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
+vec4 BokehDebugDepth(float S2, float S1)
+{
+    float grey = S2 / (S2 + S1);
+    return vec4(grey, grey, grey, 1.0);
+}
+
+// Debug: CoC as grey: black in focus, white at MaxCoC
+vec4 BokehDebugCoC(float CoC, float MaxCoC)
+{
+    float grey = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    return vec4(grey, grey, grey, 1.0);
+}
+
+// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with the CoC
+vec4 BokehDebugFocus(float S2, float S1, float CoC, float MaxCoC)
+{
+    float amount = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    vec4 result = vec4(0.1 * amount, 0.4 * amount, amount, 1.0);
+    if (S2 < S1)
+    {
+        result = vec4(amount, 0.5 * amount, 0.0, 1.0);
+    }
+    return result;
+}

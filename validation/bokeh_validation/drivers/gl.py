@@ -1,0 +1,222 @@
+"""GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
+
+import ctypes
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import moderngl
+import numpy as np
+
+from bokeh_validation import shaders
+from bokeh_validation.drivers.base import Textures, storage_type
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import LINEAR_SLOTS, SLOTS, Pass
+
+DTYPES = {np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
+
+
+class GLDriver:
+    """What both share: programs, textures, the pass loop. A subclass makes the context."""
+
+    name = "gl"
+
+    def __init__(self, context: moderngl.Context):
+        self.context = context
+        self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
+        self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
+        self._programs: dict[tuple, moderngl.VertexArray] = {}
+
+    def make_current(self) -> None:
+        """Both drivers may live in one process, so each call makes its own context current first."""
+        self.context.__enter__()
+
+    def program(self, entry: str, samples: int) -> moderngl.VertexArray:
+        """A linked program as a vertex array without buffers, cached by entry and sample count."""
+        key = (entry, samples)
+        if key not in self._programs:
+            program = self.context.program(
+                vertex_shader=shaders.glsl("BokehFullScreen", "330"),
+                fragment_shader=shaders.glsl(entry, "330", {"BOKEH_NUM_SAMPLES": samples}),
+            )
+            for unit, slot in enumerate(SLOTS):
+                if f"Bokeh{slot}" in program:
+                    program[f"Bokeh{slot}"] = unit
+            self._programs[key] = self.context.vertex_array(program, [])
+        return self._programs[key]
+
+    def upload(self, pixels: np.ndarray) -> moderngl.Texture:
+        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
+        pixels = np.ascontiguousarray(pixels)
+        height, width = pixels.shape[:2]
+        channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+        return self._clamped(
+            self.context.texture((width, height), channels, pixels.tobytes(), alignment=1, dtype=DTYPES[pixels.dtype])
+        )
+
+    def target(self, size: tuple[int, int], storage: str) -> moderngl.Texture:
+        """An RGBA render target."""
+        return self._clamped(self.context.texture(size, 4, dtype=DTYPES[np.dtype(storage_type(storage))]))
+
+    @staticmethod
+    def _clamped(texture: moderngl.Texture) -> moderngl.Texture:
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+    @cached_property
+    def samplers(self) -> dict[bool, moderngl.Sampler]:
+        """Samplers by 'is linear'; clamp, and no mip levels."""
+        filters = {True: moderngl.LINEAR, False: moderngl.NEAREST}
+        return {
+            linear: self.context.sampler(repeat_x=False, repeat_y=False, filter=(kind, kind))
+            for linear, kind in filters.items()
+        }
+
+    def draw(self, item: Pass, live: dict[str, moderngl.Texture], target: moderngl.Framebuffer) -> None:
+        """Draw one pass into a framebuffer."""
+        array = self.program(item.entry, item.samples)
+        for unit, slot in enumerate(SLOTS):
+            if slot in item.inputs:
+                live[item.inputs[slot]].use(unit)
+                self.samplers[slot in LINEAR_SLOTS].use(unit)
+        for name, value in item.values().items():
+            if name in array.program:
+                array.program[name] = value
+        target.use()
+        array.render(moderngl.TRIANGLES, vertices=3)
+
+    def run(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        keep: Iterable[str] = ("result",),
+    ) -> dict[str, np.ndarray]:
+        """See drivers.base.Driver.run."""
+        self.make_current()
+        live = {name: self.upload(pixels) for name, pixels in textures.items()}
+        framebuffers = []
+        for item in passes:
+            texture = self.target(size, storage)
+            framebuffers.append(self.context.framebuffer([texture]))
+            self.draw(item, live, framebuffers[-1])
+            live[item.output] = texture
+        dtype = storage_type(storage)
+        results = {}
+        for name in keep:
+            data = live[name].read(alignment=1)
+            results[name] = np.frombuffer(data, dtype).reshape(size[1], size[0], 4).copy()
+        for resource in [*framebuffers, *live.values()]:
+            resource.release()
+        return results
+
+
+class EGL(GLDriver):
+    """GLSL 330 through EGL, on the device chosen by number or by a part of its name."""
+
+    name = "egl"
+    install = "apt-get install -y libegl1 libgl1-mesa-dri"
+
+    def __init__(self, adapter: str | None = None):
+        super().__init__(_egl_context(adapter))
+
+
+def _egl_device(index: int) -> moderngl.Context:
+    return moderngl.create_context(standalone=True, require=330, backend="egl", device_index=index)
+
+
+def _egl_context(adapter: str | None) -> moderngl.Context:
+    """First EGL device, or the one whose renderer name holds `adapter` (or whose index it is)."""
+    try:
+        if adapter is None:
+            return _egl_device(0)
+        if adapter.isdigit():
+            return _egl_device(int(adapter))
+    except Exception as error:
+        raise Unavailable(f"EGL gave no OpenGL 3.3 context ({error}); {EGL.install}") from error
+    seen = []
+    for context in _egl_devices():
+        renderer = context.info["GL_RENDERER"]
+        if adapter.lower() in renderer.lower():
+            return context
+        seen.append(renderer)
+        context.release()
+    raise Unavailable(f"no EGL device named like {adapter!r}; there are: {', '.join(seen) or 'none'}")
+
+
+def _egl_devices():
+    """Contexts on every EGL device, one after the other."""
+    for index in range(16):
+        try:
+            yield _egl_device(index)
+        except Exception:
+            return
+
+
+def egl_adapters() -> list[str]:
+    """Renderer names of all EGL devices."""
+    names = []
+    for context in _egl_devices():
+        names.append(context.info["GL_RENDERER"])
+        context.release()
+    return names
+
+
+class OSMesaContext:
+    """An off-screen Mesa context, in the form that moderngl takes a foreign context."""
+
+    LIBRARIES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+    # from GL/osmesa.h
+    FORMAT, DEPTH_BITS, PROFILE, CORE_PROFILE, MAJOR, MINOR = 0x22, 0x30, 0x33, 0x34, 0x36, 0x37
+    RGBA, UNSIGNED_BYTE = 0x1908, 0x1401
+
+    def __init__(self) -> None:
+        self.library = self._load()
+        self.library.OSMesaCreateContextAttribs.restype = ctypes.c_void_p
+        self.library.OSMesaGetProcAddress.restype = ctypes.c_void_p
+        attributes = [
+            self.FORMAT, self.RGBA, self.DEPTH_BITS, 0, self.PROFILE, self.CORE_PROFILE, self.MAJOR, 3, self.MINOR, 3, 0,
+        ]  # fmt: skip
+        array = (ctypes.c_int * len(attributes))(*attributes)
+        self.handle = ctypes.c_void_p(self.library.OSMesaCreateContextAttribs(array, None))
+        if not self.handle:
+            raise Unavailable("OSMesa has no OpenGL 3.3 core context: update Mesa")
+        self.size = 16
+        self.buffer = (ctypes.c_ubyte * (4 * self.size * self.size))()
+        self.__enter__()
+
+    def _load(self) -> ctypes.CDLL:
+        for name in self.LIBRARIES:
+            try:
+                return ctypes.CDLL(name)
+            except OSError:
+                continue
+        raise Unavailable(f"libOSMesa is not on this machine; {OSMesa.install}")
+
+    def load(self, name: str) -> int:
+        """Address of a GL function, 0 where there is none."""
+        return self.library.OSMesaGetProcAddress(name.encode()) or 0
+
+    def __enter__(self) -> None:
+        self.library.OSMesaMakeCurrent(self.handle, self.buffer, self.UNSIGNED_BYTE, self.size, self.size)
+
+    def __exit__(self, *_) -> None:
+        pass
+
+    def release(self) -> None:
+        """Destroy the context."""
+        self.library.OSMesaDestroyContext(self.handle)
+
+
+class OSMesa(GLDriver):
+    """GLSL 330 on Mesa's off-screen software renderer."""
+
+    name = "osmesa"
+    install = "apt-get install -y libosmesa6"
+
+    def __init__(self, adapter: str | None = None):
+        self.foreign = OSMesaContext()
+        super().__init__(moderngl.create_context(require=330, context=self.foreign))
+
+    def make_current(self) -> None:
+        self.foreign.__enter__()

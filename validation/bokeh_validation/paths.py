@@ -1,0 +1,35 @@
+"""Where things are: the checkout, and the one folder outside it that the harness writes to."""
+
+import os
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+VALIDATION = ROOT / "validation"
+SCENES = VALIDATION / "scenes"
+VARIANTS = VALIDATION / "variants.toml"
+LANGUAGES = ("hlsl", "glsl", "wgsl")
+
+
+def cache_folder() -> Path:
+    """Folder for downloads, the virtual environment and reports: $BOKEH_CACHE, else under the user's cache folder."""
+    named = os.environ.get("BOKEH_CACHE")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "bokeh-validation"
+
+
+def ensured(folder: Path) -> Path:
+    """The folder, made if it was not there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def library(language: str) -> Path:
+    """`bokeh.*` of a language."""
+    return ROOT / language / f"bokeh.{language}"
+
+
+def passes(language: str) -> Path:
+    """`bokeh_passes.*` of a language."""
+    return ROOT / language / f"bokeh_passes.{language}"

@@ -1,0 +1,56 @@
+"""Complete programs out of the package's files, the way a user makes them: by concatenation."""
+
+import re
+from collections.abc import Mapping
+from functools import cache
+
+from bokeh_validation import paths
+
+# Entry points by their stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
+ENTRIES = (
+    "BokehCoCMap",
+    "BokehConstantCoC",
+    "BokehDepthOfField",
+    "BokehDepthOfFieldFinal",
+    "BokehNaiveGather",
+    "BokehNaiveGrid",
+    "BokehDebug",
+)
+
+# GLSL kinds: profile -> version line
+GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
+
+
+def glsl_pass(entry: str) -> str:
+    """Name of BOKEH_PASS for an entry: BokehDepthOfField -> BOKEH_DEPTH_OF_FIELD."""
+    if entry == "BokehFullScreen":
+        return "BOKEH_FULL_SCREEN"
+    words = entry.removeprefix("Bokeh").replace("CoC", "Coc")
+    return "BOKEH" + re.sub(r"([A-Z])", r"_\1", words).upper()
+
+
+@cache
+def text(language: str) -> str:
+    """Library and passes of a language, one behind the other."""
+    return paths.library(language).read_text(encoding="ascii") + paths.passes(language).read_text(encoding="ascii")
+
+
+def defines(values: Mapping[str, object]) -> str:
+    """`#define` lines for HLSL and GLSL."""
+    return "".join(f"#define {name} {value}\n" for name, value in values.items())
+
+
+def glsl(entry: str, profile: str = "330", values: Mapping[str, object] | None = None) -> str:
+    """A complete GLSL shader: `entry` is one of ENTRIES or BokehFullScreen, `profile` one of GLSL_VERSIONS."""
+    head = GLSL_VERSIONS[profile] + "\n" + defines({"BOKEH_PASS": glsl_pass(entry), **(values or {})})
+    return head + text("glsl")
+
+
+def hlsl(shader_model: int, values: Mapping[str, object] | None = None) -> str:
+    """A complete HLSL file with every entry point, for shader model 3 to 6."""
+    return defines({"BOKEH_HLSL_SM": shader_model, **(values or {})}) + text("hlsl")
+
+
+def wgsl() -> str:
+    """A complete WGSL module with every entry point; the sample count is a pipeline constant."""
+    return text("wgsl")

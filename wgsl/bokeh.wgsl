@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh depth of field, WGSL. Version 0.1.0.
+// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a Post-Process
+// Depth of Field Shader", Listings 1-4. Sections and figures named below are of that paper.
+//
+// CONTRACT
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.wgsl beside it has those, ready made.
+//   In    colour: linear, HDR, before bloom and tone mapping.   depth: along the view axis, metres.
+//   Out   colour blurred by a polygonal aperture, alpha = CoC after the passes.
+//   CoC   circle of confusion: a DIAMETER as a fraction of the image height.
+//   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
+//   Targets between the passes: RGBA16F, linear filter, clamp. Depth: nearest filter, clamp; it need not be filterable.
+//
+//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine -> bloom, tone mapping
+//
+//   aperture   lines (degrees)                                passes   combine
+//   square     0, then 90                                     2
+//   diamond    0, then 45                                     2
+//   hexagon    90, then 30 and, from the same, 150            3        min
+//   octagon    0, then 90;  45, then 135                      4        min
+//   star       as octagon                                     4        max
+//
+// PASTE: put this file before your shader; each texture is followed by its sampler. For one line pass write
+//           @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
+//               return BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv,
+//                   BokehLineEnd(angle, aspectRatio), BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true); }
+//
+// CONTENTS
+//   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets
+//   [5] line filter: BokehDepthOfField   [6] combine: BokehDepthOfFieldFinal   [7] naive gather: BokehNaiveGather
+//   [8] exact polygons (not in this version)   [9] debug views: BokehDebugCoC
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [1] configuration
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//   name                  default    range     meaning
+//   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); an override constant
+//   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
+//   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
+//   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_MULT   30.0       > 0       Listing 3
+//   BOKEH_MAX_COLOR       65504.0              largest half float
+//   BOKEH_MIN_DEPTH       0.000001             metres, stands for zero and negative depth
+//   BOKEH_MAX_DEPTH       1000000000.0         metres, stands for infinite depth: the CoC is A f / (S1 - f) there
+
+override BOKEH_NUM_SAMPLES: i32 = 13;
+const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
+const BOKEH_MAX_COC: f32 = 0.1;
+const BOKEH_BLEEDING_BIAS: f32 = 0.02;
+const BOKEH_BLEEDING_MULT: f32 = 30.0;
+const BOKEH_MAX_COLOR: f32 = 65504.0;
+const BOKEH_MIN_DEPTH: f32 = 0.000001;
+const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [2] porting: the one place where the three languages differ
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//   A texture and its sampler travel as two parameters, Name and NameSampler.
+
+// Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
+fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
+{
+    return textureSampleLevel(tex, texSampler, uv, 0.0);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [3] Listing 1: circle of confusion
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 1: CoC of a thin lens (section 4.1)
+//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
+//   A             diameter of the aperture, metres
+//   f             focal length, metres
+//   S1            focus distance, metres, > f
+//   sensorHeight  height of the image sensor, metres
+//   MaxCoC        largest CoC allowed, fraction of the image height
+//   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
+fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
+{
+    let magnification: f32 = f / (S1 - f);
+    let c: f32 = A * magnification * (abs(S2 - S1) / S2);
+    return clamp(c / sensorHeight, 0.0, MaxCoC);
+}
+
+// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
+//   The comparison is written so that NaN fails it: max() may return either operand for NaN.
+fn BokehSafeChannel(value: f32) -> f32
+{
+    var safe: f32 = 0.0;
+    if (value > 0.0)
+    {
+        safe = min(value, BOKEH_MAX_COLOR);
+    }
+    return safe;
+}
+
+// Listing 1: depth made safe: NaN, zero and negative become the smallest depth, infinite the largest
+fn BokehSafeDepth(S2: f32) -> f32
+{
+    var safe: f32 = BOKEH_MIN_DEPTH;
+    if (S2 > BOKEH_MIN_DEPTH)
+    {
+        safe = min(S2, BOKEH_MAX_DEPTH);
+    }
+    return safe;
+}
+
+// Listing 1: colour as it is, CoC beside it in alpha
+//   color         linear HDR colour; its alpha is not used
+//   CoC           fraction of the image height
+//   returns       what every later pass reads: rgb finite and >= 0, a = CoC
+fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
+{
+    return vec4f(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b), CoC);
+}
+
+// Listing 1: CoCMap, the first pass and the only one that sees the engine's raw colour
+//   ColorSamp     linear HDR scene colour
+//   DepthSamp     r = depth along the view axis, metres (docs/inputs.md has the depth conventions)
+//   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
+//   returns       rgb = colour, a = CoC
+fn BokehCoCMap(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
+{
+    let S2: f32 = BokehSafeDepth(BokehFetch(DepthSamp, DepthSampSampler, uv).r);
+    let CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    return BokehPackCoC(BokehFetch(ColorSamp, ColorSampSampler, uv), CoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [4] Listing 2: sample offsets
+// ---------------------------------------------------------------------------------------------------------------------
+//
+//      u ->      angle = 0: along +u;  90 degrees: along +v, which is towards the last row in memory
+//    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
+//    |                              ^ this pixel
+//    v
+
+// Listing 2: the end of a line of length 1 centred on this pixel
+//   angle         radians
+//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a highlight is not stretched
+//   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
+fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
+{
+    return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+}
+
+// Listing 2: makeOffsets, sample i of numSamples evenly spaced from one end of the line to the other
+//   Counted from the middle (-1 .. +1), so that the offsets are exact negatives of each other and the middle one is 0.
+//   returns       uv offset for a CoC of 1
+fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
+{
+    let last: i32 = max(numSamples, 2) - 1;
+    let t: f32 = f32(2 * i - last) / f32(last);
+    return lineEnd * t;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [5] Listing 3: one pass of the line filter
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 3: weight of one sample against intensity leakage (section 2.1)
+//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it. It counts by its own
+//   CoC then: not at all when in focus, fully from a CoC of 1 / bleedingMult up. All other samples count fully.
+//   bleedingBias  CoC difference that is still let pass, fraction of the image height; 1 or more turns the test off
+//   bleedingMult  weight for each unit of CoC
+//   returns       0 .. 1
+fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32, bleedingBias: f32,
+    bleedingMult: f32) -> f32
+{
+    var weight: f32 = 1.0;
+    if (sampleDepth < centerDepth && centerCoC > sampleCoC + bleedingBias)
+    {
+        weight = clamp(sampleCoC * bleedingMult, 0.0, 1.0);
+    }
+    return weight;
+}
+
+// Listing 3: the weighted average, or this pixel where there is none
+//   Every sample may have been rejected when their number is even: the middle of the line is not sampled then.
+//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC (Figure 7)
+fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
+{
+    var result: vec4f = centerPixel;
+    if (totalWeight > 0.0)
+    {
+        result = color / totalWeight;
+    }
+    if (!blurCoC)
+    {
+        result = vec4f(result.rgb, centerPixel.a);
+    }
+    return result;
+}
+
+// Listing 3: DepthOfField, the mean of the samples along one line
+//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   lineEnd       from BokehLineEnd
+//   numSamples    samples on the line, 2 or more
+fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, lineEnd: vec2f, numSamples: i32, bleedingBias: f32, bleedingMult: f32,
+    blurCoC: bool) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var i: i32 = 0; i < numSamples; i++)
+    {
+        let sampleCoords: vec2f = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+        let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
+        var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+            bleedingMult);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [6] Listing 4: combine by min / max
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC included (section 4.5)
+fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
+{
+    var result: vec4f = min(a, b);
+    if (useMax)
+    {
+        result = max(a, b);
+    }
+    return result;
+}
+
+// Listing 4: DepthOfFieldFinal, the last line pass of the second parallelogram, combined with the first
+//   ColorSampA    input of this line pass, as ColorSamp of BokehDepthOfField
+//   ColorSampB    the finished first parallelogram
+//   useMax        false: min, polygons; true: max, stars
+fn BokehDepthOfFieldFinal(ColorSampA: texture_2d<f32>, ColorSampASampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, lineEnd: vec2f, numSamples: i32, bleedingBias: f32, bleedingMult: f32,
+    blurCoC: bool, ColorSampB: texture_2d<f32>, ColorSampBSampler: sampler, useMax: bool) -> vec4f
+{
+    let a: vec4f = BokehDepthOfField(ColorSampA, ColorSampASampler, DepthSamp, DepthSampSampler, uv, lineEnd,
+        numSamples, bleedingBias, bleedingMult, blurCoC);
+    let b: vec4f = BokehFetch(ColorSampB, ColorSampBSampler, uv);
+    return BokehCombine(a, b, useMax);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [7] naive gather
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Section 3: gather with any table of 2D offsets
+//   KernelSamp    numSamples x 1 texels: rg = offset in units of the CoC, x to the right, y towards the last row;
+//                 32-bit float, nearest filter. A texture, since SM3 pixel shaders cannot index their constants.
+//   aspectRatio   width / height of the image
+fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, KernelSamp: texture_2d<f32>, KernelSampSampler: sampler, uv: vec2f, aspectRatio: f32,
+    numSamples: i32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    let scale: vec2f = vec2f(centerPixel.a / aspectRatio, centerPixel.a);
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var i: i32 = 0; i < numSamples; i++)
+    {
+        let kernelCoords: vec2f = vec2f((f32(i) + 0.5) / f32(numSamples), 0.5);
+        let sampleCoords: vec2f = uv + BokehFetch(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+        let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
+        var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+            bleedingMult);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
+//   lineEndU, lineEndV  the two sides, from BokehLineEnd
+//   side                samples along a side, 2 or more: 4, 8, 12, 16, 20, 24 for the counts of Table 1
+fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, lineEndU: vec2f, lineEndV: vec2f, side: i32, bleedingBias: f32,
+    bleedingMult: f32, blurCoC: bool) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var j: i32 = 0; j < side; j++)
+    {
+        let rowCoords: vec2f = uv + BokehMakeOffsets(lineEndV, j, side) * centerPixel.a;
+        for (var i: i32 = 0; i < side; i++)
+        {
+            let sampleCoords: vec2f = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
+            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+            let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
+            var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+                bleedingMult);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [8] exact polygons: not in this version
+// ---------------------------------------------------------------------------------------------------------------------
+
+// ---------------------------------------------------------------------------------------------------------------------
+// [9] debug views
+// ---------------------------------------------------------------------------------------------------------------------
+
+// Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
+fn BokehDebugDepth(S2: f32, S1: f32) -> vec4f
+{
+    let grey: f32 = S2 / (S2 + S1);
+    return vec4f(grey, grey, grey, 1.0);
+}
+
+// Debug: CoC as grey: black in focus, white at MaxCoC
+fn BokehDebugCoC(CoC: f32, MaxCoC: f32) -> vec4f
+{
+    let grey: f32 = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    return vec4f(grey, grey, grey, 1.0);
+}
+
+// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with the CoC
+fn BokehDebugFocus(S2: f32, S1: f32, CoC: f32, MaxCoC: f32) -> vec4f
+{
+    let amount: f32 = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    var result: vec4f = vec4f(0.1 * amount, 0.4 * amount, amount, 1.0);
+    if (S2 < S1)
+    {
+        result = vec4f(amount, 0.5 * amount, 0.0, 1.0);
+    }
+    return result;
+}
