@@ -31,6 +31,9 @@ sampler2D BokehDepthSamp : register(s1);
 sampler2D BokehColorSampB : register(s2);
 sampler2D BokehKernelSamp : register(s3);
 
+// the first pass copies colour texel by texel: set a nearest filter on s0 for it
+#define BOKEH_NEAREST(name) name
+
 #define BOKEH_PARAMETER(type, name, index) type name : register(c##index);
 
 #else
@@ -47,6 +50,9 @@ SamplerState BokehNearestClamp : register(s1);
 #define BokehDepthSampSampler BokehNearestClamp
 #define BokehColorSampBSampler BokehLinearClamp
 #define BokehKernelSampSampler BokehNearestClamp
+
+// the first pass copies colour texel by texel
+#define BOKEH_NEAREST(name) name, BokehNearestClamp
 
 #define BOKEH_PARAMETER(type, name, index) type name;
 
@@ -117,13 +123,13 @@ void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position
 
 float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehCoCMap(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, BokehApertureDiameter,
+    return BokehCoCMap(BOKEH_NEAREST(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, BokehApertureDiameter,
         BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
 }
 
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehPackCoC(BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
+    return BokehPackCoC(BokehFetch(BOKEH_NEAREST(BokehColorSamp), uv), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 }
 
 float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT

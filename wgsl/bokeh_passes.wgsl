@@ -68,14 +68,14 @@ struct BokehVertex
 
 @fragment fn BokehCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehCoCMap(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
+    return BokehCoCMap(BokehColorSamp, BokehNearestClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
         bokehParameters.BokehApertureDiameter, bokehParameters.BokehFocalLength, bokehParameters.BokehFocusDistance,
         bokehParameters.BokehSensorHeight, bokehParameters.BokehMaxCoC);
 }
 
 @fragment fn BokehConstantCoC_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehPackCoC(BokehFetch(BokehColorSamp, BokehLinearClamp, input.uv),
+    return BokehPackCoC(BokehFetch(BokehColorSamp, BokehNearestClamp, input.uv),
         clamp(bokehParameters.BokehConstantCoC, 0.0, bokehParameters.BokehMaxCoC));
 }
 

@@ -24,8 +24,15 @@ PARAMETERS: dict[str, float] = {
 
 # Texture slots in the order of their bindings.
 SLOTS = ("ColorSamp", "DepthSamp", "ColorSampB", "KernelSamp")
-# Slots that are sampled with a linear filter; the others with the nearest.
+# Slots that the filter passes sample with a linear filter; all else is fetched from the nearest texel. The first pass
+# copies colour texel by texel: a linear filter there would blur by the rounding of uv.
 LINEAR_SLOTS = ("ColorSamp", "ColorSampB")
+COPYING_ENTRIES = ("BokehCoCMap", "BokehConstantCoC")
+
+
+def is_linear(entry: str, slot: str) -> bool:
+    """Whether a pass samples a slot with the linear filter."""
+    return slot in LINEAR_SLOTS and entry not in COPYING_ENTRIES
 
 
 @dataclass(frozen=True)

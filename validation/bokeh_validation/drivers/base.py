@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from bokeh_validation.passes import Pass
+from bokeh_validation.reference import listings
 
 Textures = Mapping[str, np.ndarray]
 
@@ -16,11 +17,13 @@ class Driver(Protocol):
     name      what --driver takes
     adapter   the device behind it, as the runtime names it
     software  True where the texture unit is Mesa's software one: exact float32 filtering
+    rounding  how its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()
     """
 
     name: str
     adapter: str
     software: bool
+    rounding: str
 
     def run(
         self,
@@ -43,3 +46,19 @@ class Driver(Protocol):
 def storage_type(storage: str) -> type:
     """NumPy type of a storage name."""
     return {"half": np.float16, "float": np.float32}[storage]
+
+
+def half_rounding(driver: "Driver") -> str:
+    """How a driver's half-float targets round what a shader writes: 'nearest', or 'zero' for cutting off.
+
+    Found by copying values that lie between two half floats through the first pass. OpenGL, Vulkan and Direct3D leave
+    it open; a step in the stored CoC moves every later sample, so the reference has to store as the device does.
+    """
+    values = np.linspace(1.0, 2.0, 4 * 1024, dtype=np.float32).reshape(32, 32, 4)
+    copy = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
+    seen = driver.run([copy], {"color": values}, (32, 32))["result"][..., :3]
+    exact = values[..., :3].astype(np.float64)
+    for rounding in ("nearest", "zero"):
+        if np.array_equal(seen, listings.rounded(exact, np.float16, rounding)):
+            return rounding
+    raise RuntimeError(f"{driver.name}: half-float targets neither round to nearest nor cut off")

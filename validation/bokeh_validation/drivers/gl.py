@@ -8,9 +8,9 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Textures, storage_type
+from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import LINEAR_SLOTS, SLOTS, Pass
+from bokeh_validation.passes import SLOTS, Pass, is_linear
 
 DTYPES = {np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
 
@@ -25,6 +25,11 @@ class GLDriver:
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
         self._programs: dict[tuple, moderngl.VertexArray] = {}
+
+    @cached_property
+    def rounding(self) -> str:
+        """See drivers.base.Driver."""
+        return half_rounding(self)
 
     def make_current(self) -> None:
         """Both drivers may live in one process, so each call makes its own context current first."""
@@ -77,7 +82,7 @@ class GLDriver:
         for unit, slot in enumerate(SLOTS):
             if slot in item.inputs:
                 live[item.inputs[slot]].use(unit)
-                self.samplers[slot in LINEAR_SLOTS].use(unit)
+                self.samplers[is_linear(item.entry, slot)].use(unit)
         for name, value in item.values().items():
             if name in array.program:
                 array.program[name] = value

@@ -2,11 +2,12 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Textures, storage_type
+from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import LINEAR_SLOTS, SLOTS, Pass
 
@@ -67,6 +68,11 @@ class WGPU:
             for linear, kind in {True: "linear", False: "nearest"}.items()
         }
         self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
+
+    @cached_property
+    def rounding(self) -> str:
+        """See drivers.base.Driver. Needs 32-bit float textures to be read, not filtered."""
+        return half_rounding(self)
 
     def _make_layout(self):
         """One layout for every pass: parameters, four textures, two samplers. Depth need not be filterable."""

@@ -1,0 +1,23 @@
+"""Real runtimes behind one interface, and the reference."""
+
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import UserError
+
+NAMES = ("osmesa", "egl", "wgpu", "dxc", "reference")
+
+
+def load(name: str, adapter: str | None = None) -> Driver:
+    """A driver by name. Raises UserError for an unknown name and Unavailable for one that this machine lacks."""
+    if name in ("osmesa", "egl"):
+        from bokeh_validation.drivers import gl
+
+        return {"osmesa": gl.OSMesa, "egl": gl.EGL}[name](adapter)
+    if name in ("wgpu", "dxc"):
+        from bokeh_validation.drivers import webgpu
+
+        return {"wgpu": webgpu.WGPU, "dxc": webgpu.DXC}[name](adapter)
+    if name == "reference":
+        from bokeh_validation.drivers.reference import Reference
+
+        return Reference(adapter)
+    raise UserError(f"no driver {name!r}: one of {', '.join(NAMES)}")

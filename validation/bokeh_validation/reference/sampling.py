@@ -1,0 +1,48 @@
+"""Texture sampling in float64, the way the shaders' samplers are set: linear or nearest filter, clamp."""
+
+import numpy as np
+
+
+def nearest_index(x: np.ndarray, y: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Flat index of the texel that holds a place. x, y in texels from the image's corner; size (width, height)."""
+    width, height = size
+    column = np.clip(np.floor(x), 0, width - 1).astype(np.int64)
+    row = np.clip(np.floor(y), 0, height - 1).astype(np.int64)
+    return row * width + column
+
+
+def bilinear(pixels: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Linear filter with clamp.
+
+    pixels  (H, W, C) float64
+    x, y    places in texels from the image's corner (texel centres at .5), any equal shape S
+    returns (*S, C)
+    """
+    height, width, channels = pixels.shape
+    flat = pixels.reshape(-1, channels)
+    x0, y0 = np.floor(x - 0.5), np.floor(y - 0.5)
+    fx, fy = (x - 0.5 - x0)[..., None], (y - 0.5 - y0)[..., None]
+    left = np.clip(x0, 0, width - 1).astype(np.int64)
+    right = np.clip(x0 + 1, 0, width - 1).astype(np.int64)
+    top = np.clip(y0, 0, height - 1).astype(np.int64) * width
+    bottom = np.clip(y0 + 1, 0, height - 1).astype(np.int64) * width
+    upper = flat[top + left] * (1 - fx) + flat[top + right] * fx
+    lower = flat[bottom + left] * (1 - fx) + flat[bottom + right] * fx
+    return upper * (1 - fy) + lower * fy
+
+
+def neighbourhood(pixels: np.ndarray, combine=np.maximum) -> np.ndarray:
+    """Maximum (or minimum) over 3 x 3 texels with clamp, per channel."""
+    rows = np.pad(pixels, ((1, 1), (0, 0), (0, 0)), mode="edge")
+    rows = combine(combine(rows[:-2], rows[1:-1]), rows[2:])
+    columns = np.pad(rows, ((0, 0), (1, 1), (0, 0)), mode="edge")
+    return combine(combine(columns[:, :-2], columns[:, 1:-1]), columns[:, 2:])
+
+
+def slopes(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest difference between horizontal and between vertical neighbours within 3 x 3 texels, each (H, W, C)."""
+    across = np.abs(np.diff(pixels, axis=1, append=pixels[:, -1:]))
+    across = np.maximum(across, np.concatenate([across[:, :1] * 0, across[:, :-1]], axis=1))
+    down = np.abs(np.diff(pixels, axis=0, append=pixels[-1:]))
+    down = np.maximum(down, np.concatenate([down[:1] * 0, down[:-1]], axis=0))
+    return neighbourhood(across), neighbourhood(down)
