@@ -14,7 +14,8 @@ from functools import cache
 from pathlib import Path
 
 from bokeh_validation import paths
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers import spirv_facts
+from bokeh_validation.compilers.result import CompileResult, accepted
 from bokeh_validation.errors import Unavailable
 
 PACKAGE = "compushady"
@@ -26,7 +27,8 @@ MEMBERS = {
 }
 INSTALL = "validation/run doctor --install fetches it (67 MB, once)"
 
-# Register shifts that put HLSL's t0-3, s0-1, b0 on the bindings of the WGSL file: 0 parameters, 1-4 textures, 5-6 samplers.
+# Register shifts that put HLSL's b0, t0-3, s0-1 on the bindings of the WGSL file: 0 parameters, 1-4 textures,
+# 5-6 samplers.
 SPIRV_OPTIONS = ("-spirv", "-fvk-b-shift", "0", "0", "-fvk-t-shift", "1", "0", "-fvk-s-shift", "5", "0")
 
 
@@ -174,3 +176,26 @@ def fetch() -> Path:
 def load() -> Compiler:
     """The compiler, fetched on first use."""
     return Compiler(fetch())
+
+
+# Printed for every shader on Linux: it tells of signing for Windows, nothing of the shader.
+UNSIGNED = "warning: DXIL.dll not found.  Resulting DXIL will not be signed for use in release environments."
+
+
+def version() -> str:
+    """Such as 1.7. Raises Unavailable."""
+    return load().version
+
+
+def build(source: str, stage: str, entry: str, spirv: bool = True) -> CompileResult:
+    """HLSL of shader model 6 to SPIR-V, or to DXIL with spirv=False, with facts. `stage` is 'vert' or 'frag'.
+
+    Not for several threads at once: there is one compiler object. Raises Unavailable.
+    """
+    profile = {"vert": "vs_6_0", "frag": "ps_6_0"}[stage]
+    result = load().compile(source, profile, entry, spirv)
+    messages = "\n".join(line for line in result.messages.splitlines() if line.strip() != UNSIGNED)
+    if not result.ok:
+        return CompileResult(False, messages or "refused without a message")
+    facts = spirv_facts.facts(result.binary) if spirv else {"bytes": len(result.binary)}
+    return accepted(messages, result.binary, facts)

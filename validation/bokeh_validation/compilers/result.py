@@ -1,5 +1,6 @@
 """What a compiler says of a shader."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 
@@ -11,3 +12,16 @@ class CompileResult:
     messages: str = ""
     binary: bytes = b""
     facts: dict[str, object] = field(default_factory=dict)
+
+
+def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, object] | None = None) -> CompileResult:
+    """A result that is ok. What was printed all the same are warnings: their lines are counted in facts."""
+    known = dict(facts or {})
+    if messages.strip():
+        known["warnings"] = len(messages.strip().splitlines())
+    return CompileResult(True, messages.strip(), binary, known)
+
+
+def refused(messages: str) -> CompileResult:
+    """A result that is not ok."""
+    return CompileResult(False, messages.strip() or "refused without a message")

@@ -222,6 +222,8 @@ class OSMesa(GLDriver):
     def __init__(self, adapter: str | None = None):
         self.foreign = OSMesaContext()
         super().__init__(moderngl.create_context(require=330, context=self.foreign))
+        if adapter is not None and adapter.lower() not in self.adapter.lower():
+            raise Unavailable(f"OSMesa has no device but {self.adapter}")
 
     def make_current(self) -> None:
         self.foreign.__enter__()

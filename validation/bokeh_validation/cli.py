@@ -1,0 +1,322 @@
+"""The command line of validation/run: doctor, compile, render, patterns, parity, report, or all of them."""
+
+import json
+import os
+import sys
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from typer.exceptions import TyperException
+
+from bokeh_validation import __version__
+from bokeh_validation.errors import Unavailable, UserError
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Validate the polygonal bokeh shaders. Without a command: doctor, compile, patterns and report.",
+)
+console = Console(soft_wrap=True)
+
+EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
+
+DriverOption = Annotated[list[str] | None, typer.Option("--driver", help="osmesa, egl, wgpu, dxc or reference.")]
+AdapterOption = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
+QuickOption = Annotated[bool, typer.Option("--quick", help="One driver, few variants: a first answer within a minute.")]
+
+
+def main() -> None:
+    """Run the command line; every refusal is one line on standard error and exit code 2."""
+    try:
+        code = app(standalone_mode=False)
+    except UserError as error:
+        code = _refuse(str(error))
+    except Unavailable as error:
+        code = _refuse(f"not on this machine: {error}")
+    except TyperException as error:
+        message = " ".join(str(getattr(error, "format_message", lambda: error)()).split())
+        code = _refuse(f"{message} See validation/run --help.")
+    except (KeyboardInterrupt, typer.Abort):
+        code = _refuse("stopped")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Mesa's and wgpu's libraries tear down in an order of their own; nothing is left to save here.
+    os._exit(code if isinstance(code, int) else 0)
+
+
+def _refuse(message: str) -> int:
+    print(f"error: {message}", file=sys.stderr)
+    return EXIT_BAD_INPUT
+
+
+def _progress(description: str, total: int):
+    """A progress bar on standard error, gone when done; returns (bar, callback)."""
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        disable=not sys.stderr.isatty(),
+    )
+    task = bar.add_task(description, total=total)
+
+    def step(text: str) -> None:
+        bar.update(task, advance=1, description=f"{description} {text}")
+
+    return bar, step
+
+
+@app.callback(invoke_without_command=True)
+def default(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    adapter: AdapterOption = None,
+    quick: QuickOption = False,
+) -> None:
+    """Without a command: everything."""
+    if version:
+        console.print(__version__)
+        raise typer.Exit(0)
+    if context.invoked_subcommand is None:
+        raise typer.Exit(_everything(adapter, quick))
+
+
+def _everything(adapter: str | None, quick: bool) -> int:
+    started = time.monotonic()
+    doctor()
+    matrix = _matrix(quick)
+    _print_matrix(matrix)
+    runtimes, missing = _drivers(None, adapter, quick)
+    probes, scenes = _probes(runtimes), _scenes(runtimes)
+    _print_probes(probes, missing)
+    _print_scenes(scenes)
+    path = _write_report(None, matrix, probes, scenes, missing)
+    console.print(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
+    passed = not matrix.counts["failed"] and all(p.ok for p in probes)
+    return 0 if passed and all(c.ok for s in scenes for c in s.result.comparisons.values()) else EXIT_FAILED
+
+
+def _drivers(names: list[str] | None, adapter: str | None, quick: bool = False):
+    from bokeh_validation import drivers, suite
+
+    for name in names or []:
+        if name not in drivers.NAMES:
+            raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")
+    runtimes, missing = suite.real_drivers(names, adapter)
+    if not runtimes:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
+    return (runtimes[:1] if quick else runtimes), missing
+
+
+@app.command()
+def doctor(
+    install: Annotated[bool, typer.Option("--install", help="Fetch what can be fetched into the cache folder.")] = False,
+) -> None:
+    """Every compiler and driver: version or adapter, or the command that installs it."""
+    from bokeh_validation import doctor as findings
+
+    if install:
+        from bokeh_validation.compilers import dxc
+
+        dxc.fetch()
+    table = Table("", "", "", box=None, show_header=False, pad_edge=False)
+    for finding in findings.findings():
+        state = "[green]found[/]" if finding.found else "[yellow]missing[/]"
+        table.add_row(f"{finding.kind} {finding.name}", state, finding.detail)
+    for driver, adapter in findings.adapters():
+        table.add_row(f"adapter for {driver}", "", adapter)
+    for name, value in findings.environment().items():
+        table.add_row(name, "", value)
+    console.print(table)
+
+
+@app.command("compile")
+def compile_(
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the matrix here as well.")] = None,
+    quick: QuickOption = False,
+) -> None:
+    """Every variant of variants.toml through every compiler."""
+    from bokeh_validation import exr
+    from bokeh_validation import matrix as matrices
+
+    if json_file is not None:
+        exr.check_writable(json_file)
+    matrix = _matrix(quick)
+    _print_matrix(matrix)
+    if json_file is not None:
+        text = json.dumps(matrices.as_json(matrix), indent=1)
+        exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    raise typer.Exit(EXIT_FAILED if matrix.counts["failed"] else 0)
+
+
+@app.command()
+def render(
+    source: Annotated[Path, typer.Argument(metavar="IN.exr", help="R G B and planar view depth in metres.")],
+    target: Annotated[Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")],
+    method: Annotated[str, typer.Option(help="naive or paper.")] = "paper",
+    aperture: Annotated[str, typer.Option(help="square, diamond, hexagon, octagon or star.")] = "hexagon",
+    samples: Annotated[int, typer.Option(help="Samples on a line, 2 or more.")] = 13,
+    rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
+    aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
+    focal_length: Annotated[float, typer.Option(help="Metres.")] = 0.05,
+    focus_distance: Annotated[float, typer.Option(help="Metres, more than the focal length.")] = 5.0,
+    sensor_height: Annotated[float, typer.Option(help="Metres.")] = 0.024,
+    max_coc: Annotated[float, typer.Option(help="Largest CoC, fraction of the image height.")] = 0.1,
+    coc: Annotated[float | None, typer.Option(help="The same CoC everywhere, instead of one from depth.")] = None,
+    coc_blur: Annotated[bool, typer.Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
+    leak_fix: Annotated[bool, typer.Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
+    depth_channel: Annotated[str, typer.Option(help="Name of the depth channel.")] = "Z",
+    driver: Annotated[str | None, typer.Option(help="osmesa, egl, wgpu, dxc or reference.")] = None,
+    adapter: AdapterOption = None,
+    png: Annotated[Path | None, typer.Option(help="Write a tone-mapped picture as well.")] = None,
+) -> None:
+    """Blur an EXR with the shaders on a real driver."""
+    from bokeh_validation import methods
+    from bokeh_validation import render as rendering
+
+    camera = methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc)
+    settings = methods.Settings(method, aperture, samples, rotation, camera, coc, coc_blur, leak_fix)
+    if coc is not None and coc > max_coc:
+        raise UserError(f"--coc {coc:g}: more than --max-coc {max_coc:g}, which would clamp it. Raise --max-coc as well.")
+    result, used = rendering.render(
+        rendering.Request(source, target, settings, depth_channel, driver, adapter, png)
+    )
+    console.print(f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})")
+
+
+@app.command()
+def patterns(
+    driver: DriverOption = None,
+    adapter: AdapterOption = None,
+) -> None:
+    """The probes on the drivers, each against the reference and against what it must show."""
+    runtimes, missing = _drivers(driver, adapter)
+    results = _probes(runtimes)
+    _print_probes(results, missing, details=True)
+    raise typer.Exit(0 if all(r.ok for r in results) else EXIT_FAILED)
+
+
+@app.command()
+def parity(
+    function: Annotated[str | None, typer.Argument(help="Print this function in three columns.")] = None,
+) -> None:
+    """Compare the three libraries function by function."""
+    from bokeh_validation import parity as comparison
+
+    if function is not None:
+        comparison.render_columns(function, console)
+        return
+    differences = comparison.check()
+    for difference in differences:
+        console.print(str(difference), markup=False)
+    console.print(f"{len(differences)} unmarked differences between HLSL, GLSL and WGSL")
+    raise typer.Exit(EXIT_FAILED if differences else 0)
+
+
+@app.command()
+def report(
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The page; in the cache folder by default.")] = None,
+    driver: DriverOption = None,
+    adapter: AdapterOption = None,
+) -> None:
+    """One self-contained HTML page with pictures."""
+    from bokeh_validation import exr
+
+    if output is not None:
+        exr.check_writable(output)
+    runtimes, missing = _drivers(driver, adapter)
+    path = _write_report(output, _matrix(False), _probes(runtimes), _scenes(runtimes), missing)
+    console.print(f"Report: {path}")
+
+
+# ---------------------------------------------------------------------------------------------------------------- steps
+
+
+def _matrix(quick: bool):
+    from bokeh_validation import matrix as matrices
+
+    variants = matrices.load(quick=quick)
+    bar, step = _progress("compile", matrices.count(variants))
+    with bar:
+        return matrices.run(variants, step)
+
+
+def _probes(runtimes):
+    from bokeh_validation import patterns as probes
+    from bokeh_validation import suite
+
+    bar, step = _progress("probe", len(runtimes) * len(probes.PROBES))
+    with bar:
+        return suite.run_probes(runtimes, step)
+
+
+def _scenes(runtimes):
+    from bokeh_validation import suite
+
+    bar, step = _progress("scene", len(runtimes) * len(suite.SCENES) * len(suite.TRUTHS))
+    with bar:
+        return suite.run_scenes(runtimes, step)
+
+
+def _write_report(output: Path | None, matrix, probes, scenes, missing) -> Path:
+    from bokeh_validation import paths, report
+
+    path = output or report.default_path()
+    if output is None:
+        paths.ensured(path.parent)
+    report.write(path, matrix, probes, scenes, missing)
+    return path
+
+
+def _print_matrix(matrix) -> None:
+    from bokeh_validation import matrix as matrices
+
+    for part in matrices.tables(matrix):
+        console.print(part)
+
+
+def _print_probes(results, missing: dict[str, str], details: bool = False) -> None:
+    names = list(dict.fromkeys(r.driver for r in results))
+    table = Table("probe", "figure", *names, box=None, pad_edge=False)
+    for probe in dict.fromkeys(r.probe.name for r in results):
+        group = {r.driver: r for r in results if r.probe.name == probe}
+        figure = next(iter(group.values())).probe.figure
+        cells = ["[green]ok[/]" if group[n].ok else "[red]FAILED[/]" for n in names]
+        table.add_row(probe, figure, *cells)
+    console.print(table)
+    for result in results:
+        for check in result.checks:
+            if details or not check.ok:
+                state = "[green]ok[/]" if check.ok else "[red]FAILED[/]"
+                allowed = f"{check.low:.5g} .. {check.high:.5g}"
+                console.print(f"{result.driver} {result.probe.name}: {check.name} {check.value:.5g} ({allowed}) {state}")
+        for case in result.cases:
+            for name, comparison in case.comparisons.items():
+                if details or not comparison.ok:
+                    state = "[green]ok[/]" if comparison.ok else "[red]FAILED[/]"
+                    console.print(f"{result.driver} {result.probe.name}, {case.case.label}, {name}: {comparison} {state}")
+    for name, reason in missing.items():
+        console.print(f"[yellow]not run[/] {name}: {reason}")
+
+
+def _print_scenes(results) -> None:
+    for result in results:
+        comparison = result.result.comparisons["result"]
+        state = "[green]ok[/]" if comparison.ok else "[red]FAILED[/]"
+        console.print(
+            f"{result.driver} {result.scene.name}, {result.aperture}: {comparison} {state}; "
+            f"against the lens {result.psnr:.1f} dB, untouched {result.psnr_untouched:.1f} dB"
+        )

@@ -1,0 +1,81 @@
+"""What this machine has: compilers, drivers, adapters, and how to get what is missing."""
+
+import importlib
+import platform
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bokeh_validation import drivers, paths
+from bokeh_validation.errors import Unavailable
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One compiler or driver. `detail` is its version or adapter, or how to install it."""
+
+    kind: str
+    name: str
+    found: bool
+    detail: str
+
+
+def _compiler(module: str) -> Callable[[], str]:
+    return lambda: importlib.import_module(f"bokeh_validation.compilers.{module}").version()
+
+
+def _driver(name: str) -> Callable[[], str]:
+    return lambda: drivers.load(name).adapter
+
+
+CHECKS: tuple[tuple[str, str, Callable[[], str]], ...] = (
+    ("compiler", "glslang", _compiler("glslang")),
+    ("compiler", "spirv-val", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_val()),
+    ("compiler", "spirv-cross", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_cross()),
+    ("compiler", "mesa", _compiler("mesa")),
+    ("compiler", "naga", _compiler("naga")),
+    ("compiler", "dxc", _compiler("dxc")),
+    *(("driver", name, _driver(name)) for name in drivers.NAMES),
+)
+
+
+def _find(kind: str, name: str, check: Callable[[], str]) -> Finding:
+    try:
+        return Finding(kind, name, True, check())
+    except Unavailable as error:
+        return Finding(kind, name, False, str(error))
+    except Exception as error:  # a broken installation is a finding, not a crash
+        return Finding(kind, name, False, f"broken: {' '.join(str(error).split())[:200]}")
+
+
+def findings() -> list[Finding]:
+    """Every compiler and driver of the harness."""
+    return [_find(*check) for check in CHECKS]
+
+
+def adapters() -> list[tuple[str, str]]:
+    """(driver, adapter name) for --adapter."""
+    found = []
+    try:
+        from bokeh_validation.drivers import gl
+
+        found += [("egl", name) for name in gl.egl_adapters()]
+    except Exception:  # listing is a convenience: without EGL the driver's own line says what is wrong
+        pass
+    try:
+        from bokeh_validation.drivers import webgpu
+
+        found += [(name, a.info["device"]) for a in webgpu.wgpu_adapters() for name in ("wgpu", "dxc")]
+    except Exception:
+        pass
+    return found
+
+
+def environment() -> dict[str, str]:
+    """Machine and folders."""
+    return {
+        "system": f"{platform.platform()}, {platform.machine()}",
+        "python": sys.version.split()[0],
+        "checkout": str(paths.ROOT),
+        "cache folder (the only place outside the checkout that is written to)": str(paths.cache_folder()),
+    }

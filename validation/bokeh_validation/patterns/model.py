@@ -1,0 +1,149 @@
+"""What a probe is: pictures to render, checks on them, and the comparison with the reference."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bokeh_validation import methods, metrics
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.metrics import Comparison
+from bokeh_validation.reference import precision
+from bokeh_validation.reference.listings import Image
+
+Outputs = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One rendering of a probe.
+
+    color, depth  (H, W, 4) float16 and (H, W) float32
+    keep          textures to look at, the result last
+    exposure      factor for the picture in the report, cut off at 1
+    tone_map      whether the picture is tone-mapped instead
+    """
+
+    label: str
+    settings: methods.Settings
+    color: np.ndarray
+    depth: np.ndarray
+    keep: tuple[str, ...] = ("result",)
+    exposure: float = 1.0
+    tone_map: bool = False
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height)"""
+        return self.color.shape[1], self.color.shape[0]
+
+    @property
+    def plan(self) -> methods.Plan:
+        """Its passes."""
+        return methods.plan(self.settings, self.size)
+
+    def textures(self) -> dict[str, np.ndarray]:
+        """Everything the passes read."""
+        return {"color": self.color, "depth": self.depth, **self.plan.tables}
+
+
+@dataclass(frozen=True)
+class Check:
+    """A measured number and the interval it must be in; `why` derives the interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    why: str
+
+    @property
+    def ok(self) -> bool:
+        """NaN is not ok."""
+        return self.low <= self.value <= self.high
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A test image with what it must show.
+
+    judge  takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
+    """
+
+    name: str
+    title: str
+    figure: str
+    shows: str
+    cases: tuple[Case, ...]
+    judge: Callable[[Mapping[str, Outputs]], list[Check]]
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """Pictures of one case on one driver and on the reference, and how far they are apart."""
+
+    case: Case
+    outputs: Outputs
+    expected: Mapping[str, Image]
+    comparisons: Mapping[str, Comparison]
+
+
+@dataclass(frozen=True)
+class ProbeResult:
+    """A probe on one driver."""
+
+    probe: Probe
+    driver: str
+    cases: list[CaseResult]
+    checks: list[Check] = field(default_factory=list)
+
+    @property
+    def ok(self) -> bool:
+        """All checks and all comparisons."""
+        return all(c.ok for c in self.checks) and all(c.ok for r in self.cases for c in r.comparisons.values())
+
+
+_expected: dict[tuple, dict[str, Image]] = {}
+
+
+def expected(case: Case, software: bool, rounding: str) -> dict[str, Image]:
+    """The reference's outputs with the acceptance interval of a class of devices; kept, since drivers share them."""
+    key = (id(case.color), id(case.depth), case.settings, software, rounding)
+    if key not in _expected:
+        kind = precision.SOFTWARE if software else precision.GPU
+        _expected[key] = Reference().images(
+            case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding
+        )
+    return _expected[key]
+
+
+def run(probe: Probe, driver: Driver) -> ProbeResult:
+    """Render every case on a driver, compare with the reference, and judge."""
+    results = []
+    for case in probe.cases:
+        outputs = driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep)
+        truth = expected(case, driver.software, driver.rounding)
+        comparisons = {
+            name: metrics.compare(outputs[name], truth[name], driver.software) for name in case.keep
+        }
+        results.append(CaseResult(case, outputs, truth, comparisons))
+    checks = probe.judge({r.case.label: {k: v.astype(np.float64) for k, v in r.outputs.items()} for r in results})
+    return ProbeResult(probe, driver.name, results, checks)
+
+
+def flat(size: tuple[int, int], value: float = 0.0, alpha: float = 1.0) -> np.ndarray:
+    """A grey image (H, W, 4) float16."""
+    image = np.full((size[1], size[0], 4), value, np.float16)
+    image[..., 3] = alpha
+    return image
+
+
+def depth_of(size: tuple[int, int], metres: float) -> np.ndarray:
+    """A constant depth (H, W) float32."""
+    return np.full((size[1], size[0]), metres, np.float32)
+
+
+def pixel_center(column: int, row: int) -> tuple[float, float]:
+    """Place of a pixel's centre, in pixels from the image's corner."""
+    return column + 0.5, row + 0.5

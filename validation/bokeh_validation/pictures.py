@@ -1,0 +1,46 @@
+"""HDR to PNG, for people to look at."""
+
+import base64
+import io
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from bokeh_validation import exr, metrics
+
+
+def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) -> np.ndarray:
+    """Linear rgb (H, W, >= 3) to 8 bits: cut off at 1, or tone-mapped; gamma 2.2."""
+    color = np.nan_to_num(color[..., :3].astype(np.float64) * exposure, nan=0.0, posinf=1e6, neginf=0.0)
+    shown = metrics.tone_mapped(color) if tone_map else np.clip(color, 0.0, 1.0) ** (1.0 / 2.2)
+    return (np.clip(shown, 0.0, 1.0) * 255 + 0.5).astype(np.uint8)
+
+
+def heat(distance: np.ndarray, full: float) -> np.ndarray:
+    """Distances (H, W) to 8 bits: 0 black, red, yellow, `full` and more white."""
+    share = np.clip(distance / full, 0.0, 1.0)
+    return (np.stack([np.clip(3 * share - k, 0.0, 1.0) for k in range(3)], axis=-1) * 255).astype(np.uint8)
+
+
+def enlarged(pixels: np.ndarray, factor: int) -> np.ndarray:
+    """Each pixel as a block, so that single pixels can be seen."""
+    return np.repeat(np.repeat(pixels, factor, axis=0), factor, axis=1)
+
+
+def png_bytes(pixels: np.ndarray) -> bytes:
+    """8-bit rgb (H, W, 3) as a PNG."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
+
+
+def data_uri(pixels: np.ndarray) -> str:
+    """8-bit rgb as a data: address, for a page without files beside it."""
+    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+
+
+def write_png(path: Path, pixels: np.ndarray) -> None:
+    """Write 8-bit rgb; the file appears complete or not at all."""
+    data = png_bytes(pixels)
+    exr.whole(path, lambda partial: partial.write_bytes(data))

@@ -1,0 +1,108 @@
+"""The whole validation as data: probes on drivers, scenes on drivers against the ray-traced truth."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bokeh_validation import drivers, exr, methods, metrics, paths, patterns
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.patterns.model import Case, CaseResult, ProbeResult, expected
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A ray-traced scene of validation/scenes with its camera."""
+
+    name: str
+    camera: methods.Camera
+
+
+SCENES = (
+    SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15)),
+    SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15)),
+)
+# aperture -> tag of the truth file
+TRUTHS = {"hexagon": "hex", "octagon": "oct"}
+
+
+def real_drivers(names: Iterable[str] | None = None, adapter: str | None = None) -> tuple[list[Driver], dict[str, str]]:
+    """The drivers asked for (all but the reference by default), and name -> reason for those that are missing."""
+    wanted = list(names) if names else [n for n in drivers.NAMES if n != "reference"]
+    found, missing = [], {}
+    for name in wanted:
+        try:
+            found.append(drivers.load(name, adapter))
+        except Unavailable as error:
+            missing[name] = str(error)
+    return found, missing
+
+
+def run_probes(runtimes: Iterable[Driver], progress: Progress = lambda _: None) -> list[ProbeResult]:
+    """Every probe on every driver."""
+    results = []
+    for driver in runtimes:
+        for probe in patterns.PROBES:
+            results.append(patterns.run(probe, driver))
+            progress(f"{driver.name}: {probe.name}")
+    return results
+
+
+def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
+    """A scene through its own camera."""
+    image = _scene(scene.name)
+    return Case(scene.name, methods.Settings(method, aperture, camera=scene.camera), image.color, image.depth)
+
+
+_scenes: dict[str, exr.Scene] = {}
+
+
+def _scene(name: str) -> exr.Scene:
+    if name not in _scenes:
+        _scenes[name] = exr.read(paths.SCENES / f"{name}_pin.exr")
+    return _scenes[name]
+
+
+def truth(scene: SceneFile, aperture: str) -> np.ndarray:
+    """What a thin lens sees, ray traced, (H, W, 4)."""
+    return exr.read(paths.SCENES / f"{scene.name}_{TRUTHS[aperture]}.exr", None).color
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """A scene on one driver, and its distance to the ray-traced truth (which no post-process reaches)."""
+
+    scene: SceneFile
+    aperture: str
+    driver: str
+    result: CaseResult
+    psnr: float
+    psnr_untouched: float
+
+
+def run_scenes(runtimes: Iterable[Driver], progress: Progress = lambda _: None) -> list[SceneResult]:
+    """Both scenes with the paper's hexagon and octagon on every driver."""
+    results = []
+    for driver in runtimes:
+        for scene in SCENES:
+            for aperture in TRUTHS:
+                case = scene_case(scene, "paper", aperture)
+                outputs = driver.run(case.plan.passes, case.textures(), case.size)
+                wanted = expected(case, driver.software, driver.rounding)
+                compared = {"result": metrics.compare(outputs["result"], wanted["result"], driver.software)}
+                lens = truth(scene, aperture)
+                results.append(
+                    SceneResult(
+                        scene,
+                        aperture,
+                        driver.name,
+                        CaseResult(case, outputs, wanted, compared),
+                        metrics.psnr(outputs["result"], lens),
+                        metrics.psnr(case.color, lens),
+                    )
+                )
+                progress(f"{driver.name}: {scene.name}, {aperture}")
+    return results

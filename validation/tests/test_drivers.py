@@ -1,0 +1,210 @@
+"""Every driver against the float64 reference: methods, apertures, scenes, odd sizes, switches, hostile pixels."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bokeh_validation import apertures, drivers, methods, metrics, suite
+from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.passes import Pass
+from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.reference import listings, precision
+
+METHODS = [*apertures.METHODS, "naive-grid"]
+
+
+def compared(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
+    """A driver's result and how far it is from the reference."""
+    output = driver.run(case.plan.passes, case.textures(), case.size)["result"]
+    wanted = expected(case, driver.software, driver.rounding)["result"]
+    return output, metrics.compare(output, wanted, driver.software)
+
+
+def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1) -> Case:
+    """Random HDR colour in patches over random depth in patches: every comparison of Listing 3 goes both ways."""
+    random = np.random.default_rng(seed)
+    width, height = size
+    coarse = (height // 6 + 1, width // 6 + 1)
+
+    def patches(values: np.ndarray) -> np.ndarray:
+        return np.kron(values, np.ones((6, 6)))[:height, :width]
+
+    color = np.ones((height, width, 4), np.float16)
+    for channel in range(3):
+        color[..., channel] = patches(random.lognormal(0.0, 1.0, coarse)) + 0.1 * random.random((height, width))
+    depth = patches(random.uniform(1.0, 30.0, coarse)).astype(np.float32)
+    return Case(f"noise {size}", settings, color, depth)
+
+
+@pytest.mark.parametrize("aperture", apertures.APERTURES)
+@pytest.mark.parametrize("method", apertures.METHODS)
+@pytest.mark.parametrize("scene", suite.SCENES, ids=lambda s: s.name)
+def test_scenes(scene, method, aperture, all_drivers):
+    """Both ray-traced scenes, each method and aperture: within the interval, and all languages as close to each other."""
+    case = suite.scene_case(scene, method, aperture)
+    outputs = {}
+    for driver in all_drivers:
+        outputs[driver.name], comparison = compared(driver, case)
+        assert comparison.ok, f"{driver.name}: {comparison}"
+    first, *others = outputs.values()
+    for name, other in zip(list(outputs)[1:], others, strict=True):
+        # two results that are both within the bounds of the reference may be twice as far from each other
+        distance = metrics.steps(first, other)
+        assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE, name
+        undecided = expected(case, True, all_drivers[0].rounding)["result"].undecided
+        assert distance[~undecided].max() <= 2 * metrics.FAR_STEPS, name
+
+
+@pytest.mark.parametrize("size", [(64, 48), (61, 37), (1, 1), (1, 64), (96, 2), (257, 33)], ids=str)
+@pytest.mark.parametrize("method", METHODS)
+def test_sizes(method, size, driver):
+    """Odd, tiny and thin images."""
+    camera = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
+    _, comparison = compared(driver, noise_case(size, methods.Settings(method, "hexagon", camera=camera)))
+    assert comparison.outside == 0, comparison
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"samples": 2},
+        {"samples": 3},
+        {"samples": 8},
+        {"samples": 40},
+        {"rotation": 17.0},
+        {"blur_coc": False},
+        {"leak_fix": False},
+        {"bleeding_bias": 0.0},
+        {"bleeding_bias": 0.1},
+        {"bleeding_mult": 2.0},
+        {"coc": 0.2},
+        {"coc": 0.9},
+        {"coc": 0.0},
+        {"aperture": "star", "rotation": -30.0},
+        {"aperture": "octagon", "blur_coc": False},
+        {"aperture": "square", "samples": 4, "leak_fix": False},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("method", METHODS)
+def test_settings(method, changes, driver):
+    """Every parameter of the shaders away from its default, on random patches."""
+    camera = methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25)
+    settings = replace(methods.Settings(method, "hexagon", camera=camera), **changes)
+    _, comparison = compared(driver, noise_case((75, 50), settings))
+    assert comparison.outside == 0, comparison
+    if driver.software:
+        assert comparison.close >= 0.98, comparison
+
+
+def test_settings_matter():
+    """Each of the switches above changes the picture, or testing it would mean nothing."""
+    camera = methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25)
+    base = methods.Settings("paper", "hexagon", camera=camera)
+    case = noise_case((75, 50), base)
+    plain = _reference_result(case)
+    for changes in (
+        {"samples": 8},
+        {"rotation": 17.0},
+        {"blur_coc": False},
+        {"leak_fix": False},
+        {"bleeding_bias": 0.1},
+        {"bleeding_mult": 2.0},
+        {"camera": replace(camera, sensor_height=0.03)},
+        {"camera": replace(camera, max_coc=0.1)},
+    ):
+        other = _reference_result(replace(case, settings=replace(base, **changes)))
+        changed = metrics.steps(plain, other) > metrics.FAR_STEPS
+        assert changed.mean() > 0.02, changes
+
+
+def _reference_result(case: Case) -> np.ndarray:
+    return Reference().run(case.plan.passes, case.textures(), case.size)["result"]
+
+
+def test_float_targets(driver):
+    """32-bit targets: within the interval, and a thousand times closer than half floats could be."""
+    camera = methods.Camera(0.12, 0.05, 4.0, max_coc=0.25)
+    case = noise_case((64, 48), methods.Settings("paper", "hexagon", camera=camera))
+    output = driver.run(case.plan.passes, case.textures(), case.size, "float")["result"]
+    assert output.dtype == np.float32
+    kind = precision.SOFTWARE if driver.software else precision.GPU
+    wanted = Reference().images(case.plan.passes, case.textures(), case.size, "float", kind)["result"]
+    off = np.abs(output - wanted.value)
+    assert (off <= wanted.error).all()
+    if driver.software:
+        assert np.median(off / np.maximum(wanted.value, 1e-3)) < 1e-6
+
+
+HOSTILE_COLOR = [np.nan, np.inf, -np.inf, -1.0, 0.0, -0.0, 65504.0, 6e-8, 1.0]
+HOSTILE_DEPTH = [np.nan, np.inf, -np.inf, -1.0, 0.0, 1e-30, 0.05, 4.0, 1e30]
+
+
+def test_first_pass_makes_hostile_pixels_safe(driver):
+    """NaN, infinite, negative and denormal colour and depth: finite and >= 0 after the first pass, as documented."""
+    color = np.ones((9, 9, 4), np.float16)
+    color[..., 0] = np.array(HOSTILE_COLOR, np.float16)
+    color[..., 1] = np.array(HOSTILE_COLOR, np.float16)[:, None]
+    color[..., 3] = np.nan
+    depth = np.repeat(np.array(HOSTILE_DEPTH, np.float32)[:, None], 9, axis=1)
+    camera = methods.Camera(0.1, 0.05, 4.0, max_coc=0.25)
+    case = Case("hostile", methods.Settings(camera=camera), color, depth)
+    plan = case.plan
+    output = driver.run(plan.passes, case.textures(), case.size, keep=("coc", "result"))
+    coc = output["coc"].astype(np.float64)
+    assert np.isfinite(coc).all() and (coc >= 0).all()
+    np.testing.assert_array_equal(coc[0, :, 0], [0, 65504, 0, 0, 0, 0, 65504, np.float16(6e-8), 1])
+    np.testing.assert_array_equal(coc[:, 0, 1], [0, 65504, 0, 0, 0, 0, 65504, np.float16(6e-8), 1])
+    limit = 0.1 * 0.05 / 3.95 / 0.024
+    nearest = listings.circle_of_confusion(0.05, 0.1, 0.05, 4.0, 0.024, 0.25)
+    wanted = [0.25, limit, 0.25, 0.25, 0.25, 0.25, nearest, 0.0, limit]
+    np.testing.assert_allclose(coc[:, 0, 3], wanted, rtol=2.0**-10)
+    assert np.isfinite(output["result"]).all() and (output["result"] >= 0).all()
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2, 3])
+def test_debug_views(mode, driver):
+    """Section [9]: colour, depth, CoC, near and far field."""
+    camera = methods.Camera(0.1, 0.05, 4.0, max_coc=0.2)
+    case = noise_case((40, 30), methods.Settings(camera=camera))
+    first = case.plan.passes[0]
+    parameters = {**camera.parameters(), "BokehDebugMode": float(mode)}
+    view = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
+    output = driver.run([first, view], case.textures(), case.size)["result"]
+    wanted = Reference().images([first, view], case.textures(), case.size, rounding=driver.rounding)["result"].value
+    # a colour is read at a rounded uv (mode 0) or takes half a dozen float32 roundings, and is stored once
+    off = np.abs(output - wanted) / listings.step(np.maximum(np.abs(wanted), 2.0**-10), np.float16)
+    assert off.max() <= metrics.CLOSE_STEPS
+
+
+def test_even_count_with_every_sample_rejected(driver):
+    """No centre sample and only focused nearer neighbours: the weights sum to zero, the centre pixel is the answer."""
+    size = (16, 8)
+    color = np.full((8, 16, 4), 9.0, np.float16)
+    depth = np.full((8, 16), 2.0, np.float32)
+    color[4, 8, :3], depth[4, 8] = 0.5, 50.0
+    settings = methods.Settings("paper", "square", 2, camera=methods.Camera(0.1, 0.05, 2.0, max_coc=1.0))
+    case = Case("rejected", settings, color, depth)
+    first, line = case.plan.passes[:2]
+    coc = driver.run([first], case.textures(), size, keep=("coc",))["coc"][4, 8, 3] * 8
+    assert coc > 0.7, "the two samples must lie on the neighbours"
+    output = driver.run([first, line], case.textures(), size, keep=("line 1",))["line 1"]
+    assert np.isfinite(output).all()
+    wanted = Reference().images([first, line], case.textures(), size)["line 1"]
+    if float(wanted.value[4, 8, 0]) == 0.5:
+        assert output[4, 8, 0] == np.float16(0.5)
+
+
+def test_a_sharp_picture_stays_as_it_is(driver):
+    """CoC 0 everywhere: every pass copies, but for reading at a rounded uv."""
+    case = noise_case((64, 64), methods.Settings("paper", "octagon", coc=0.0))
+    output = driver.run(case.plan.passes, case.textures(), case.size)["result"]
+    # 64 is a power of two: uv is exact in float32 and so is the copy
+    np.testing.assert_array_equal(output[..., :3], case.color[..., :3])
+
+
+def test_unknown_parameter_is_refused(driver):
+    """A misspelt parameter must not fall back to its default."""
+    with pytest.raises(KeyError):
+        driver.run([Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehCoC": 1.0})], {"color": np.ones((2, 2, 4), np.float16)}, (2, 2))  # fmt: skip

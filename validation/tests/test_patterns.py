@@ -1,0 +1,61 @@
+"""Every probe on every driver, and that the probes notice what they are there for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bokeh_validation import patterns
+from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.patterns import impulse
+
+
+@pytest.mark.parametrize("probe", patterns.PROBES, ids=lambda p: p.name)
+def test_probe(probe, driver):
+    """Within the interval of the reference, and showing what it must."""
+    result = patterns.run(probe, driver)
+    assert not [f"{c.name}: {c.value:.5g}, allowed {c.low:.5g} .. {c.high:.5g}" for c in result.checks if not c.ok]
+    assert not [str(c) for r in result.cases for c in r.comparisons.values() if not c.ok]
+
+
+def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
+    """The checks of a probe rendered by the reference with other settings than its own."""
+    outputs = {}
+    for case in probe.cases:
+        other = replace(case, settings=replace(case.settings, **changes))
+        result = Reference().run(other.plan.passes, other.textures(), other.size, keep=case.keep)
+        outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in result.items()}
+    return probe.judge(outputs)
+
+
+@pytest.mark.parametrize("aperture", ["square", "diamond", "hexagon", "octagon", "star"])
+def test_impulse_probe_notices_a_wrong_shape(aperture):
+    """Any other aperture, a turn by 5 degrees, and a CoC 10 % off are noticed."""
+    probe = impulse.probe(aperture)
+    others = {"square": "octagon", "diamond": "square", "hexagon": "octagon", "octagon": "hexagon", "star": "square"}
+    assert not all(c.ok for c in judged(replace_keep(probe), aperture=others[aperture]))
+    assert not all(c.ok for c in judged(replace_keep(probe), rotation=5.0))
+    assert not all(c.ok for c in judged(replace_keep(probe), coc=1.1 * impulse.COC / impulse.SIZE[1]))
+    assert all(c.ok for c in judged(replace_keep(probe), rotation=0.0)[:4])
+
+
+def replace_keep(probe: patterns.Probe) -> patterns.Probe:
+    """The probe with its cases as they are: other apertures name their first line the same."""
+    return probe
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("leakage", {"leak_fix": False}),
+        ("leakage", {"leak_fix": True}),
+        ("silhouette", {"coc": 0.1}),
+        ("coc-blur", {"blur_coc": True}),
+        ("coc-blur", {"blur_coc": False}),
+        ("coc", {"coc": 0.1}),
+    ],
+)
+def test_scene_probes_notice(name, changes):
+    """A switch that does nothing, and a CoC that does not follow depth."""
+    probe = next(p for p in patterns.PROBES if p.name == name)
+    assert not all(check.ok for check in judged(probe, **changes))

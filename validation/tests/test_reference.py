@@ -1,0 +1,158 @@
+"""The reference against closed forms, and the metrics against known distances."""
+
+import numpy as np
+import pytest
+
+from bokeh_validation import apertures, metrics
+from bokeh_validation.reference import listings, polygons, precision, sampling
+from bokeh_validation.reference.listings import Image
+
+
+def test_circle_of_confusion_by_similar_triangles():
+    """c = A |v - v1| / v with the image distances v of the thin lens: another derivation of the same number."""
+    aperture, focal, focus, sensor = 0.03, 0.05, 2.0, 0.024
+    depth = np.array([0.6, 1.0, 1.7, 2.0, 3.0, 40.0])
+    image = 1.0 / (1.0 / focal - 1.0 / depth)
+    plane = 1.0 / (1.0 / focal - 1.0 / focus)
+    diameter = aperture * np.abs(image - plane) / image
+    got = listings.circle_of_confusion(depth, aperture, focal, focus, sensor, 10.0)
+    np.testing.assert_allclose(got, diameter / sensor, rtol=1e-12, atol=1e-15)
+
+
+def test_make_offsets():
+    """From -1/2 to +1/2 along the angle, evenly, x over the aspect ratio."""
+    offsets = apertures.make_offsets(np.radians(30), 2.0, 5)
+    t = np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+    np.testing.assert_allclose(offsets, np.stack([t * np.cos(np.pi / 6) / 2, t * 0.5], axis=1), atol=1e-15)
+    assert (apertures.make_offsets(1.0, 1.5, 13)[6] == 0).all()
+    assert len(apertures.make_offsets(0.0, 1.0, 2)) == 2
+
+
+def test_bilinear_reproduces_a_plane_and_clamps():
+    """A linear filter is exact on a plane; outside, the edge goes on."""
+    y, x = np.mgrid[0:5, 0:7] + 0.5
+    pixels = (3 * x + 2 * y)[..., None]
+    np.testing.assert_allclose(sampling.bilinear(pixels, np.array([2.3]), np.array([3.1])), [[3 * 2.3 + 2 * 3.1]])
+    np.testing.assert_allclose(sampling.bilinear(pixels, np.array([-4.0]), np.array([9.0])), [[3 * 0.5 + 2 * 4.5]])
+
+
+def test_line_filter_of_a_ramp():
+    """A symmetric mean leaves a ramp as it is, away from the border."""
+    y, x = np.mgrid[0:20, 0:40] + 0.5
+    value = np.stack([x, y, x + y, np.full_like(x, 0.3)], axis=-1)
+    offsets = apertures.make_offsets(0.4, 1.0, 7)
+    result = listings.gather(Image(value), np.ones((20, 40)), offsets, 0.02, 30.0)
+    np.testing.assert_allclose(result.value[5:-5, 5:-5], value[5:-5, 5:-5], atol=1e-12)
+
+
+def test_leakage_weight():
+    """Only a nearer and clearly sharper sample is held back, by its own CoC."""
+    weight = listings.leakage_weight
+    assert weight(1.0, 0.01, 2.0, 0.1, 0.02, 30.0) == pytest.approx(0.3)
+    assert weight(1.0, 0.0, 2.0, 0.1, 0.02, 30.0) == 0.0
+    assert weight(1.0, 0.05, 2.0, 0.1, 0.02, 30.0) == 1.0
+    assert weight(2.0, 0.0, 2.0, 0.1, 0.02, 30.0) == 1.0, "equal depth is not nearer"
+    assert weight(1.0, 0.09, 2.0, 0.1, 0.02, 2.0) == 1.0, "within the bias"
+    assert weight(3.0, 0.0, 2.0, 0.1, 0.02, 30.0) == 1.0, "behind"
+
+
+def test_kernels_of_figure_4_and_table_1():
+    """127 and 120 samples; square grids of Table 1; all inside their shape."""
+    hexagon, octagon = apertures.kernel("hexagon", 13), apertures.kernel("octagon", 13)
+    assert len(hexagon) == 127 and len(octagon) == 120
+    assert np.linalg.norm(hexagon, axis=1).max() == pytest.approx(0.5)
+    assert np.abs(octagon).max() <= 0.5 and (np.abs(octagon).sum(axis=1) <= np.sqrt(0.5)).all()
+    for count in (16, 64, 144, 256, 400, 576):
+        side = int(np.sqrt(count))
+        grid = apertures.kernel("square", side)
+        assert len(grid) == count and grid.min() == pytest.approx(-0.5) and grid.max() == pytest.approx(0.5)
+    for aperture in apertures.APERTURES:
+        table = apertures.kernel(aperture, 13)
+        assert len(np.unique(table.round(9), axis=0)) == len(table)
+        np.testing.assert_allclose(table.mean(axis=0), 0.0, atol=1e-12)
+
+
+def test_parallelograms_make_regular_polygons():
+    """The intersections have equal sides and the areas of regular polygons."""
+    hexagon = polygons.clip_convex(*(p.corners() for p in apertures.PARALLELOGRAMS["hexagon"]))
+    octagon = polygons.clip_convex(*(p.corners() for p in apertures.PARALLELOGRAMS["octagon"]))
+    for polygon, sides, inradius in ((hexagon, 6, np.cos(np.pi / 6) / 2), (octagon, 8, 0.5)):
+        assert len(polygon) == sides
+        lengths = np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1)
+        np.testing.assert_allclose(lengths, 2 * inradius * np.tan(np.pi / sides))
+        assert abs(polygons.signed_area(polygon)) == pytest.approx(sides * inradius**2 * np.tan(np.pi / sides))
+    diamond = apertures.PARALLELOGRAMS["diamond"][0].corners()
+    assert np.degrees(polygons.corner_angles(diamond)).min() == pytest.approx(45)
+
+
+def test_coverage_has_the_area():
+    """Coverage sums to the polygon's area within its supersampling."""
+    polygon = 20 * apertures.PARALLELOGRAMS["square"][0].corners(17)
+    assert polygons.coverage(polygon, (50, 40), (25, 20)).sum() == pytest.approx(400, rel=5e-3)
+
+
+def test_rounding_of_targets():
+    """To nearest and towards zero, both signs."""
+    step = 2.0**-10
+    values = np.array([1 + 0.25 * step, 1 + 0.75 * step, -1 - 0.75 * step, 65504.0])
+    np.testing.assert_array_equal(listings.rounded(values, np.float16, "nearest"), [1, 1 + step, -1 - step, 65504])
+    np.testing.assert_array_equal(listings.rounded(values, np.float16, "zero"), [1, 1, -1, 65504])
+
+
+def test_steps_count_half_floats():
+    """One step is one half float, for colour; for the CoC not less than at one pixel."""
+    a = np.ones((8, 8, 4), np.float16)
+    b = a.copy()
+    b[0, 0, 0] = np.nextafter(np.float16(1), np.float16(2))
+    b[0, 1, 1] = np.nextafter(np.float16(1), np.float16(0))
+    b[0, 2, 2] = 1 + 5 * 2.0**-10
+    distance = metrics.steps(a, b)
+    assert distance[0, 0] == 1 and distance[0, 1] == 1 and distance[0, 2] == 5 and distance[1, 1] == 0
+    a[..., 3], b[..., 3] = 0.0, 2.0**-20
+    assert metrics.steps(a, b)[1, 1] < 0.02
+
+
+def test_compare_notices():
+    """A wrong picture, a NaN and a shift by a tenth of a pixel are outside the interval."""
+    random = np.random.default_rng(3)
+    value = random.uniform(0.5, 2.0, (30, 30, 4)).astype(np.float16).astype(np.float64)
+    good = Image(value, np.full_like(value, 2.0**-10), np.zeros((30, 30), bool))
+    assert metrics.compare(value.astype(np.float16), good, True).ok
+    broken = value.astype(np.float16)
+    broken[3, 4, 1] = np.nan
+    assert metrics.compare(broken, good, True).outside == 1
+    assert not metrics.compare((value * 1.01).astype(np.float16), good, True).ok
+    assert not metrics.compare((value * 1.01).astype(np.float16), good, False).ok
+
+
+@pytest.mark.parametrize("kind", [precision.SOFTWARE, precision.GPU], ids=["software", "gpu"])
+def test_interval_holds_for_a_device_at_its_limit(kind):
+    """A simulated device that takes every sample off by as much as it may stays within the interval.
+
+    The interval must not be wide either: a sample moved ten times as far falls out of it somewhere.
+    """
+    random = np.random.default_rng(5)
+    height, width = 24, 36
+    value = random.lognormal(0, 1, (height, width, 4))
+    value[..., 3] = random.uniform(0.1, 0.3, (height, width))
+    depth = random.uniform(1, 9, (height, width))
+    offsets = apertures.make_offsets(0.6, 1.0, 9)
+    image = Image(value, np.zeros_like(value), np.zeros((height, width), bool))
+    exact = listings.gather(image, depth, offsets, 0.02, 30.0, True, kind)
+
+    def moved(scale: float) -> np.ndarray:
+        shift = np.array([kind.place(width), kind.place(height)]) * scale
+        y, x = np.mgrid[0:height, 0:width] + 0.5
+        color, total = np.zeros_like(value), np.zeros((height, width))
+        for offset in offsets:
+            px = x + offset[0] * height * value[..., 3] + shift[0] * random.choice([-1, 1], (height, width))
+            py = y + offset[1] * height * value[..., 3] + shift[1] * random.choice([-1, 1], (height, width))
+            sample = sampling.bilinear(value, px, py)
+            near = depth.reshape(-1)[sampling.nearest_index(px, py, (width, height))]
+            weight = listings.leakage_weight(near, sample[..., 3], depth, value[..., 3], 0.02, 30.0)
+            color += sample * weight[..., None]
+            total += weight
+        return color / total[..., None]
+
+    assert (np.abs(moved(1.0) - exact.value) <= exact.error).all()
+    assert (np.abs(moved(30.0) - exact.value) > exact.error).any()
