@@ -1,6 +1,9 @@
 """OpenEXR in and out: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
 
+import contextlib
+import io
 import os
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,19 +68,44 @@ def _channels(path: Path) -> dict[str, np.ndarray]:
         raise UserError(f"{path}: is a folder. Name an EXR file in it.")
     if not os.access(path, os.R_OK):
         raise UserError(f"{path}: may not be read. Check its permissions.")
+    said: list[str] = []
     try:
-        header = OpenEXR.File(str(path), separate_channels=True, header_only=True).header()
-        low, high = header["dataWindow"]
-        width, height = int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1
-        if width * height > MAX_PIXELS:
-            raise UserError(f"{path}: {width} x {height} pixels are more than {MAX_PIXELS}. Crop or scale it.")
-        with OpenEXR.File(str(path), separate_channels=True) as file:
-            return {name: np.asarray(channel.pixels) for name, channel in file.channels().items()}
+        with _overheard(said):
+            return _read_channels(path)
     except UserError:
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())
+        reason = " ".join((said[0] if said else str(error)).split())
         raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again.") from error
+
+
+@contextlib.contextmanager
+def _overheard(said: list[str]):
+    """Collect what the library prints on its own, in C to descriptor 2 and in Python to stdout: errors must be one line."""
+    python_text = io.StringIO()
+    with tempfile.TemporaryFile() as c_text:
+        kept = os.dup(2)
+        os.dup2(c_text.fileno(), 2)
+        try:
+            with contextlib.redirect_stdout(python_text):
+                yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            c_text.seek(0)
+            said += [line for line in (python_text.getvalue() + c_text.read().decode(errors="replace")).splitlines() if line]
+
+
+def _read_channels(path: Path) -> dict[str, np.ndarray]:
+    header = OpenEXR.File(str(path), separate_channels=True, header_only=True).header()
+    low, high = header["dataWindow"]
+    width, height = int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1
+    if width <= 0 or height <= 0:
+        raise UserError(f"{path}: the image is empty ({width} x {height} pixels). Save it with at least one pixel.")
+    if width * height > MAX_PIXELS:
+        raise UserError(f"{path}: {width} x {height} pixels are more than {MAX_PIXELS}. Crop or scale it.")
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return {name: np.asarray(channel.pixels) for name, channel in file.channels().items()}
 
 
 def _depth(path: Path, channels: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:

@@ -26,7 +26,7 @@ class Comparison:
     """
 
     close: float
-    worst: int
+    worst: float
     excused: float
     undecided: float
     outside: int
@@ -43,7 +43,7 @@ class Comparison:
 
     def __str__(self) -> str:
         return (
-            f"{100 * self.close:.3f} % within {CLOSE_STEPS} steps, worst {self.worst}, "
+            f"{100 * self.close:.3f} % within {CLOSE_STEPS} steps, worst {self.worst:.0f}, "
             f"excused {100 * self.excused:.4f} %, undecided {100 * self.undecided:.4f} %, "
             f"outside the interval {self.outside}"
         )
@@ -58,10 +58,13 @@ def steps(result: np.ndarray, expected: np.ndarray, dtype: type = np.float16) ->
     float32, would count as a hundred steps of a denormal number.
     """
     result, expected = result.astype(np.float64), expected.astype(np.float64)
-    magnitude = np.maximum(np.abs(result), np.abs(expected))
+    finite = np.isfinite(result) & np.isfinite(expected)
+    magnitude = np.where(finite, np.maximum(np.abs(result), np.abs(expected)), 1.0)
     magnitude[..., 3] = np.maximum(magnitude[..., 3], 1.0 / result.shape[0])
-    # spacing() is that of the binade above at a power of two; the distance to the next number down is half of it
-    return (np.abs(result - expected) / listings.step(magnitude * (1 - 2.0**-12), dtype)).max(axis=-1)
+    # the spacing below the larger value: at a power of two it is half of that above
+    below = listings.rounded(magnitude * (1 - 2.0**-30), dtype, "zero")
+    distance = np.abs(result - expected) / listings.step(below, dtype)
+    return np.where(finite, distance, np.inf).max(axis=-1)
 
 
 def compare(result: np.ndarray, expected: Image, software: bool) -> Comparison:
@@ -77,7 +80,7 @@ def compare(result: np.ndarray, expected: Image, software: bool) -> Comparison:
     decided = distance[~expected.undecided]
     return Comparison(
         close=float((distance <= CLOSE_STEPS).mean()),
-        worst=int(np.ceil(decided.max())) if decided.size else 0,
+        worst=float(np.ceil(decided.max())) if decided.size else 0.0,
         excused=float((far & expected.undecided).mean()),
         undecided=float(expected.undecided.mean()),
         outside=int((((off > expected.error).any(axis=-1)) | bad).sum()),

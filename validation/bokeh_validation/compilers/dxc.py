@@ -25,6 +25,7 @@ MEMBERS = {
     "x86_64": "libdxcompiler_x86_64.so.3.7",
     "aarch64": "libdxcompiler_aarch64.so.3.7",
 }
+DOWNLOAD_S = 540
 INSTALL = "validation/run doctor --install fetches it (67 MB, once)"
 
 # Register shifts that put HLSL's b0, t0-3, s0-1 on the bindings of the WGSL file: 0 parameters, 1-4 textures,
@@ -155,10 +156,13 @@ def fetch() -> Path:
     archive = folder / f"{PACKAGE}-{VERSION}.tar.gz"
     if not archive.exists():
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--no-binary=:all:", "-d", str(folder)]
-        done = subprocess.run([*command, f"{PACKAGE}=={VERSION}"], capture_output=True, text=True, timeout=540)
+        try:
+            done = subprocess.run([*command, f"{PACKAGE}=={VERSION}"], capture_output=True, text=True, timeout=DOWNLOAD_S)
+        except subprocess.TimeoutExpired as error:
+            raise Unavailable(f"downloading {PACKAGE} {VERSION} for DXC took over {DOWNLOAD_S} s; {INSTALL}") from error
         if done.returncode or not archive.exists():
             last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-            raise Unavailable(f"could not download {PACKAGE} {VERSION} for DXC: {last}")
+            raise Unavailable(f"could not download {PACKAGE} {VERSION} for DXC: {last}; {INSTALL}")
     if hashlib.sha256(archive.read_bytes()).hexdigest() != SHA256:
         archive.unlink()
         raise Unavailable(f"{archive.name} has the wrong hash and was deleted: run again")

@@ -46,7 +46,7 @@ def build(vertex: Stage, fragment: Stage, device: WGPU) -> CompileResult:
         same = fragment.code == vertex.code
         fragment_module = vertex_module if same else gpu.create_shader_module(code=fragment.code)
         gpu.create_render_pipeline(
-            layout=gpu.create_pipeline_layout(bind_group_layouts=[device._layout]),
+            layout=gpu.create_pipeline_layout(bind_group_layouts=[device.layout]),
             vertex={"module": vertex_module, "entry_point": vertex.entry, "constants": dict(vertex.constants)},
             fragment={
                 "module": fragment_module,

@@ -62,7 +62,7 @@ class WGPU:
         self.device = chosen.request_device_sync(required_features=sorted(wanted))
         self.float_filterable = "float32-filterable" in wanted
         self._pipelines: dict[tuple, object] = {}
-        self._layout = self._make_layout()
+        self.layout = self._make_layout()
         self._samplers = {
             linear: self.device.create_sampler(min_filter=kind, mag_filter=kind)
             for linear, kind in {True: "linear", False: "nearest"}.items()
@@ -99,7 +99,7 @@ class WGPU:
         if key not in self._pipelines:
             vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(entry, samples)
             self._pipelines[key] = self.device.create_render_pipeline(
-                layout=self.device.create_pipeline_layout(bind_group_layouts=[self._layout]),
+                layout=self.device.create_pipeline_layout(bind_group_layouts=[self.layout]),
                 vertex={"module": vertex, "entry_point": vertex_entry},
                 fragment={
                     "module": fragment,
@@ -144,7 +144,7 @@ class WGPU:
             entries.append({"binding": 1 + index, "resource": texture.create_view()})
         entries.append({"binding": 5, "resource": self._samplers[True]})
         entries.append({"binding": 6, "resource": self._samplers[False]})
-        return self.device.create_bind_group(layout=self._layout, entries=entries)
+        return self.device.create_bind_group(layout=self.layout, entries=entries)
 
     def encode(self, encoder, item: Pass, live: dict, target) -> None:
         """Record one pass."""
