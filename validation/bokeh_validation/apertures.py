@@ -72,12 +72,7 @@ def hexagon_kernel(rings: int = 6) -> np.ndarray:
     """
     a, b = direction(radians(90)) * 0.5 / rings, direction(radians(30)) * 0.5 / rings
     return np.array(
-        [
-            i * a + j * b
-            for j in range(-rings, rings + 1)
-            for i in range(-rings, rings + 1)
-            if abs(i + j) <= rings
-        ]
+        [i * a + j * b for j in range(-rings, rings + 1) for i in range(-rings, rings + 1) if abs(i + j) <= rings]
     )
 
 

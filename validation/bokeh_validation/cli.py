@@ -28,7 +28,9 @@ console = Console(soft_wrap=True)
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 DriverOption = Annotated[list[str] | None, typer.Option("--driver", help="osmesa, egl, wgpu, dxc or reference.")]
-AdapterOption = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
+AdapterOption = Annotated[
+    str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")
+]
 QuickOption = Annotated[bool, typer.Option("--quick", help="One driver, few variants: a first answer within a minute.")]
 
 
@@ -41,7 +43,8 @@ def main() -> None:
     except Unavailable as error:
         code = _refuse(f"not on this machine: {error}")
     except TyperException as error:
-        message = " ".join(str(getattr(error, "format_message", lambda: error)()).split())
+        text = error.format_message() if hasattr(error, "format_message") else str(error)
+        message = " ".join(text.split())
         code = _refuse(f"{message} See validation/run --help.")
     except (KeyboardInterrupt, typer.Abort):
         code = _refuse("stopped")
@@ -123,7 +126,9 @@ def _drivers(names: list[str] | None, adapter: str | None, quick: bool = False):
 
 @app.command()
 def doctor(
-    install: Annotated[bool, typer.Option("--install", help="Fetch what can be fetched into the cache folder.")] = False,
+    install: Annotated[
+        bool, typer.Option("--install", help="Fetch what can be fetched into the cache folder.")
+    ] = False,
 ) -> None:
     """Every compiler and driver: version or adapter, or the command that installs it."""
     from bokeh_validation import doctor as findings
@@ -165,7 +170,9 @@ def compile_(
 @app.command()
 def render(
     source: Annotated[Path, typer.Argument(metavar="IN.exr", help="R G B and planar view depth in metres.")],
-    target: Annotated[Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")],
+    target: Annotated[
+        Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
+    ],
     method: Annotated[str, typer.Option(help="naive or paper.")] = "paper",
     aperture: Annotated[str, typer.Option(help="square, diamond, hexagon, octagon or star.")] = "hexagon",
     samples: Annotated[int, typer.Option(help="Samples on a line, 2 or more.")] = 13,
@@ -190,10 +197,10 @@ def render(
     camera = methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc)
     settings = methods.Settings(method, aperture, samples, rotation, camera, coc, coc_blur, leak_fix)
     if coc is not None and coc > max_coc:
-        raise UserError(f"--coc {coc:g}: more than --max-coc {max_coc:g}, which would clamp it. Raise --max-coc as well.")
-    result, used = rendering.render(
-        rendering.Request(source, target, settings, depth_channel, driver, adapter, png)
-    )
+        raise UserError(
+            f"--coc {coc:g}: more than --max-coc {max_coc:g}, which would clamp it. Raise --max-coc as well."
+        )
+    result, used = rendering.render(rendering.Request(source, target, settings, depth_channel, driver, adapter, png))
     console.print(f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})")
 
 
@@ -228,7 +235,9 @@ def parity(
 
 @app.command()
 def report(
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The page; in the cache folder by default.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The page; in the cache folder by default.")
+    ] = None,
     driver: DriverOption = None,
     adapter: AdapterOption = None,
 ) -> None:
@@ -302,12 +311,16 @@ def _print_probes(results, missing: dict[str, str], details: bool = False) -> No
             if details or not check.ok:
                 state = "[green]ok[/]" if check.ok else "[red]FAILED[/]"
                 allowed = f"{check.low:.5g} .. {check.high:.5g}"
-                console.print(f"{result.driver} {result.probe.name}: {check.name} {check.value:.5g} ({allowed}) {state}")
+                console.print(
+                    f"{result.driver} {result.probe.name}: {check.name} {check.value:.5g} ({allowed}) {state}"
+                )
         for case in result.cases:
             for name, comparison in case.comparisons.items():
                 if details or not comparison.ok:
                     state = "[green]ok[/]" if comparison.ok else "[red]FAILED[/]"
-                    console.print(f"{result.driver} {result.probe.name}, {case.case.label}, {name}: {comparison} {state}")
+                    console.print(
+                        f"{result.driver} {result.probe.name}, {case.case.label}, {name}: {comparison} {state}"
+                    )
     for name, reason in missing.items():
         console.print(f"[yellow]not run[/] {name}: {reason}")
 

@@ -52,9 +52,17 @@ def read(path: Path, depth_channel: str | None = "Z") -> Scene:
     if any(plane.shape != shape for plane in planes) or len(shape) != 2:
         raise UserError(f"{path}: R, G and B differ in size. Save it without chroma subsampling.")
     if 0 in shape:
-        raise UserError(f"{path}: the image is empty ({shape[1]} x {shape[0]} pixels). Save it with at least one pixel.")
+        raise UserError(
+            f"{path}: the image is empty ({shape[1]} x {shape[0]} pixels). Save it with at least one pixel."
+        )
     for name, plane in zip("RGB", planes, strict=True):
-        _refuse(path, name, ~np.isfinite(plane), "NaN or infinite", "Clean it, for example by clamping, before it is blurred.")
+        _refuse(
+            path,
+            name,
+            ~np.isfinite(plane),
+            "NaN or infinite",
+            "Clean it, for example by clamping, before it is blurred.",
+        )
     dtype = np.float16 if all(plane.dtype == np.float16 for plane in planes) else np.float32
     color = np.ones((*shape, 4), dtype)
     color[..., :3] = np.stack(planes, axis=-1)
@@ -81,7 +89,7 @@ def _channels(path: Path) -> dict[str, np.ndarray]:
 
 @contextlib.contextmanager
 def _overheard(said: list[str]):
-    """Collect what the library prints on its own, in C to descriptor 2 and in Python to stdout: errors must be one line."""
+    """Collect what the library prints on its own, in C to descriptor 2 and in Python: a refusal must be one line."""
     python_text = io.StringIO()
     with tempfile.TemporaryFile() as c_text:
         kept = os.dup(2)
@@ -93,7 +101,9 @@ def _overheard(said: list[str]):
             os.dup2(kept, 2)
             os.close(kept)
             c_text.seek(0)
-            said += [line for line in (python_text.getvalue() + c_text.read().decode(errors="replace")).splitlines() if line]
+            said += [
+                line for line in (python_text.getvalue() + c_text.read().decode(errors="replace")).splitlines() if line
+            ]
 
 
 def _read_channels(path: Path) -> dict[str, np.ndarray]:
@@ -111,7 +121,8 @@ def _read_channels(path: Path) -> dict[str, np.ndarray]:
 def _depth(path: Path, channels: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
     if name not in channels:
         raise UserError(
-            f"{path}: no depth channel {name!r} (it has {_listed(channels)}). Name one with --depth-channel, or give --coc."
+            f"{path}: no depth channel {name!r} (it has {_listed(channels)}). "
+            "Name one with --depth-channel, or give --coc."
         )
     depth = channels[name].astype(np.float32)
     if depth.shape != shape:
@@ -124,7 +135,8 @@ def _refuse(path: Path, name: str, bad: np.ndarray, what: str, advice: str) -> N
     if bad.any():
         row, column = np.argwhere(bad)[0]
         raise UserError(
-            f"{path}: {int(bad.sum())} pixels of channel {name} are {what}, the first at column {column}, row {row}. {advice}"
+            f"{path}: {int(bad.sum())} pixels of channel {name} are {what}, "
+            f"the first at column {column}, row {row}. {advice}"
         )
 
 

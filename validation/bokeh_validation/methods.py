@@ -125,9 +125,7 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
         "BokehAngle": radians(shape.first + settings.rotation),
         "BokehAngleB": radians(shape.second + settings.rotation),
     }
-    gather = Pass(
-        "BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.samples
-    )
+    gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.samples)
     return Plan((_coc_pass(settings), gather), {})
 
 

@@ -44,8 +44,8 @@ def check(settings: methods.Settings) -> None:
     _number("--focus-distance", camera.focus_distance, "m", lambda v: v > 0, "more than 0")
     if camera.focus_distance <= camera.focal_length:
         raise UserError(
-            f"--focus-distance {camera.focus_distance:g} m: a lens of focal length {camera.focal_length:g} m cannot focus "
-            f"there. Give more than {camera.focal_length:g}."
+            f"--focus-distance {camera.focus_distance:g} m: a lens of focal length {camera.focal_length:g} m cannot "
+            f"focus there. Give more than {camera.focal_length:g}."
         )
     if settings.coc is not None:
         _number("--coc", settings.coc, "", lambda v: 0 <= v <= 1, "0 to 1, a fraction of the image height")
@@ -55,10 +55,13 @@ def check(settings: methods.Settings) -> None:
 
 def _check_kernel(settings: methods.Settings) -> None:
     # the square's table has the most offsets for a sample count, so it bounds the others before they are made
-    if settings.samples**2 > MAX_KERNEL and len(apertures.kernel(settings.aperture, min(settings.samples, 128))) > MAX_KERNEL:
+    if (
+        settings.samples**2 > MAX_KERNEL
+        and len(apertures.kernel(settings.aperture, min(settings.samples, 128))) > MAX_KERNEL
+    ):
         raise UserError(
-            f"--samples {settings.samples}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} offsets. "
-            f"Give fewer, or --method paper."
+            f"--samples {settings.samples}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} "
+            f"offsets. Give fewer, or --method paper."
         )
 
 
@@ -94,7 +97,7 @@ def _loaded(name: str, adapter: str | None) -> drivers.Driver:
 
 
 def render(request: Request) -> tuple[np.ndarray, drivers.Driver]:
-    """Read, blur, write. Returns the result (H, W, 4), alpha = the CoC after the passes, and the driver that made it."""
+    """Read, blur, write. Returns the result (H, W, 4), alpha = the CoC after the passes, and its driver."""
     check(request.settings)
     exr.check_writable(request.target)
     if request.png is not None:

@@ -1,4 +1,4 @@
-"""Drivers for the tests: each is made once; a missing one is a failure under CI and a skip with its reason elsewhere."""
+"""Drivers for the tests, each made once; a missing one is a failure under CI and a skip elsewhere."""
 
 import os
 

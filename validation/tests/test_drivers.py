@@ -41,7 +41,7 @@ def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1)
 @pytest.mark.parametrize("method", apertures.METHODS)
 @pytest.mark.parametrize("scene", suite.SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
-    """Both ray-traced scenes, each method and aperture: within the interval, and all languages as close to each other."""
+    """Both ray-traced scenes, each method and aperture: within the interval, and languages close to each other."""
     case = suite.scene_case(scene, method, aperture)
     outputs = {}
     for driver in all_drivers:
@@ -206,5 +206,6 @@ def test_a_sharp_picture_stays_as_it_is(driver):
 
 def test_unknown_parameter_is_refused(driver):
     """A misspelt parameter must not fall back to its default."""
+    misspelt = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehCoC": 1.0})
     with pytest.raises(KeyError):
-        driver.run([Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehCoC": 1.0})], {"color": np.ones((2, 2, 4), np.float16)}, (2, 2))  # fmt: skip
+        driver.run([misspelt], {"color": np.ones((2, 2, 4), np.float16)}, (2, 2))

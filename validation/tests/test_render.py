@@ -18,7 +18,11 @@ CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-dist
 
 def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
     """The command line in a process of its own."""
-    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION), "XDG_RUNTIME_DIR": os.environ.get("TMPDIR", "/tmp")}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(paths.VALIDATION),
+        "XDG_RUNTIME_DIR": os.environ.get("TMPDIR", "/tmp"),
+    }
     command = [sys.executable, "-m", "bokeh_validation", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, env=environment)
 

@@ -157,7 +157,9 @@ def fetch() -> Path:
     if not archive.exists():
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--no-binary=:all:", "-d", str(folder)]
         try:
-            done = subprocess.run([*command, f"{PACKAGE}=={VERSION}"], capture_output=True, text=True, timeout=DOWNLOAD_S)
+            done = subprocess.run(
+                [*command, f"{PACKAGE}=={VERSION}"], capture_output=True, text=True, timeout=DOWNLOAD_S
+            )
         except subprocess.TimeoutExpired as error:
             raise Unavailable(f"downloading {PACKAGE} {VERSION} for DXC took over {DOWNLOAD_S} s; {INSTALL}") from error
         if done.returncode or not archive.exists():

@@ -180,7 +180,8 @@ class OSMesaContext:
         self.library.OSMesaCreateContextAttribs.restype = ctypes.c_void_p
         self.library.OSMesaGetProcAddress.restype = ctypes.c_void_p
         attributes = [
-            self.FORMAT, self.RGBA, self.DEPTH_BITS, 0, self.PROFILE, self.CORE_PROFILE, self.MAJOR, 3, self.MINOR, 3, 0,
+            self.FORMAT, self.RGBA, self.DEPTH_BITS, 0, self.PROFILE, self.CORE_PROFILE,
+            self.MAJOR, 3, self.MINOR, 3, 0,
         ]  # fmt: skip
         array = (ctypes.c_int * len(attributes))(*attributes)
         self.handle = ctypes.c_void_p(self.library.OSMesaCreateContextAttribs(array, None))

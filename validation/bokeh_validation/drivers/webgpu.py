@@ -169,7 +169,9 @@ class WGPU:
         keep: Iterable[str] = ("result",),
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run."""
-        wide = storage == "float" or any(t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values())
+        wide = storage == "float" or any(
+            t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
+        )
         if wide and not self.float_filterable:
             raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
         live = {name: self.upload(pixels) for name, pixels in textures.items()}

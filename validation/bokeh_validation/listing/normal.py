@@ -139,7 +139,9 @@ def _wgsl_head(head: Sequence[Token]) -> tuple[Token, Sequence[Token], Sequence[
     end = matching(head, keyword + 2)
     if end is None:
         return None
-    returns = head[end + 2 :] if end + 1 < len(head) and head[end + 1].text == "->" else head[end + 1 :]
+    arrow, returns = head[end + 1 : end + 2], head[end + 2 :]
+    if arrow and arrow[0].text != "->":
+        return None
     return head[keyword + 1], head[keyword + 3 : end], returns
 
 

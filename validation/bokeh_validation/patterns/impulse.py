@@ -123,7 +123,9 @@ def _corner_checks(aperture: str, rotation: float, seen: np.ndarray, label: str)
             limit = 0.5 / np.sin(angle / 2) + np.sqrt(0.5)
             if off - limit > worst - allowed:
                 worst, allowed = off, limit
-    why = "edges known to half a pixel meet within 0.5 / sin(half the angle); pixel centres are within 0.71 of any place"
+    why = (
+        "edges known to half a pixel meet within 0.5 / sin(half the angle); pixel centres are within 0.71 of any place"
+    )
     return [Check(f"corner off by, {label} (pixels)", worst, 0.0, allowed, why)]
 
 
@@ -143,7 +145,9 @@ def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
         value = outputs[f"{rotation:g} degrees"]["result"][..., 1] - AMBIENT
         checks += _judge_shape(aperture, rotation, value)
     value = outputs["0 degrees"]["result"][..., 1] - AMBIENT
-    near = polygons.coverage(2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners(), SIZE, pixel_center(*CENTER)) > 0
+    near = (
+        polygons.coverage(2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners(), SIZE, pixel_center(*CENTER)) > 0
+    )
     if len(apertures.PARALLELOGRAMS[aperture]) == 1:
         # every bilinear sample shares its light out completely, so only the stores lose any: half a step or one, each
         # of the two passes, 2^-10 relative

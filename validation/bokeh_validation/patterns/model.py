@@ -124,9 +124,7 @@ def run(probe: Probe, driver: Driver) -> ProbeResult:
     for case in probe.cases:
         outputs = driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep)
         truth = expected(case, driver.software, driver.rounding)
-        comparisons = {
-            name: metrics.compare(outputs[name], truth[name], driver.software) for name in case.keep
-        }
+        comparisons = {name: metrics.compare(outputs[name], truth[name], driver.software) for name in case.keep}
         results.append(CaseResult(case, outputs, truth, comparisons))
     checks = probe.judge({r.case.label: {k: v.astype(np.float64) for k, v in r.outputs.items()} for r in results})
     return ProbeResult(probe, driver.name, results, checks)

@@ -20,7 +20,12 @@ def coc_pixels(depth: float) -> float:
     """CoC in pixels of a depth."""
     camera = CAMERA
     coc = listings.circle_of_confusion(
-        depth, camera.aperture_diameter, camera.focal_length, camera.focus_distance, camera.sensor_height, camera.max_coc
+        depth,
+        camera.aperture_diameter,
+        camera.focal_length,
+        camera.focus_distance,
+        camera.sensor_height,
+        camera.max_coc,
     )
     return float(coc) * SIZE[1]
 
@@ -83,8 +88,8 @@ LEAKAGE = Probe(
     "leakage",
     "Intensity leakage, with and without the fix",
     "2",
-    "Without the fix a halo of the focused bright square lies on the blurred background. With it a faint one is left, of "
-    "samples that straddle the outline: linear filtering hands them colour of the square with the background's depth.",
+    "Without the fix a halo of the focused bright square lies on the blurred background. With it a faint one is left, "
+    "of samples that straddle the outline: linear filtering gives them colour of the square and the far depth.",
     (
         Case("without the fix", _settings(leak_fix=False), LEAK_COLOR, LEAK_DEPTH, tone_map=True),
         Case("with the fix", _settings(), LEAK_COLOR, LEAK_DEPTH, tone_map=True),
@@ -127,7 +132,15 @@ SILHOUETTE = Probe(
     "Sharp silhouette of a defocused foreground",
     "3",
     "The square fades inside its outline but does not spread over it, as a lens would make it.",
-    (Case("near square before a focused background", _settings("hexagon"), SILHOUETTE_COLOR, SILHOUETTE_DEPTH, tone_map=True),),
+    (
+        Case(
+            "near square before a focused background",
+            _settings("hexagon"),
+            SILHOUETTE_COLOR,
+            SILHOUETTE_DEPTH,
+            tone_map=True,
+        ),
+    ),
     _judge_silhouette,
 )
 
@@ -242,7 +255,12 @@ def _judge_coc(outputs: dict[str, Outputs]) -> list[Check]:
     depth = field_depth().astype(np.float64)
     camera = CAMERA
     truth = listings.circle_of_confusion(
-        depth, camera.aperture_diameter, camera.focal_length, camera.focus_distance, camera.sensor_height, camera.max_coc
+        depth,
+        camera.aperture_diameter,
+        camera.focal_length,
+        camera.focus_distance,
+        camera.sensor_height,
+        camera.max_coc,
     )
     off = np.abs(seen - truth) / listings.step(truth + 16 * 2.0**-24 * truth, np.float16)
     far = camera.aperture_diameter * camera.focal_length / (camera.focus_distance - camera.focal_length)

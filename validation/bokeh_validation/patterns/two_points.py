@@ -1,4 +1,4 @@
-"""Two bright pixels that expose min and max: Figures 12 and 13. The paper's method has these artefacts, so they must show."""
+"""Two bright pixels that expose min and max: Figures 12 and 13. The paper's method has them, so they must show."""
 
 from functools import partial
 
@@ -84,7 +84,13 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
             (expected + border) / one_shape,
             why,
         ),
-        Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), "both blurs have light 1, but for the ripple of their samples"),
+        Check(
+            "brightest false pixel (plateaus)",
+            value[outside].max(),
+            0.5,
+            1 + ripple(aperture),
+            "both blurs have light 1, but for the ripple of their samples",
+        ),
     ]
 
 

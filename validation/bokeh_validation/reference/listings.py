@@ -1,8 +1,8 @@
 """Listings 1 to 4 and the naive gather in float64: the arbiter of every driver.
 
 Images are (H, W, 4) float64, rgb = linear colour, a = CoC as a fraction of the image height; depth is (H, W) in metres.
-Places are in texels, from the image's corner, y down. `Image.error` is the acceptance interval that reference/precision.py
-derives; it is None where no precision was asked for.
+Places are in texels, from the image's corner, y down. `Image.error` is the acceptance interval that
+reference/precision.py derives; it is None where no precision was asked for.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -42,7 +42,7 @@ class Image:
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
-    """Section 4.1: CoC diameter of a thin lens as a fraction of the image height, 0 .. max_coc. All lengths in metres."""
+    """Section 4.1: CoC diameter of a thin lens, fraction of the image height, 0 .. max_coc. All lengths in metres."""
     magnification = focal_length / (focus_distance - focal_length)
     c = aperture_diameter * magnification * np.abs(depth - focus_distance) / depth
     return np.clip(c / sensor_height, 0.0, max_coc)
@@ -256,4 +256,3 @@ def step(value: np.ndarray, dtype: type) -> np.ndarray:
     """Distance from a magnitude to the next larger number of `dtype`."""
     largest = float(np.finfo(dtype).max)
     return np.spacing(np.minimum(value, largest / 2).astype(dtype)).astype(np.float64)
-

@@ -67,7 +67,7 @@ def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, fl
 
 
 def moment_phase(weights: np.ndarray, center: tuple[float, float], folds: int) -> float:
-    """Orientation of a shape with `folds`-fold symmetry: phase of its moment of that order, degrees, within one fold."""
+    """Orientation of a shape with `folds`-fold symmetry: phase of its moment of that order, degrees."""
     height, width = weights.shape
     y, x = np.mgrid[0:height, 0:width] + 0.5
     z = (x - center[0]) + 1j * (y - center[1])

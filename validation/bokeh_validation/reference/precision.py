@@ -11,8 +11,8 @@ one filtered sample is wrong by at most b = max(e) + d_x g_x + d_y g_y + r m: a 
 more than the shift times the steepest slope around it, and the filter itself rounds by r of the largest texel m.
 d is the sum of three parts:
 
-  * sub-texel position. Direct3D 11 and Vulkan ask for 8 bits of sub-texel precision, so a place may be off by 1/256 of a
-    texel (1/512 where it is rounded); software filters in float32 have no such step.
+  * sub-texel position. Direct3D 11 and Vulkan ask for 8 bits of sub-texel precision, so a place may be off by 1/256 of
+    a texel (1/512 where it is rounded); software filters in float32 have no such step.
   * float32 arithmetic on uv: COORDINATE_ULPS roundings of 2^-24 at uv <= 1, times the width in texels.
   * the sample's distance, |offset| * size, times the error of the centre's stored CoC.
 
@@ -22,8 +22,8 @@ The weighted mean M = sum(w s) / sum(w) of N samples then satisfies, with w' = w
     |M' - M| <= [ sum((w + |dw|) b) + sum(|dw| (|s - c| + |c - M|)) ] / (sum(w) - sum(|dw|))        c: the centre pixel
 
 and (N + 8) 2^-24 of the largest sample for the sums in float32. dw comes from Listing 3's thresholds: where the errors
-of the two CoC and of the place of the depth fetch leave a comparison open, w ranges over both outcomes, and the pixel is
-'undecided'. Storing adds one step of the target's format: both neighbours of a value are valid roundings, and OpenGL
+of the two CoC and of the place of the depth fetch leave a comparison open, w ranges over both outcomes, and the pixel
+is 'undecided'. Storing adds one step of the target's format: both neighbours of a value are valid roundings, and OpenGL
 and Vulkan do not say which is taken (Mesa's OpenGL cuts off, its Vulkan rounds to nearest).
 """
 

@@ -55,7 +55,10 @@ def default_path() -> Path:
 def write(path: Path, matrix: object, probes: list[ProbeResult], scenes: list[SceneResult], missing: dict) -> None:
     """Write the page. `matrix` is what matrix.run returned, or None where nothing was compiled."""
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("bokeh_validation.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
+        loader=jinja2.PackageLoader("bokeh_validation.report", "."),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     page = environment.get_template("page.html").render(
         version=__version__,
@@ -97,9 +100,7 @@ def _probe_section(group: list[ProbeResult]) -> ProbeSection:
         for name in case.keep:
             label = case.label if len(case.keep) == 1 else f"{case.label}: {name}"
             strips.append(_strip(label, name, [(r.driver, r.cases[index]) for r in group]))
-    return ProbeSection(
-        probe.title, probe.name, probe.figure, probe.shows, all(r.ok for r in group), checks, strips
-    )
+    return ProbeSection(probe.title, probe.name, probe.figure, probe.shows, all(r.ok for r in group), checks, strips)
 
 
 def _strip(label: str, name: str, results: Iterable[tuple[str, CaseResult]]) -> Strip:

@@ -1,0 +1,68 @@
+"""The documents against the code: README snippets compile, tables name what exists."""
+
+import re
+
+import pytest
+
+from bokeh_validation import passes, paths, shaders
+from bokeh_validation.compilers import dxc, glslang, naga
+
+README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def snippet(language: str) -> str:
+    """The one fenced block of a language in the README."""
+    found = re.findall(rf"^```{language}\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+    assert len(found) == 1, f"{len(found)} blocks of {language}"
+    return found[0]
+
+
+def library(language: str) -> str:
+    """The library's text."""
+    return paths.library(language).read_text(encoding="ascii")
+
+
+@pytest.mark.parametrize("profile", ["330", "300es"])
+def test_readme_glsl_compiles(profile):
+    """Pasted as the README says."""
+    result = glslang.parse(f"{shaders.GLSL_VERSIONS[profile]}\n{library('glsl')}{snippet('glsl')}", "frag")
+    assert result.ok, result.messages
+
+
+def test_readme_hlsl_compiles():
+    """Shader model 6 by DXC."""
+    result = dxc.build(f"#define BOKEH_HLSL_SM 6\n{library('hlsl')}{snippet('hlsl')}", "frag", "main")
+    assert result.ok, result.messages
+
+
+def test_readme_wgsl_compiles():
+    """By naga, which raises what it has against a module."""
+    naga.driver().device.create_shader_module(code=library("wgsl") + snippet("wgsl"))
+
+
+def test_readme_links_exist():
+    """Every relative link leads somewhere."""
+    for document in (
+        paths.ROOT / "README.md",
+        *(paths.ROOT / "docs").glob("*.md"),
+        paths.ROOT / "integration/README.md",
+    ):
+        for target in re.findall(r"\]\(([^)#]+)\)", document.read_text(encoding="utf-8")):
+            assert (document.parent / target).exists(), f"{document.name}: {target}"
+
+
+def test_parameter_table():
+    """docs/inputs.md lists the parameters with the indices and offsets that the drivers use."""
+    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", text, re.MULTILINE)
+    assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
+
+
+def test_paper_names_exist():
+    """Every function that docs/paper.md names is in all three libraries."""
+    text = (paths.ROOT / "docs/paper.md").read_text(encoding="utf-8")
+    names = set(re.findall(r"`(Bokeh[A-Z]\w+)`", text))
+    assert len(names) > 8
+    for language in paths.LANGUAGES:
+        for name in names:
+            assert re.search(rf"\b{name}\(", library(language)), f"{name} in {language}"
