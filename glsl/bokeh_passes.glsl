@@ -3,18 +3,18 @@
 // Ready-made passes on bokeh.glsl, GLSL. Version 0.1.0.
 // A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, this file.
 //
-//   #define BOKEH_PASS ...            reads                                    writes
-//   BOKEH_COC_MAP                     ColorSamp, DepthSamp                     colour, CoC in alpha
-//   BOKEH_CONSTANT_COC                ColorSamp                                colour, the same CoC everywhere
-//   BOKEH_DEPTH_OF_FIELD              ColorSamp, DepthSamp                     one line of the filter
-//   BOKEH_DEPTH_OF_FIELD_FINAL        ColorSamp, DepthSamp, ColorSampB         the same, then min or max with ColorSampB
-//   BOKEH_NAIVE_GATHER                ColorSamp, DepthSamp, KernelSamp         any kernel, BOKEH_NUM_SAMPLES offsets in a table
-//   BOKEH_NAIVE_GRID                  ColorSamp, DepthSamp                     BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
-//   BOKEH_DEBUG                       ColorSamp (with CoC), DepthSamp          debug view
-//   BOKEH_FULL_SCREEN                 -                                        vertex shader: one triangle over the target
+//   #define BOKEH_PASS ...       reads                                  writes
+//   BOKEH_COC_MAP                ColorSamp, DepthSamp                   colour, CoC in alpha
+//   BOKEH_CONSTANT_COC           ColorSamp                              colour, the same CoC everywhere
+//   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp                   one line of the filter
+//   BOKEH_DEPTH_OF_FIELD_FINAL   ColorSamp, DepthSamp, ColorSampB       the same, min or max with ColorSampB
+//   BOKEH_NAIVE_GATHER           ColorSamp, DepthSamp, KernelSamp       a table of BOKEH_NUM_SAMPLES offsets
+//   BOKEH_NAIVE_GRID             ColorSamp, DepthSamp                   BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
+//   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp        debug view
+//   BOKEH_FULL_SCREEN            -                                      (vertex shader) one triangle over the target
 //
-//   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below (docs/inputs.md has the table
-//   with units and offsets), set 0: block at binding 0, ColorSamp, DepthSamp, ColorSampB, KernelSamp at bindings 1 to 4.
+//   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below (docs/inputs.md has the
+//   table with units and offsets). Set 0: the block at binding 0, the four textures in their order at 1 to 4.
 
 #define BOKEH_COC_MAP 1
 #define BOKEH_CONSTANT_COC 2

@@ -7,11 +7,11 @@
 //   BokehCoCMap_PS             ColorSamp, DepthSamp                     colour, CoC in alpha
 //   BokehConstantCoC_PS        ColorSamp                                colour, the same CoC everywhere
 //   BokehDepthOfField_PS       ColorSamp, DepthSamp                     one line of the filter
-//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB         the same, then min or max with ColorSampB
-//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp         any kernel, BOKEH_NUM_SAMPLES offsets in a table
+//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB         the same, min or max with ColorSampB
+//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp         a table of BOKEH_NUM_SAMPLES offsets
 //   BokehNaiveGrid_PS          ColorSamp, DepthSamp                     BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
 //   BokehDebug_PS              ColorSamp (with CoC), DepthSamp          debug view
-//   BokehFullScreen_VS         -                                        one triangle over the target (SM3: your own quad)
+//   BokehFullScreen_VS         -                                        one triangle over the target (SM3: a quad)
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the buffer in SM4 and up.
 //   docs/inputs.md has the table with units.
@@ -98,7 +98,7 @@ BOKEH_PARAMETER(float, BokehDebugMode, 13)
 // xy = 1 / width and 1 / height of the render target; register c20 of the vertex shader's constants
 float4 BokehTexelSize : register(c20);
 
-// Direct3D 9 puts pixel centres at whole numbers: the quad moves half a pixel left and up, so that uv hits texel centres.
+// Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that uv hits texels.
 void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, out float4 position : POSITION,
     out float2 uv : TEXCOORD0)
 {

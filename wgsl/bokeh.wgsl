@@ -24,7 +24,8 @@
 // PASTE: put this file before your shader; each texture is followed by its sampler. For one line pass write
 //           @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
 //               return BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv,
-//                   BokehLineEnd(angle, aspectRatio), BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true); }
+//                   BokehLineEnd(angle, aspectRatio), BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT,
+//                   true); }
 //
 // CONTENTS
 //   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets

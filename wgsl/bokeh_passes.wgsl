@@ -6,8 +6,8 @@
 //   BokehCoCMap_PS             ColorSamp, DepthSamp                     colour, CoC in alpha
 //   BokehConstantCoC_PS        ColorSamp                                colour, the same CoC everywhere
 //   BokehDepthOfField_PS       ColorSamp, DepthSamp                     one line of the filter
-//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB         the same, then min or max with ColorSampB
-//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp         any kernel, BOKEH_NUM_SAMPLES offsets in a table
+//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB         the same, min or max with ColorSampB
+//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp         a table of BOKEH_NUM_SAMPLES offsets
 //   BokehNaiveGrid_PS          ColorSamp, DepthSamp                     BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
 //   BokehDebug_PS              ColorSamp (with CoC), DepthSamp          debug view
 //   BokehFullScreen_VS         -                                        one triangle over the target
@@ -90,8 +90,8 @@ struct BokehVertex
 @fragment fn BokehDepthOfFieldFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio);
-    return BokehDepthOfFieldFinal(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, lineEnd,
-        BOKEH_NUM_SAMPLES, bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult,
+    return BokehDepthOfFieldFinal(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
+        lineEnd, BOKEH_NUM_SAMPLES, bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult,
         bokehParameters.BokehBlurCoC > 0.5, BokehColorSampB, BokehLinearClamp, bokehParameters.BokehUseMax > 0.5);
 }
 
