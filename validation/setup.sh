@@ -1,57 +1,117 @@
 # Sourced by run and test: puts everything in place on first use and is silent afterwards.
 #
 #   validation   this folder
-#   python       the interpreter of the virtual environment, set here
+#   cache        the one folder outside the checkout that is written to
+#   python       the interpreter of the virtual environment
 #
 # All talk goes to standard error; standard output belongs to the program.
 
-validation=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-cache=${BOKEH_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/bokeh-validation}
-packages=(glslang-tools spirv-tools spirv-cross mesa-vulkan-drivers libvulkan1 libosmesa6 libgl1-mesa-dri libegl1 libgl1)
+validation=$(CDPATH='' cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd -P)
+cache=${BOKEH_CACHE:-${XDG_CACHE_HOME:-${HOME:-~}/.cache}/bokeh-validation}
+[[ $cache == /* ]] || cache=$PWD/$cache
+packages=(python3-venv glslang-tools spirv-tools spirv-cross mesa-vulkan-drivers libvulkan1 libosmesa6 libgl1-mesa-dri
+    libegl1 libgl1 wine wine64 g++-mingw-w64-x86-64-posix xvfb
+    xauth)
 
 say() {
     printf 'set-up: %s\n' "$*" >&2
 }
 
-# Each package of the list that dpkg does not know as installed. Elsewhere than on Debian and Ubuntu: nothing, and doctor
-# tells what is missing.
+# Those of the packages that are not installed, one a line. Elsewhere than on Debian and Ubuntu: none, and doctor tells
+# what is missing.
 missing_packages() {
-    command -v dpkg-query >/dev/null || return 0
+    command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || return 0
     local installed name
-    installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "$@" 2>/dev/null | awk '$2 == "installed" { print $1 }')
+    installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "$@" 2>/dev/null)
     for name in "$@"; do
-        grep -qxF "$name" <<<"$installed" || printf '%s\n' "$name"
+        [[ $'\n'$installed$'\n' == *$'\n'"$name installed"$'\n'* ]] || printf '%s\n' "$name"
     done
 }
 
-install_packages() {
-    local missing
+# Those of the packages that the package lists offer, one a line.
+offered_packages() {
+    [ "$#" -eq 0 ] || LC_ALL=C apt-cache policy "$@" 2>/dev/null |
+        awk '/^[^ ]/ { name = $1; sub(/:.*/, "", name) } $1 == "Candidate:" && $2 != "(none)" { print name }'
+}
+
+# File with the names of what this release of the system does not have at all, as an earlier run found out.
+absent_file() {
+    local release
+    release=$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}-${VERSION_ID:-}")
+    printf '%s\n' "$cache/not-in-${release:-this-release}"
+}
+
+# missing_packages without those that are known not to be had: not asked for again and again.
+wanted_packages() {
+    local missing absent
     mapfile -t missing < <(missing_packages "$@")
     [ "${#missing[@]}" -gt 0 ] || return 0
-    if [ "$(id -u)" -ne 0 ]; then
-        say "missing system packages; run: sudo apt-get install -y --no-install-recommends ${missing[*]}"
-        return 0
-    fi
-    say "installing ${missing[*]}"
-    local log="$cache/apt.log"
-    mkdir -p "$cache"
-    if ! { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"; } \
-        >"$log" 2>&1; then
-        # one package that this release lacks must not keep the others out
-        local name
-        for name in "${missing[@]}"; do
-            DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$name" >>"$log" 2>&1 \
-                || say "$name could not be installed (see $log); what needs it will be reported as missing"
-        done
+    absent=$(absent_file)
+    if [ -e "$absent" ]; then
+        printf '%s\n' "${missing[@]}" | grep -vxFf "$absent"
+    else
+        printf '%s\n' "${missing[@]}"
     fi
 }
 
-# The first interpreter of 3.11 or later.
+install_packages() {
+    local wanted
+    mapfile -t wanted < <(wanted_packages "$@")
+    [ "${#wanted[@]}" -gt 0 ] || return 0
+    if [ "$EUID" -ne 0 ]; then
+        say "missing system packages; run: sudo apt-get install -y --no-install-recommends ${wanted[*]}"
+        return 0
+    fi
+    # one at a time: a second set-up waits, and finds the work done
+    (
+        flock 8
+        mapfile -t wanted < <(wanted_packages "$@")
+        [ "${#wanted[@]}" -eq 0 ] || apt_install "${wanted[@]}"
+    ) 8>"$cache/apt.lock"
+}
+
+apt_install() {
+    local log="$cache/apt.log" updated='' offered name
+    say "installing $*"
+    : >"$log"
+    mapfile -t offered < <(offered_packages "$@")
+    if [ "${#offered[@]}" -lt "$#" ]; then
+        say "updating the package lists"
+        apt-get update >>"$log" 2>&1 && updated=yes
+        mapfile -t offered < <(offered_packages "$@")
+    fi
+    if [ "${#offered[@]}" -lt "$#" ]; then
+        for name in "$@"; do
+            [[ " ${offered[*]} " == *" $name "* ]] && continue
+            say "$name is not to be had here; what needs it will be reported as missing"
+            # an update that failed is no proof
+            [ -z "$updated" ] || printf '%s\n' "$name" >>"$(absent_file)"
+        done
+    fi
+    [ "${#offered[@]}" -gt 0 ] || return 0
+    local install=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y
+        --no-install-recommends "${offered[@]}")
+    "${install[@]}" >>"$log" 2>&1 && return 0
+    # lists that are too old name files that are gone
+    if [ -z "$updated" ]; then
+        say "updating the package lists"
+        apt-get update >>"$log" 2>&1 && "${install[@]}" >>"$log" 2>&1 && return 0
+    fi
+    say "apt-get install failed (see $log); what needs the packages will be reported as missing"
+}
+
+# "key interpreter" of the first Python of 3.11 or later that can make virtual environments (Debian ships the module for
+# that apart). The key names the environment: the lock file and the Python decide what is in it.
 find_python() {
-    local candidate
+    local candidate key probe='
+import hashlib, importlib.util, sys
+if sys.version_info < (3, 11) or importlib.util.find_spec("ensurepip") is None:
+    sys.exit(1)
+lock = open(sys.argv[1], "rb").read()
+print(hashlib.sha256(lock + sys.version.encode() + sys.base_prefix.encode()).hexdigest()[:16])'
     for candidate in python3 python3.14 python3.13 python3.12 python3.11; do
-        if "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
-            command -v "$candidate"
+        if key=$("$candidate" -I -S -c "$probe" "$validation/requirements.txt" 2>/dev/null); then
+            printf '%s %s\n' "$key" "$(command -v "$candidate")"
             return 0
         fi
     done
@@ -61,42 +121,46 @@ find_python() {
 make_environment() {
     local base=$1 target=$2
     say "making the virtual environment $target"
-    # Debian ships Python without the module that makes environments
-    if ! "$base" -c 'import ensurepip, venv' 2>/dev/null; then
-        install_packages "$("$base" -c 'import sys; print("python3.%d-venv" % sys.version_info[1])')"
-    fi
     rm -rf "$target"
-    "$base" -m venv "$target" || { say "$base cannot make virtual environments; install its venv package"; return 1; }
-    "$target/bin/python" -m pip install --quiet --disable-pip-version-check --require-hashes \
-        -r "$validation/requirements.txt" >&2 || { say "the Python packages could not be installed (see above)"; return 1; }
+    "$base" -m venv "$target" >&2 || { say "$base cannot make virtual environments"; return 1; }
+    # the line of each package is the sign of progress
+    "$target/bin/python" -I -m pip install --progress-bar off --disable-pip-version-check --no-input --require-hashes \
+        -r "$validation/requirements.txt" | sed -un 's/^Collecting \([^ ]*\).*/set-up:   \1/p' >&2 ||
+        { say "the Python packages could not be installed (see above)"; return 1; }
+    # last of all: what has no such file was interrupted, and is made again
     touch "$target/complete"
 }
 
 set_up() {
-    local base key
-    base=$(find_python) || {
-        # a fresh machine may have no Python at all
-        install_packages python3 python3-venv
-        base=$(find_python) || { say "needs Python 3.11 or later: apt-get install -y python3 python3-venv"; return 1; }
+    local found base environment
+    install_packages "${packages[@]}"
+    found=$(find_python) || {
+        # a release whose own Python is older may have a later one beside it
+        [ "$EUID" -ne 0 ] || install_packages python3.11 python3.11-venv
+        found=$(find_python) ||
+            { say "needs Python 3.11 or later: sudo apt-get install -y python3.11 python3.11-venv"; return 1; }
     }
-    key=$({ cat "$validation/requirements.txt"; "$base" -c 'import sys; print(sys.version, sys.executable)'; } | sha256sum)
-    local environment="$cache/venv-${key:0:16}"
+    base=${found#* }
+    environment="$cache/venv-${found%% *}"
     if [ ! -e "$environment/complete" ]; then
-        mkdir -p "$cache" || { say "cannot write to the cache folder $cache; set BOKEH_CACHE to another place"; return 1; }
-        # one set-up at a time: a second one waits and finds the work done
         (
             flock 9
             [ -e "$environment/complete" ] || make_environment "$base" "$environment"
         ) 9>"$cache/lock" || return 1
     fi
-    install_packages "${packages[@]}"
+    # shellcheck disable=SC2034  # used by run and test
     python=$environment/bin/python
 }
 
+mkdir -p -- "$cache" && [ -w "$cache" ] || { say "cannot write to the cache folder $cache; set BOKEH_CACHE"; exit 1; }
 set_up || exit 1
 
-export PYTHONPATH="$validation${PYTHONPATH:+:$PYTHONPATH}"
+# Only this package and what the lock file pins: other folders could shadow either.
+export PYTHONPATH="$validation"
+# Everything that is written on the way goes to the cache folder.
 export PYTHONPYCACHEPREFIX="$cache/pycache"
+export PIP_CACHE_DIR="$cache/pip"
 export MPLCONFIGDIR="$cache/matplotlib"
+export MESA_SHADER_CACHE_DIR="$cache/mesa"
 # Mesa complains where this is not set
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-$cache}"

@@ -1,14 +1,12 @@
 """The three languages as three columns: the libraries must read as one, and this is what checks it.
 
 A line that has to deviate carries `// differs: reason` behind it. The statement it stands on is then exempt, and the
-reason must be found in docs/paper.md. Everything else that is not porting (normal) is a difference.
+reason must be found in docs/paper.md. Everything else that is not porting (listing/normal.py) is a difference.
 """
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import zip_longest
 from os import PathLike, fspath
 
 from rich.console import Console
@@ -17,7 +15,7 @@ from rich.text import Text
 
 from bokeh_validation import paths
 from bokeh_validation.errors import UserError
-from bokeh_validation.listing import normal, passes, rules
+from bokeh_validation.listing import configuration, normal, passes, rules
 from bokeh_validation.listing.difference import Difference, first_unequal
 from bokeh_validation.listing.normal import Function, Statement
 from bokeh_validation.listing.rows import agree, is_marked, rows
@@ -50,16 +48,6 @@ class Deviation:
 
 
 @dataclass(frozen=True)
-class Setting:
-    """A configuration value of section [1]."""
-
-    name: str
-    value: str
-    line: int
-    reason: str | None = None
-
-
-@dataclass(frozen=True)
 class Library:
     """A parsed `bokeh.*`.
 
@@ -88,8 +76,12 @@ def check(texts: Texts | None = None) -> list[Difference]:
     files = _files(texts)
     libraries = {language: library(language, files[LIBRARY[language]]) for language in LANGUAGES}
     found = list(_rules(files, libraries))
-    for compare in (_headers, _sections, _configuration, _functions, _comments):
+    for compare in (_headers, _sections, _functions, _comments):
         found += compare(libraries)
+    found += configuration.check(
+        {language: one.others.get(CONFIGURATION, ()) for language, one in libraries.items()},
+        {language: one.comments.get(CONFIGURATION, ()) for language, one in libraries.items()},
+    )
     found += passes.check({language: files[PASSES[language]] for language in LANGUAGES})
     found += _reasons(files)
     return found
@@ -304,92 +296,18 @@ def _comments(libraries: Mapping[str, Library]) -> Iterator[Difference]:
         yield from first_unequal(f"[{number}] comments", "not the same", lines)
 
 
-def _configuration(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    where = "[1] configuration"
-    settings: dict[str, list[Setting]] = {}
-    rest: dict[str, list[str]] = {}
-    for language, one in libraries.items():
-        read = _wgsl_settings if language == "wgsl" else _c_settings
-        settings[language], rest[language] = read(one.others.get(CONFIGURATION, ()))
-        extra = [function.name for function in one.functions if function.section == CONFIGURATION]
-        rest[language] += extra
-    names = {language: [setting.name for setting in found] for language, found in settings.items()}
-    if len({tuple(found) for found in names.values()}) > 1:
-        yield Difference(
-            where, "names or their order", {language: " ".join(found) for language, found in names.items()}
-        )
-    for name in dict.fromkeys(name for found in names.values() for name in found):
-        same_name = {
-            language: [setting for setting in found if setting.name == name] for language, found in settings.items()
-        }
-        for language, found in same_name.items():
-            if len(found) > 1:
-                yield Difference(where, f"{name} is there more than once", {language: _at(found[1].line, name)})
-        values = {language: found[0] for language, found in same_name.items() if found}
-        if len({value.value for value in values.values() if value.reason is None}) > 1:
-            text = {language: _at(value.line, value.value) for language, value in values.items()}
-            yield Difference(where, f"value of {name}", text)
-    for language, one in libraries.items():
-        rows = [re.match(r"//\s+(BOKEH_\w+)\s+(\S+)", line) for line in one.comments.get(CONFIGURATION, ())]
-        table = [(row[1], row[2]) for row in rows if row]
-        defined = [(setting.name, setting.value) for setting in settings[language] if setting.reason is None]
-        marked = [setting.name for setting in settings[language] if setting.reason is not None]
-        if [row for row in table if row[0] not in marked] != defined:
-            wrong = next(pair for pair in zip_longest(table, defined) if pair[0] != pair[1])
-            shown = [" ".join(one) if one else "(nothing)" for one in wrong]
-            yield Difference(where, "the table is not what the code says", {language: f"{shown[0]} / {shown[1]}"})
-    # What is neither a value nor a comment: the tests on wrong values, which WGSL has no means for.
-    checks = {language: rest[language] for language in ("hlsl", "glsl")}
-    yield from first_unequal(where, "checks of the values", checks)
-    for line in rest["wgsl"]:
-        yield Difference(where, "neither a const nor an override with type and value", {"wgsl": line})
-
-
-def _c_settings(found: Sequence[Item]) -> tuple[list[Setting], list[str]]:
-    """`#ifndef name`, `#define name value`, `#endif` as one setting each; and everything else."""
-    settings, rest = [], []
-    index = 0
-    while index < len(found):
-        three = [" ".join(item.tokens[0].text.split()) for item in found[index : index + 3]]
-        guard = re.fullmatch(r"#ifndef (\w+)", three[0])
-        value = re.fullmatch(r"#define (\w+) (.+)", three[1]) if len(three) == 3 else None
-        if guard and value and guard[1] == value[1] and three[2] == "#endif":
-            settings.append(Setting(guard[1], value[2], found[index + 1].line, found[index + 1].reason))
-            index += 3
-        else:
-            rest.append(" ".join(" ".join(token.text for token in found[index].tokens).split()))
-            index += 1
-    return settings, rest
-
-
-def _wgsl_settings(found: Sequence[Item]) -> tuple[list[Setting], list[str]]:
-    """`const name: type = value;` and `override ...` as one setting each; and everything else."""
-    settings, rest = [], []
-    for item in found:
-        texts = [token.text for token in item.code]
-        declared = len(texts) >= 7 and texts[0] in ("const", "override") and (texts[2], texts[4]) == (":", "=")
-        value = " ".join(texts[5:-1]) if declared else ""
-        if declared and texts[3] == ("i32" if re.fullmatch(r"(- )?\d+", value) else "f32"):
-            settings.append(Setting(texts[1], value, item.line, item.reason))
-        else:
-            rest.append(_at(item.line, " ".join(texts)))
-    return settings, rest
-
-
 def _functions(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    compared = {
-        language: [function for function in one.functions if function.section >= PORTING]
+    order = {
+        language: list(dict.fromkeys(function.name for function in one.functions))
         for language, one in libraries.items()
     }
-    order = {language: [function.name for function in found] for language, found in compared.items()}
-    order = {language: list(dict.fromkeys(names)) for language, names in order.items()}
     everything = list(dict.fromkeys(name for names in order.values() for name in names))
     common = [name for name in everything if all(name in names for names in order.values())]
     shared = {language: [name for name in names if name in common] for language, names in order.items()}
     yield from first_unequal("functions", "not in the same order", shared)
     for language, one in libraries.items():
         yield from _strangers(one)
-        yield from _repeated(language, compared[language])
+        yield from _repeated(language, one.functions)
     for name in everything:
         there = {language: one.named(name) for language, one in libraries.items()}
         present = {language: function for language, function in there.items() if function}

@@ -168,7 +168,7 @@ def _wgsl_parameters(pieces: Sequence[Sequence[Token]]) -> list[Parameter]:
     single = []
     for piece in pieces:
         colon = next((i for i, token in enumerate(piece) if token.text == ":"), None)
-        name = piece[colon - 1].text if colon else ""
+        name = " ".join(token.text for token in piece[: colon or 0])
         single.append(Parameter(name, _joined(common(piece[(colon or 0) + 1 :], "wgsl", ()))))
     found: list[Parameter] = []
     for parameter in single:
@@ -194,7 +194,7 @@ def split(tokens: Sequence[Token]) -> list[list[Token]]:
             continue
         depth += (token.text in ("(", "[", "{", "<")) - (token.text in (")", "]", "}", ">"))
         parts[-1].append(token)
-    return [part for part in parts if part]
+    return parts[:-1] if parts and not parts[-1] else parts
 
 
 def _statements(

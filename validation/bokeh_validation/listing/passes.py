@@ -94,5 +94,5 @@ def _wgsl_members(top: Sequence[Item]) -> list[Member]:
         if item.kind == "block" and code[1].text == "BokehParameters" and code[2].text == "{":
             for member in normal.split(code[3 : matching(code, 2)]):
                 kind = " ".join(text for _, text in normal.common(member[2:], "wgsl", ()))
-                found.append(("", kind, member[0].text))
+                found.append(("", kind, member[0].text if member else ""))
     return found

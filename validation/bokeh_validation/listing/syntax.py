@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 TOKEN = re.compile(
     r"""
@@ -82,7 +83,8 @@ class Section:
         return items(self.tokens)
 
 
-def tokenize(text: str) -> list[Token]:
+@lru_cache(maxsize=64)
+def tokenize(text: str) -> tuple[Token, ...]:
     """All tokens but space. Characters of no token become kind 'unknown', so that nothing is passed over in silence."""
     tokens: list[Token] = []
     position, line, line_start = 0, 1, True
@@ -100,7 +102,7 @@ def tokenize(text: str) -> list[Token]:
             tokens.append(Token(kind, piece, line, end_line, position, end, line_start))
             line_start = False
         position, line = end, end_line
-    return tokens
+    return tuple(tokens)
 
 
 def marked_reason(token: Token) -> str | None:

@@ -16,18 +16,21 @@ SQUARE = (slice(44, 76), slice(64, 96))
 HALF_STEP = 2.0**-10
 
 
+def thin_lens(depth):
+    """CoC of a depth or of an array of them, fraction of the image height."""
+    return listings.circle_of_confusion(
+        depth,
+        CAMERA.aperture_diameter,
+        CAMERA.focal_length,
+        CAMERA.focus_distance,
+        CAMERA.sensor_height,
+        CAMERA.max_coc,
+    )
+
+
 def coc_pixels(depth: float) -> float:
     """CoC in pixels of a depth."""
-    camera = CAMERA
-    coc = listings.circle_of_confusion(
-        depth,
-        camera.aperture_diameter,
-        camera.focal_length,
-        camera.focus_distance,
-        camera.sensor_height,
-        camera.max_coc,
-    )
-    return float(coc) * SIZE[1]
+    return float(thin_lens(depth)) * SIZE[1]
 
 
 def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -252,16 +255,8 @@ CONSTANT = Probe(
 
 def _judge_coc(outputs: dict[str, Outputs]) -> list[Check]:
     seen = outputs["depth 0.5 m to 500 m"]["coc"][..., 3]
-    depth = field_depth().astype(np.float64)
     camera = CAMERA
-    truth = listings.circle_of_confusion(
-        depth,
-        camera.aperture_diameter,
-        camera.focal_length,
-        camera.focus_distance,
-        camera.sensor_height,
-        camera.max_coc,
-    )
+    truth = thin_lens(field_depth().astype(np.float64))
     off = np.abs(seen - truth) / listings.step(truth + 16 * 2.0**-24 * truth, np.float16)
     far = camera.aperture_diameter * camera.focal_length / (camera.focus_distance - camera.focal_length)
     sky = outputs["infinite depth"]["coc"][..., 3]

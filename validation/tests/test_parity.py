@@ -1,0 +1,483 @@
+"""The parity check passes on the checkout, and no change to one language gets past it."""
+
+import io
+import re
+
+import pytest
+from rich.console import Console
+
+from bokeh_validation import parity, paths
+from bokeh_validation.errors import UserError
+from bokeh_validation.listing.syntax import tokenize
+
+LANGUAGES = paths.LANGUAGES
+TEXTS = {
+    key: (paths.ROOT / key).read_text(encoding="ascii") for key in (*parity.LIBRARY.values(), *parity.PASSES.values())
+}
+BEFORE = parity.check()
+
+
+def new_differences(texts: dict[str, str]) -> list[parity.Difference]:
+    """What a change brings in beside what is there without it."""
+    return [difference for difference in parity.check(texts) if difference not in BEFORE]
+
+
+def replaced(text: str, old: str, new: str) -> str:
+    """The text with the first `old` replaced; it has to be there."""
+    assert old in text, f"{old!r} is not in the text"
+    return text.replace(old, new, 1)
+
+
+def mutated(language: str, old: str, new: str) -> dict[str, str]:
+    """The library of a language with one change."""
+    key = parity.LIBRARY[language]
+    return {key: replaced(TEXTS[key], old, new)}
+
+
+def test_the_checkout_passes():
+    assert not parity.check(), "\n" + "\n".join(map(str, parity.check()))
+
+
+def test_every_deviation_is_listed():
+    marks = sum(text.count("// differs: ") for text in TEXTS.values())
+    assert len(parity.deviations()) == marks
+
+
+# Changes that read the same in every language: name -> (old, new). The first occurrence is replaced.
+EVERYWHERE = {
+    "a literal": ("sampleCoC * bleedingMult, 0.0, 1.0)", "sampleCoC * bleedingMult, 0.0, 2.0)"),
+    "the spelling of a literal": ("(0.5 * cos(angle)", "(.5 * cos(angle)"),
+    "a suffix of a literal": ("0.5 * sin(angle)", "0.5f * sin(angle)"),
+    "a comparison": ("sampleDepth < centerDepth", "sampleDepth <= centerDepth"),
+    "a comparison in a loop": ("i < numSamples", "i <= numSamples"),
+    "an operator": ("centerCoC > sampleCoC + bleedingBias", "centerCoC > sampleCoC - bleedingBias"),
+    "another joint": ("< centerDepth && centerCoC", "< centerDepth || centerCoC"),
+    "min for max": ("result = max(a, b);", "result = min(a, b);"),
+    "a swapped pair of arguments": ("clamp(c / sensorHeight, 0.0, MaxCoC)", "clamp(c / sensorHeight, MaxCoC, 0.0)"),
+    "a component": ("uv).r;", "uv).g;"),
+    "parentheses": ("float(2 * i - last)", "float(2 * (i - last))"),
+    "a condition turned round": ("if (!blurCoC)", "if (blurCoC)"),
+    "a statement dropped": ("        totalWeight += weight;\n", ""),
+    "a statement twice": ("        totalWeight += weight;\n", "        totalWeight += weight;\n" * 2),
+    "statements swapped": (
+        "        color += samplePixel * weight;\n        totalWeight += weight;\n",
+        "        totalWeight += weight;\n        color += samplePixel * weight;\n",
+    ),
+    "a branch dropped": ("    if (useMax)\n    {\n        result = max(a, b);\n    }\n", ""),
+    "an empty statement": ("        totalWeight += weight;\n", "        totalWeight += weight;;\n"),
+    "another accumulation": ("color += samplePixel * weight;", "color = samplePixel * weight;"),
+    "a commented-out statement": ("        totalWeight += weight;", "        // totalWeight += weight;"),
+    "a comment in a body": ("        totalWeight += weight;", "        totalWeight += weight; // counts"),
+    "a swizzle assigned": ("        totalWeight += weight;", "        color.rgb += weight; totalWeight += weight;"),
+    "a tag line": ("// Listing 2: the end of a line", "// Listing 3: the end of a line"),
+    "a tag line dropped": ("// Listing 2: the end of a line of length 1 centred on this pixel\n", ""),
+    "a doc comment": ("//   MaxCoC        largest CoC allowed", "//   MaxCoC        smallest CoC allowed"),
+    "a doc comment cut off": ("//   returns       0 .. 1\n", "//   returns       0 .. 1\n\n"),
+    "a picture": ("^ this pixel", "^ that pixel"),
+    "a heading": ("// [7] naive gather\n", "// [7] gather\n"),
+    "a section number": ("// [8] exact polygons: not", "// [7] exact polygons: not"),
+    "the contract": ("CoC   circle of confusion: a DIAMETER", "CoC   circle of confusion: a RADIUS"),
+    "the contents": ("[9] debug views: BokehDebugCoC", "[9] debug views"),
+    "a default in the table": ("//   BOKEH_MAX_COC         0.1 ", "//   BOKEH_MAX_COC         0.2 "),
+    "a range in the table": ("0.02       0 .. 1    Listing 3;", "0.02       0 .. 2    Listing 3;"),
+    "a row of the table": ("//   BOKEH_MAX_COLOR       65504.0              largest half float\n", ""),
+    "a tab": ("    return lineEnd * t;", "\treturn lineEnd * t;"),
+    "a tab in a comment": ("// [7] naive gather", "// [7]\tnaive gather"),
+    "a character that is not ASCII": ("Listing 1: CoC of a thin lens", "Listing 1: CoC of a thin lens \u00e9"),
+    "a backslash at the end of a line": ("length 1 centred on this pixel\n", "length 1 centred on this pixel\\\n"),
+    "a long line": ("    return lineEnd * t;", "    return lineEnd * t;" + " " * 120 + "//"),
+    "a carriage return": ("    return lineEnd * t;\n", "    return lineEnd * t;\r\n"),
+    "no licence line": ("// SPDX-License-Identifier: MIT\n", ""),
+    "a version": ("Version 0.1.0.", "Version 0.1.1."),
+    "no version": (" Version 0.1.0.", ""),
+    "a block comment": ("    return lineEnd * t;", "    /* why */ return lineEnd * t;"),
+    "a misspelt call": ("BokehResolve(color,", "BokehResolved(color,"),
+    "an unmarked deviation": ("float(last)", "max(float(last), 1.0)"),
+    "a mark with nothing on its line": (
+        "    return lineEnd * t;",
+        "    // differs: because\n    return lineEnd + t;",
+    ),
+    "a mark without a reason": ("    return lineEnd * t;", "    return lineEnd + t; // differs:"),
+    "a mark that no paper tells of": ("    return lineEnd * t;", "    return lineEnd + t; // differs: no such reason"),
+    "a mark on a brace": ("    return lineEnd * t;\n}", "    return lineEnd + t;\n} // differs: because"),
+    "a stray character": ("    return lineEnd * t;", "    return lineEnd * t $;"),
+    "a bracket without its other": ("    return lineEnd * t;", "    return lineEnd * (t;"),
+    "a brace without its other": ("    return lineEnd * t;\n}", "    return lineEnd * t;\n"),
+    "a derivative": ("    return lineEnd * t;", "    return lineEnd * t + dFdx(t);"),
+    "a macro": ("// Debug: linear depth", "#define BOKEH_MORE 1\n\n// Debug: linear depth"),
+    "a condition in a body": ("    return lineEnd * t;", "#if 0\n    return lineEnd * t;\n#endif"),
+}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", EVERYWHERE)
+def test_a_change_in_one_language_is_found(name, language):
+    old, new = EVERYWHERE[name]
+    if language == "wgsl":
+        old, new = old.replace("float(", "f32("), new.replace("float(", "f32(")
+    found = new_differences(mutated(language, old, new))
+    assert found, f"{name} in {language} was not found"
+    assert all(difference.where and difference.what for difference in found)
+
+
+# Changes that are spelt in each language's own way: name -> language -> (old, new).
+SPELT = {
+    "a default": {
+        "hlsl": ("#define BOKEH_MAX_COC 0.1", "#define BOKEH_MAX_COC 0.2"),
+        "glsl": ("#define BOKEH_MAX_COC 0.1", "#define BOKEH_MAX_COC 0.2"),
+        "wgsl": ("BOKEH_MAX_COC: f32 = 0.1", "BOKEH_MAX_COC: f32 = 0.2"),
+    },
+    "the spelling of a default": {
+        "hlsl": ("BOKEH_BLEEDING_MULT 30.0\n", "BOKEH_BLEEDING_MULT 30.\n"),
+        "glsl": ("BOKEH_BLEEDING_MULT 30.0\n", "BOKEH_BLEEDING_MULT 30.\n"),
+        "wgsl": ("BOKEH_BLEEDING_MULT: f32 = 30.0", "BOKEH_BLEEDING_MULT: f32 = 30."),
+    },
+    "the name of a setting": {
+        "hlsl": ("#ifndef BOKEH_MAX_COC\n", "#ifndef BOKEH_MAXCOC\n"),
+        "glsl": ("#ifndef BOKEH_MAX_COC\n", "#ifndef BOKEH_MAXCOC\n"),
+        "wgsl": ("const BOKEH_MAX_COC:", "const BOKEH_MAXCOC:"),
+    },
+    "an extra setting": {
+        "hlsl": ("#if BOKEH_NUM_SAMPLES < 2", "#ifndef BOKEH_X\n#define BOKEH_X 1\n#endif\n#if BOKEH_NUM_SAMPLES < 2"),
+        "glsl": ("#if BOKEH_NUM_SAMPLES < 2", "#ifndef BOKEH_X\n#define BOKEH_X 1\n#endif\n#if BOKEH_NUM_SAMPLES < 2"),
+        "wgsl": ("const BOKEH_MAX_COC:", "const BOKEH_X: i32 = 1;\nconst BOKEH_MAX_COC:"),
+    },
+    "a check of a setting, or its type": {
+        "hlsl": ("BOKEH_NUM_SAMPLES < 2", "BOKEH_NUM_SAMPLES < 1"),
+        "glsl": ("BOKEH_NUM_SAMPLES < 2", "BOKEH_NUM_SAMPLES < 1"),
+        "wgsl": ("override BOKEH_NUM_SAMPLES: i32", "override BOKEH_NUM_SAMPLES: f32"),
+    },
+    "parameters in another order": {
+        "hlsl": ("BokehDebugDepth(float S2, float S1)", "BokehDebugDepth(float S1, float S2)"),
+        "glsl": ("BokehDebugDepth(float S2, float S1)", "BokehDebugDepth(float S1, float S2)"),
+        "wgsl": ("BokehDebugDepth(S2: f32, S1: f32)", "BokehDebugDepth(S1: f32, S2: f32)"),
+    },
+    "textures in another order": {
+        "hlsl": (
+            "BokehCoCMap(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp),",
+            "BokehCoCMap(BOKEH_TEXTURE(DepthSamp), BOKEH_TEXTURE(ColorSamp),",
+        ),
+        "glsl": (
+            "BokehCoCMap(sampler2D ColorSamp, sampler2D DepthSamp,",
+            "BokehCoCMap(sampler2D DepthSamp, sampler2D ColorSamp,",
+        ),
+        "wgsl": (
+            "BokehCoCMap(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,\n"
+            "    DepthSampSampler: sampler,",
+            "BokehCoCMap(DepthSamp: texture_2d<f32>, DepthSampSampler: sampler, ColorSamp: texture_2d<f32>,\n"
+            "    ColorSampSampler: sampler,",
+        ),
+    },
+    "a parameter renamed": {
+        "hlsl": ("BokehDebugDepth(float S2, float S1)", "BokehDebugDepth(float S2, float focus)"),
+        "glsl": ("BokehDebugDepth(float S2, float S1)", "BokehDebugDepth(float S2, float focus)"),
+        "wgsl": ("BokehDebugDepth(S2: f32, S1: f32)", "BokehDebugDepth(S2: f32, focus: f32)"),
+    },
+    "a type of a parameter": {
+        "hlsl": ("int i, int numSamples)", "int i, float numSamples)"),
+        "glsl": ("int i, int numSamples)", "int i, float numSamples)"),
+        "wgsl": ("i: i32, numSamples: i32)", "i: i32, numSamples: f32)"),
+    },
+    "a type of a local": {
+        "hlsl": ("    int last =", "    float last ="),
+        "glsl": ("    int last =", "    float last ="),
+        "wgsl": ("    let last: i32 =", "    let last: f32 ="),
+    },
+    "a type of another language": {
+        "hlsl": ("    float4 color = float4(", "    vec4 color = vec4("),
+        "glsl": ("    vec4 color = vec4(", "    float4 color = float4("),
+        "wgsl": ("    var color: vec4f = vec4f(", "    var color: float4 = float4("),
+    },
+    "a type of a result": {
+        "hlsl": ("float BokehSafeDepth(", "float2 BokehSafeDepth("),
+        "glsl": ("float BokehSafeDepth(", "vec2 BokehSafeDepth("),
+        "wgsl": ("fn BokehSafeDepth(S2: f32) -> f32", "fn BokehSafeDepth(S2: f32) -> vec2f"),
+    },
+    "a half": {
+        "hlsl": ("    float totalWeight =", "    half totalWeight ="),
+        "glsl": ("    float totalWeight =", "    mediump float totalWeight ="),
+        "wgsl": ("    var totalWeight: f32 =", "    var totalWeight: f16 ="),
+    },
+    "no type": {
+        "hlsl": ("    float totalWeight =", "    totalWeight ="),
+        "glsl": ("    float totalWeight =", "    totalWeight ="),
+        "wgsl": ("    var totalWeight: f32 =", "    var totalWeight ="),
+    },
+    "a fetch without its coordinates": {
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(BOKEH_ARGUMENT(DepthSamp))"),
+        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp)"),
+        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, DepthSampSampler)"),
+    },
+    "a fetch of the other texture": {
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv)"),
+        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(ColorSamp, uv)"),
+        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(ColorSamp, ColorSampSampler, uv)"),
+    },
+    "a texture without its sampler": {
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(DepthSamp, uv)"),
+        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp, DepthSampSampler, uv)"),
+        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, uv)"),
+    },
+    "the sampler of the other texture": {
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
+        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
+        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
+    },
+    "sampling past BokehFetch": {
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "tex2D(DepthSamp, uv)"),
+        "glsl": ("BokehFetch(DepthSamp, uv)", "texture(DepthSamp, uv)"),
+        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "textureSample(DepthSamp, DepthSampSampler, uv)"),
+    },
+    "a size of a texture": {
+        "hlsl": ("    return lineEnd * t;", "    tex.GetDimensions(t);\n    return lineEnd * t;"),
+        "glsl": ("    return lineEnd * t;", "    textureSize(tex, 0);\n    return lineEnd * t;"),
+        "wgsl": ("    return lineEnd * t;", "    textureDimensions(tex);\n    return lineEnd * t;"),
+    },
+    "a parameter of the fetch": {
+        "hlsl": ("BokehFetch(BOKEH_TEXTURE(tex), float2 uv)", "BokehFetch(BOKEH_TEXTURE(tex), float2 st)"),
+        "glsl": ("BokehFetch(sampler2D tex, vec2 uv)", "BokehFetch(sampler2D tex, vec2 st)"),
+        "wgsl": (
+            "BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f)",
+            "BokehFetch(tex: texture_2d<f32>, texSampler: sampler, st: vec2f)",
+        ),
+    },
+    "a helper without the prefix": {
+        "hlsl": ("// Debug: linear", "// Debug: x\nfloat saturated(float x)\n{\n    return x;\n}\n\n// Debug: linear"),
+        "glsl": ("// Debug: linear", "// Debug: x\nfloat saturated(float x)\n{\n    return x;\n}\n\n// Debug: linear"),
+        "wgsl": (
+            "// Debug: linear",
+            "// Debug: x\nfn saturated(x: f32) -> f32\n{\n    return x;\n}\n\n// Debug: linear",
+        ),
+    },
+    "a helper in the porting section": {
+        "hlsl": ("// Porting: one texel", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: one texel"),
+        "glsl": ("// Porting: one texel", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: one texel"),
+        "wgsl": ("// Porting: one texel", "fn BokehX(x: f32) -> f32\n{\n    return x;\n}\n\n// Porting: one texel"),
+    },
+    "a global": {
+        "hlsl": ("// Debug: linear", "static const float bokehX[2] = { 1.0, 2.0 };\n\n// Debug: linear"),
+        "glsl": ("// Debug: linear", "const float bokehX = 1.0;\n\n// Debug: linear"),
+        "wgsl": ("// Debug: linear", "const bokehX: f32 = 1.0;\n\n// Debug: linear"),
+    },
+    "a bit trick": {
+        "hlsl": ("int last = max(numSamples, 2) - 1;", "int last = (numSamples | 2) - 1;"),
+        "glsl": ("int last = max(numSamples, 2) - 1;", "int last = (numSamples | 2) - 1;"),
+        "wgsl": ("let last: i32 = max(numSamples, 2) - 1;", "let last: i32 = (numSamples | 2) - 1;"),
+    },
+}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", SPELT)
+def test_a_change_spelt_in_a_language_is_found(name, language):
+    assert new_differences(mutated(language, *SPELT[name][language])), f"{name} in {language} was not found"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_renamed_local_is_found(language):
+    key = parity.LIBRARY[language]
+    found = new_differences({key: re.sub(r"\bsampleCoords\b", "coords", TEXTS[key])})
+    assert any("BokehDepthOfField" in difference.where for difference in found)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_function_dropped_moved_or_repeated_is_found(language):
+    key = parity.LIBRARY[language]
+    moved = parity.columns("BokehDebugCoC")[language] + "\n\n"
+    assert new_differences({key: replaced(TEXTS[key], moved, "")})
+    before = replaced(replaced(TEXTS[key], moved, ""), "// Debug: linear depth", moved + "// Debug: linear depth")
+    assert any("order" in difference.what for difference in new_differences({key: before}))
+    rule = "// " + "-" * 117 + "\n// [8]"
+    elsewhere = replaced(replaced(TEXTS[key], moved, ""), rule, moved + rule)
+    assert any("section" in difference.what for difference in new_differences({key: elsewhere}))
+    again = replaced(TEXTS[key], moved, moved + moved)
+    assert any("overload" in difference.what for difference in new_differences({key: again}))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_line_breaks_and_spaces_do_not_matter(language):
+    old = "BokehSafeChannel(color.r), BokehSafeChannel(color.g),"
+    new = "BokehSafeChannel( color.r ),\n        BokehSafeChannel(color.g),"
+    assert not new_differences(mutated(language, old, new))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_hardly_a_token_can_go_unnoticed(language):
+    """Every 23rd token of sections [3] to [9] dropped."""
+    key = parity.LIBRARY[language]
+    text = TEXTS[key]
+    start = text.index("// [3] Listing 1")
+    later = [token for token in tokenize(text) if token.start > start and not token.text.startswith("// ---")]
+    for token in later[::23]:
+        if token.text != "BOKEH_LOOP":
+            dropped = text[: token.start] + text[token.end :]
+            assert new_differences({key: dropped}), f"line {token.line}: {token.text} dropped"
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# marked deviations
+# ----------------------------------------------------------------------------------------------------------------------
+
+REASON = "this compiler has no multiplication of a vector by a scalar"
+
+
+def marked(language: str, statement: str = "return t * lineEnd;") -> dict[str, str]:
+    """A marked statement in one language, told of in docs/paper.md (over a line break)."""
+    told = REASON.replace("multiplication of", "multiplication\nof")
+    return {
+        **mutated(language, "return lineEnd * t;", f"{statement} // differs: {REASON}"),
+        parity.PAPER: f"Deviations:\n- {told}.\n",
+    }
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_marked_statement_is_exempt_and_listed(language):
+    texts = marked(language)
+    assert not new_differences(texts)
+    assert [(one.file, one.reason) for one in parity.deviations(texts)] == [(parity.LIBRARY[language], REASON)]
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_an_extra_marked_statement_is_exempt(language):
+    assert not new_differences(
+        {
+            **mutated(
+                language, "    return lineEnd * t;", f"    t += 0.0; // differs: {REASON}\n    return lineEnd * t;"
+            ),
+            parity.PAPER: REASON,
+        }
+    )
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_mark_exempts_one_statement_only(language):
+    texts = marked(language, "t *= 2.0; return t * lineEnd;")
+    assert new_differences(texts)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_mark_does_not_exempt_the_other_languages_from_each_other(language):
+    texts = marked(language)
+    other = next(one for one in LANGUAGES if one != language)
+    assert new_differences({**texts, **mutated(other, "return lineEnd * t;", "return lineEnd - t;")})
+
+
+def test_a_marked_signature_and_a_marked_default_are_exempt():
+    texts = {
+        **mutated(
+            "glsl", "vec2 BokehLineEnd(float angle,", f"vec2 BokehLineEnd( // differs: {REASON}\n    highp float angle,"
+        ),
+        parity.PAPER: REASON,
+    }
+    assert not new_differences(texts)
+    texts = {
+        **mutated("wgsl", "BOKEH_MAX_COC: f32 = 0.1;", f"BOKEH_MAX_COC: f32 = 0.2; // differs: {REASON}"),
+        parity.PAPER: REASON,
+    }
+    assert not new_differences(texts)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# passes
+# ----------------------------------------------------------------------------------------------------------------------
+
+PARAMETER = {
+    "hlsl": "BOKEH_PARAMETER(float, BokehAngleB, 8)\n",
+    "glsl": "BOKEH_PARAMETER(float, BokehAngleB)\n",
+    "wgsl": "    BokehAngleB: f32,\n",
+}
+BLUR_ENTRY = {
+    "hlsl": ("float4 BokehNaiveGrid_PS(", "float4 BokehGrid_PS("),
+    "glsl": ("#elif BOKEH_PASS == BOKEH_NAIVE_GRID", "#elif BOKEH_PASS == BOKEH_GRID"),
+    "wgsl": ("fn BokehNaiveGrid_PS(", "fn BokehGrid_PS("),
+}
+UNPREFIXED = {
+    "hlsl": ("Texture2D BokehKernelSamp :", "Texture2D KernelSamp :"),
+    "glsl": ("uniform sampler2D BokehKernelSamp;", "uniform sampler2D KernelSamp;"),
+    "wgsl": ("var BokehKernelSamp:", "var KernelSamp:"),
+}
+DIRECT = {
+    "hlsl": ("BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv)", "tex2D(BokehColorSamp, uv)"),
+    "glsl": ("BokehFetch(BokehColorSamp, BokehUV)", "texture(BokehColorSamp, BokehUV)"),
+    "wgsl": ("BokehFetch(BokehColorSamp, ", "textureSample(BokehColorSamp, "),
+}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda language: (PARAMETER[language], ""),
+        lambda language: (PARAMETER[language], PARAMETER[language].replace("AngleB", "AngleC")),
+        lambda language: (PARAMETER[language], re.sub("float|f32", "int", PARAMETER[language])),
+        lambda language: (PARAMETER[language], PARAMETER[language] * 2),
+        lambda language: BLUR_ENTRY[language],
+        lambda language: UNPREFIXED[language],
+        lambda language: DIRECT[language],
+        lambda language: ("Version 0.1.0.", "Version 0.2.0."),
+        lambda language: ("// BokehDebugMode: 0 colour", "// BokehDebugMode: 0\tcolour"),
+        lambda language: ("// BokehDebugMode: 0 colour", "// BokehDebugMode: 0 colour\\\n"),
+    ],
+    ids=[
+        "parameter dropped",
+        "parameter renamed",
+        "parameter of another type",
+        "parameter twice",
+        "entry point renamed",
+        "global without the prefix",
+        "sampling past BokehFetch",
+        "version",
+        "tab",
+        "backslash",
+    ],
+)
+def test_a_change_in_a_passes_file_is_found(change, language):
+    key = parity.PASSES[language]
+    assert new_differences({key: replaced(TEXTS[key], *change(language))})
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_parameters_in_another_order_are_found(language):
+    key = parity.PASSES[language]
+    text = re.sub(r"\bBokehAngleB\b", "BokehX", TEXTS[key])
+    text = re.sub(r"\bBokehAspectRatio\b", "BokehAngleB", text)
+    assert new_differences({key: re.sub(r"\bBokehX\b", "BokehAspectRatio", text)})
+
+
+def test_hlsl_registers_and_glsl_pass_numbers_are_checked():
+    key = parity.PASSES["hlsl"]
+    assert new_differences({key: replaced(TEXTS[key], "BokehAngleB, 8)", "BokehAngleB, 9)")})
+    key = parity.PASSES["glsl"]
+    assert new_differences({key: replaced(TEXTS[key], "#define BOKEH_DEBUG 7", "#define BOKEH_DEBUG 6")})
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# columns
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def test_columns_are_the_text_of_the_files():
+    found = parity.columns("BokehDepthOfField")
+    assert list(found) == list(LANGUAGES)
+    for language, text in found.items():
+        assert text in TEXTS[parity.LIBRARY[language]]
+        assert text.startswith("// Listing 3: DepthOfField,") and text.endswith("\n}")
+
+
+def test_an_unknown_function_is_a_user_error_that_lists_the_names():
+    with pytest.raises(UserError, match="BokehNoSuch.*BokehDepthOfField.*BokehDebugFocus"):
+        parity.columns("BokehNoSuch")
+
+
+def test_an_unknown_file_is_a_user_error():
+    with pytest.raises(UserError, match="glsl/boke.glsl"):
+        parity.check({"glsl/boke.glsl": ""})
+
+
+def test_three_columns_are_printed():
+    console = Console(file=io.StringIO(), width=300)
+    parity.render_columns("BokehDepthOfField", console)
+    printed = console.file.getvalue()
+    rows = [line for line in printed.splitlines() if "BokehResolve(color, totalWeight" in line]
+    assert len(rows) == 1 and rows[0].count("BokehResolve") == 3
+    assert all(language.upper() in printed for language in LANGUAGES)
