@@ -51,10 +51,18 @@ def main() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
+    _end_programs()
     sys.stdout.flush()
     sys.stderr.flush()
     # Mesa's and wgpu's libraries tear down in an order of their own; nothing is left to save here.
     os._exit(code if isinstance(code, int) else 0)
+
+
+def _end_programs() -> None:
+    """os._exit() runs no exit handlers: end Wine and its display here, if they were used at all."""
+    windows = sys.modules.get("bokeh_validation.windows.wine")
+    if windows:
+        windows.stop()
 
 
 def _refuse(message: str) -> int:
@@ -134,9 +142,10 @@ def doctor(
     from bokeh_validation import doctor as findings
 
     if install:
-        from bokeh_validation.compilers import dxc
+        from bokeh_validation.compilers import dxc, fxc
 
         dxc.fetch()
+        fxc.fetch()
     table = Table("", "", "", box=None, show_header=False, pad_edge=False)
     for finding in findings.findings():
         state = "[green]found[/]" if finding.found else "[yellow]missing[/]"
@@ -165,6 +174,15 @@ def compile_(
         text = json.dumps(matrices.as_json(matrix), indent=1)
         exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
     raise typer.Exit(EXIT_FAILED if matrix.counts["failed"] else 0)
+
+
+@app.command()
+def sm3() -> None:
+    """Instruction slots of the naive gather under shader model 3, by how its loops are written."""
+    from bokeh_validation import sm3 as model
+
+    for line in model.lines(model.attempts()):
+        console.print(line, markup=False)
 
 
 @app.command()

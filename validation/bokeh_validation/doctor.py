@@ -28,14 +28,29 @@ def _driver(name: str) -> Callable[[], str]:
     return lambda: drivers.load(name).adapter
 
 
+def _fxc() -> str:
+    return importlib.import_module("bokeh_validation.compilers.fxc").version() + _native()
+
+
+def _direct3d(name: str) -> Callable[[], str]:
+    return lambda: drivers.load(name).adapter + _native()
+
+
+def _native() -> str:
+    return " (without Wine: never tried)" if sys.platform == "win32" else ""
+
+
 CHECKS: tuple[tuple[str, str, Callable[[], str]], ...] = (
     ("compiler", "glslang", _compiler("glslang")),
     ("compiler", "spirv-val", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_val()),
     ("compiler", "spirv-cross", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_cross()),
     ("compiler", "mesa", _compiler("mesa")),
     ("compiler", "naga", _compiler("naga")),
+    ("compiler", "angle", _compiler("angle")),
+    ("compiler", "tint", _compiler("tint")),
     ("compiler", "dxc", _compiler("dxc")),
-    *(("driver", name, _driver(name)) for name in drivers.NAMES),
+    ("compiler", "fxc", _fxc),
+    *(("driver", name, (_direct3d if name in ("d3d9", "d3d11") else _driver)(name)) for name in drivers.NAMES),
 )
 
 

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bokeh_validation import variants
-from bokeh_validation.compilers import chain, glslang, mesa, naga, spirv
+from bokeh_validation.compilers import angle, chain, glslang, mesa, naga, spirv, tint
 from bokeh_validation.compilers.chain import FAILED, MISSING, NOT_APPLICABLE, OK, Cell, Runtimes
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.variants import COLUMNS, Variant, load
@@ -140,7 +140,7 @@ def run(
         for variant in rows:
             source = variants.source(variant)
             source = edit(source) if edit else source
-            # OpenGL, wgpu and DXC stay in this thread while the pool runs the tools of earlier rows
+            # OpenGL, wgpu, Chromium, DXC and fxc stay in this thread while the pool runs the tools of earlier rows
             cells, binary = chain.in_process(variant, source, runtimes)
             waiting.append((variant, pool.submit(chain.tools, variant, source, cells, binary)))
             while waiting and waiting[0][1].done():
@@ -159,6 +159,7 @@ def versions(rows: Iterable[Variant], runtimes: Runtimes) -> dict[str, str]:
         return f"spirv-cross {spirv.version_cross()}, glslang {glslang.version()}"
 
     ask: dict[str, Callable[[], str]] = {
+        "fxc": lambda: runtimes.get("fxc").version,
         "glslang": glslang.version,
         "dxc-spirv": lambda: runtimes.get("dxc").version,
         "dxc-dxil": lambda: runtimes.get("dxc").version,
@@ -167,6 +168,8 @@ def versions(rows: Iterable[Variant], runtimes: Runtimes) -> dict[str, str]:
         "essl310": cross_checked,
         "msl": lambda: f"spirv-cross {spirv.version_cross()}",
         "mesa": lambda: mesa.version(runtimes.get("gl")),
+        "angle": lambda: angle.version(runtimes.chromium()),
+        "tint": lambda: tint.version(runtimes.chromium()),
         "naga": lambda: naga.version(runtimes.get("wgpu")),
     }
     used = {column for row in rows for column in row.compilers}

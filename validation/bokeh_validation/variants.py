@@ -16,13 +16,28 @@ PAPER_SAMPLES = 13  # on a line, section 4.3
 # Compilers that can take a language at a profile, in the order in which they are shown.
 COMPILERS: dict[tuple[str, str], tuple[str, ...]] = {
     ("glsl", "330"): ("glslang", "spirv-val", "mesa"),
-    ("glsl", "300es"): ("glslang", "mesa"),
+    ("glsl", "300es"): ("glslang", "mesa", "angle"),
     ("glsl", "450"): ("glslang", "spirv-val", "essl300", "essl310", "msl", "mesa"),
-    ("hlsl", "sm5"): ("glslang", "spirv-val", "essl300", "essl310", "msl"),
+    ("hlsl", "sm3"): ("fxc",),
+    ("hlsl", "sm4"): ("fxc",),
+    ("hlsl", "sm5"): ("fxc", "glslang", "spirv-val", "essl300", "essl310", "msl"),
     ("hlsl", "sm6"): ("dxc-spirv", "dxc-dxil", "spirv-val", "essl300", "essl310", "msl", "naga"),
-    ("wgsl", "wgsl"): ("naga",),
+    ("wgsl", "wgsl"): ("naga", "tint"),
 }
-COLUMNS = ("glslang", "dxc-spirv", "dxc-dxil", "spirv-val", "essl300", "essl310", "msl", "mesa", "naga")
+COLUMNS = (
+    "fxc",
+    "glslang",
+    "dxc-spirv",
+    "dxc-dxil",
+    "spirv-val",
+    "essl300",
+    "essl310",
+    "msl",
+    "mesa",
+    "angle",
+    "naga",
+    "tint",
+)
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from bokeh_validation import variants
-from bokeh_validation.compilers import dxc, glslang, mesa, naga, places, spirv
+from bokeh_validation import browser, variants
+from bokeh_validation.compilers import angle, dxc, fxc, glslang, mesa, naga, places, spirv, tint
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.variants import Variant
@@ -37,16 +37,18 @@ class Runtimes:
     """Compilers that live in this process: made on first use and once, and remembered too where they are missing.
 
     gl, wgpu   functions that make the drivers, or raise Unavailable; by default mesa.driver and naga.driver
+    chromium   function that gives the running browser, a new one where the last has died
 
     Use it from one thread.
     """
 
-    def __init__(self, gl: Callable = mesa.driver, wgpu: Callable = naga.driver):
-        self._make = {"gl": gl, "wgpu": wgpu, "dxc": dxc.load}
+    def __init__(self, gl: Callable = mesa.driver, wgpu: Callable = naga.driver, chromium: Callable = browser.session):
+        self.chromium = chromium
+        self._make = {"gl": gl, "wgpu": wgpu, "dxc": dxc.load, "fxc": fxc.load}
         self._made: dict[str, object] = {}
 
     def get(self, name: str):
-        """'gl' (a GLDriver), 'wgpu' (a WGPU) or 'dxc'. Raises Unavailable, the same each time."""
+        """'gl' (a GLDriver), 'wgpu' (a WGPU), 'dxc' or 'fxc'. Raises Unavailable, the same each time."""
         if name not in self._made:
             try:
                 self._made[name] = self._make[name]()
@@ -61,7 +63,10 @@ class Runtimes:
 
 
 def in_process(variant: Variant, source: str, runtimes: Runtimes) -> tuple[Cells, CompileResult | None]:
-    """Cells of DXC, mesa and naga, and DXC's SPIR-V for the tools that follow. Call it from one thread only."""
+    """Cells of fxc, DXC, mesa, angle, naga and tint, and DXC's SPIR-V for the tools that follow.
+
+    Call it from one thread only.
+    """
     cells: Cells = {}
     binary = None
     if variant.profile == "sm6":
@@ -69,12 +74,21 @@ def in_process(variant: Variant, source: str, runtimes: Runtimes) -> tuple[Cells
         dxil_cell, _ = _attempt(lambda: _dxc(variant, source, runtimes, False))
         cells = {"dxc-spirv": spirv_cell, "dxc-dxil": dxil_cell}
         cells = {name: _located(cell, variant, source) for name, cell in cells.items()}
+    if "fxc" in variant.compilers:
+        cell, _ = _attempt(lambda: _fxc(variant, source, runtimes))
+        cells["fxc"] = _located(cell, variant, source)
     if "mesa" in variant.compilers:
         cell, _ = _attempt(lambda: _mesa(variant, source, runtimes))
         cells["mesa"] = _located(cell, variant, source)
+    if "angle" in variant.compilers:
+        cell, _ = _attempt(lambda: _angle(variant, source, runtimes))
+        cells["angle"] = _located(cell, variant, source)
+    if "tint" in variant.compilers:
+        cell, _ = _attempt(lambda: tint.build(*_wgsl_stages(variant, source), runtimes.chromium()))
+        cells["tint"] = _located(cell, variant, source)
     if "naga" in variant.compilers:
         if variant.language == "wgsl":
-            cell, _ = _attempt(lambda: _naga_wgsl(variant, source, runtimes))
+            cell, _ = _attempt(lambda: naga.build(*_wgsl_stages(variant, source), runtimes.get("wgpu")))
             cells["naga"] = _located(cell, variant, source)
         else:
             cells["naga"] = _following(
@@ -87,7 +101,7 @@ def tools(variant: Variant, source: str, before: Cells, binary: CompileResult | 
     """All cells of a row: those of in_process() and those of the command line compilers. Any thread may call it."""
     cells = dict(before)
     producer = "dxc-spirv"
-    if variant.profile != "sm6" and variant.language != "wgsl":
+    if "glslang" in variant.compilers:
         producer = "glslang"
         cell, binary = _attempt(lambda: _glslang(variant, source))
         cells["glslang"] = _located(cell, variant, source)
@@ -138,14 +152,32 @@ def _glslang(variant: Variant, source: str) -> CompileResult:
     return glslang.glsl(source, variant.stage, variant.profile)
 
 
+def _fxc(variant: Variant, source: str, runtimes: Runtimes) -> CompileResult:
+    runtimes.get("fxc")
+    return fxc.build(source, variant.stage, variant.function, int(variant.profile.removeprefix("sm")))
+
+
 def _dxc(variant: Variant, source: str, runtimes: Runtimes, to_spirv: bool) -> CompileResult:
     runtimes.get("dxc")
     return dxc.build(source, variant.stage, variant.function, to_spirv)
 
 
 def _mesa(variant: Variant, source: str, runtimes: Runtimes) -> CompileResult:
+    return _own(variant, mesa.build(*_glsl_stages(variant, source), runtimes.get("gl")))
+
+
+def _angle(variant: Variant, source: str, runtimes: Runtimes) -> CompileResult:
+    return _own(variant, angle.build(*_glsl_stages(variant, source), runtimes.chromium()))
+
+
+def _glsl_stages(variant: Variant, source: str) -> tuple[str, str]:
+    """Vertex and fragment shader of a row."""
     pair = {variant.stage: source, _other(variant).stage: variants.source(_other(variant))}
-    result = mesa.build(pair["vert"], pair["frag"], runtimes.get("gl"))
+    return pair["vert"], pair["frag"]
+
+
+def _own(variant: Variant, result: CompileResult) -> CompileResult:
+    """What a linker of two stages says of the row's own."""
     # the partner is as the package has it, so what it says is not about this row, and its line numbers are not either
     own = ("vertex:", "link:") if variant.stage == "vert" else ("fragment:", "link:")
     messages = "\n".join(line for line in result.messages.splitlines() if line.startswith(own))
@@ -154,13 +186,14 @@ def _mesa(variant: Variant, source: str, runtimes: Runtimes) -> CompileResult:
     return refused(messages or result.messages)
 
 
-def _naga_wgsl(variant: Variant, source: str, runtimes: Runtimes) -> CompileResult:
+def _wgsl_stages(variant: Variant, source: str) -> tuple[naga.Stage, naga.Stage]:
+    """Vertex and fragment stage of a row."""
     other = _other(variant)
     pair = {
         variant.stage: naga.Stage(source, variant.function, variants.constants(variant)),
         other.stage: naga.Stage(source, other.function),
     }
-    return naga.build(pair["vert"], pair["frag"], runtimes.get("wgpu"))
+    return pair["vert"], pair["frag"]
 
 
 def _naga_spirv(variant: Variant, binary: bytes, runtimes: Runtimes) -> CompileResult:

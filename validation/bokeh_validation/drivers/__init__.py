@@ -3,7 +3,7 @@
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import UserError
 
-NAMES = ("osmesa", "egl", "wgpu", "dxc", "reference")
+NAMES = ("osmesa", "egl", "wgpu", "dxc", "webgl2", "webgpu", "d3d9", "d3d11", "reference")
 
 
 def load(name: str, adapter: str | None = None) -> Driver:
@@ -16,6 +16,14 @@ def load(name: str, adapter: str | None = None) -> Driver:
         from bokeh_validation.drivers import webgpu
 
         return {"wgpu": webgpu.WGPU, "dxc": webgpu.DXC}[name](adapter)
+    if name in ("d3d9", "d3d11"):
+        from bokeh_validation.drivers import direct3d
+
+        return {"d3d9": direct3d.D3D9, "d3d11": direct3d.D3D11}[name](adapter)
+    if name in ("webgl2", "webgpu"):
+        from bokeh_validation.drivers import browser
+
+        return {"webgl2": browser.WebGL2, "webgpu": browser.WebGPU}[name](adapter)
     if name == "reference":
         from bokeh_validation.drivers.reference import Reference
 

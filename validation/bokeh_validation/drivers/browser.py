@@ -1,0 +1,155 @@
+"""GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from bokeh_validation import browser, shaders
+from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import Pass, is_linear
+
+TYPES = {np.dtype(np.float16): "half", np.dtype(np.float32): "float"}
+SOFTWARE_DEVICE = "swiftshader"
+
+
+def packed(pixels: np.ndarray) -> dict[str, object]:
+    """(H, W, 4) or (H, W), float16 or float32, as page/pixels.js takes it."""
+    pixels = np.ascontiguousarray(pixels)
+    return {
+        "width": pixels.shape[1],
+        "height": pixels.shape[0],
+        "channels": 1 if pixels.ndim == 2 else pixels.shape[2],
+        "type": TYPES[pixels.dtype],
+        "data": base64.b64encode(pixels.tobytes()).decode("ascii"),
+    }
+
+
+def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
+    """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
+    data = np.frombuffer(base64.b64decode(pixels["data"]), storage_type(pixels["type"]))
+    return data.reshape(pixels["height"], pixels["width"], 4).astype(storage_type(storage))
+
+
+class BrowserDriver:
+    """What both share: the job as data. A subclass says which program a pass is.
+
+    adapter  None: the software device that comes with Chromium; else a part of the name of the machine's GPU, as
+             Chromium tells it (a GPU was never tried)
+    """
+
+    name = ""
+    install = browser.INSTALL
+    # SwiftShader, Chromium's software device, filters in float32 as Mesa does, but its sin() and cos() are off by up to
+    # 1.9e-4 (Vulkan allows 4.9e-4; Mesa's are off by 7e-8). So lines at an angle end a little elsewhere: within the
+    # interval of a GPU, and not always within the bounds in steps that Mesa is held to.
+    software = False
+
+    def __init__(self, adapter: str | None = None):
+        self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
+        try:
+            device, self.float_filterable = self._device()
+        except (browser.Refused, browser.BrowserError) as error:
+            raise Unavailable(f"Chromium has no {self.name} on this machine: {error}") from error
+        if adapter is not None and adapter.lower() not in device.lower():
+            raise Unavailable(f"Chromium has no device named like {adapter!r}; it has {device}")
+        self.adapter = f"{device}, Chromium {self.session.version}"
+
+    @property
+    def session(self) -> browser.Session:
+        """The browser: after a crash, a new one."""
+        return browser.session(self.hardware)
+
+    def _device(self) -> tuple[str, bool]:
+        """(name of the device, whether it can filter 32-bit textures)."""
+        raise NotImplementedError
+
+    def _program(self, item: Pass) -> dict[str, object]:
+        """What the page needs to know of a pass's program."""
+        raise NotImplementedError
+
+    def _shared(self) -> dict[str, object]:
+        """What is the same for all passes of a job."""
+        raise NotImplementedError
+
+    @cached_property
+    def rounding(self) -> str:
+        """See drivers.base.Driver."""
+        return half_rounding(self)
+
+    def run(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        keep: Iterable[str] = ("result",),
+    ) -> dict[str, np.ndarray]:
+        """See drivers.base.Driver.run."""
+        self._require_filter(passes, textures, storage)
+        job = {
+            **self._shared(),
+            "size": list(size),
+            "storage": storage,
+            "keep": list(keep),
+            "textures": {name: packed(pixels) for name, pixels in textures.items()},
+            "passes": [
+                {
+                    **self._program(item),
+                    "output": item.output,
+                    "values": {name: float(value) for name, value in item.values().items()},
+                    "inputs": {
+                        slot: {"texture": texture, "linear": is_linear(item.entry, slot)}
+                        for slot, texture in item.inputs.items()
+                    },
+                }
+                for item in passes
+            ],
+        }
+        kept = self.session.call(f"{self.name}.run", job)
+        return {name: unpacked(pixels, storage) for name, pixels in kept.items()}
+
+    def _require_filter(self, passes: Sequence[Pass], textures: Textures, storage: str) -> None:
+        """32-bit textures under a linear filter are an option in WebGL 2 and in WebGPU."""
+        if self.float_filterable:
+            return
+        wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
+        wide |= {item.output for item in passes} if storage == "float" else set()
+        for item in passes:
+            if any(texture in wide and is_linear(item.entry, slot) for slot, texture in item.inputs.items()):
+                raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures; use half floats")
+
+
+class WebGL2(BrowserDriver):
+    """GLSL ES 3.00 through ANGLE."""
+
+    name = "webgl2"
+
+    def _device(self) -> tuple[str, bool]:
+        told = self.session.call("webgl2.describe")
+        return told["renderer"], told["floatLinear"]
+
+    def _program(self, item: Pass) -> dict[str, object]:
+        return {"fragment": shaders.glsl(item.entry, "300es", {"BOKEH_NUM_SAMPLES": item.samples})}
+
+    def _shared(self) -> dict[str, object]:
+        return {"vertex": shaders.glsl("BokehFullScreen", "300es")}
+
+
+class WebGPU(BrowserDriver):
+    """WGSL through tint and Dawn."""
+
+    name = "webgpu"
+
+    def _device(self) -> tuple[str, bool]:
+        told = self.session.call("webgpu.describe")
+        words = (told["vendor"], told["architecture"], told["description"])
+        return " ".join(word for word in words if word), told["floatFilterable"]
+
+    def _program(self, item: Pass) -> dict[str, object]:
+        return {"entry": item.entry + "_PS", "samples": item.samples}
+
+    def _shared(self) -> dict[str, object]:
+        return {"code": shaders.wgsl(), "vertex": "BokehFullScreen_VS"}

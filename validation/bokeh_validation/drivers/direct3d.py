@@ -1,0 +1,130 @@
+"""HLSL on Direct3D, compiled by fxc: `d3d9` (ps_3_0) and `d3d11` (ps_5_0), on Windows or on Wine's Direct3D.
+
+A program of ours (windows/d3d9run.c, d3d11run.c) runs whole lists of passes; it stays up between calls.
+"""
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from bokeh_validation import shaders
+from bokeh_validation.compilers import fxc
+from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import SLOTS, Pass, is_linear
+from bokeh_validation.windows import programs, server
+
+FORMATS = {
+    (np.dtype(np.float16), 4): "half4",
+    (np.dtype(np.float32), 4): "float4",
+    (np.dtype(np.float32), 1): "float1",
+}
+RUN_S = 300.0  # the largest scene takes 2 s on two cores
+
+
+class Direct3D:
+    """What both share. A subclass names its program, libraries and shader model."""
+
+    name = ""
+    libraries: tuple[str, ...] = ()
+    model = 0
+
+    def __init__(self, adapter: str | None = None):
+        self._compiled: dict[tuple[str, str], str] = {}
+        fxc.load()
+        program = programs.build(f"{self.name}run", [f"{self.name}run.c"], self.libraries)
+        self._server = server.Server(program, display=True)
+        self._server.start()
+        self.adapter = self._server.greeting
+        # Wine's Direct3D draws with OpenGL, which on a display of Xvfb is Mesa's software one
+        self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
+        if adapter is not None and adapter.lower() not in self.adapter.lower():
+            raise Unavailable(f"{self.name} has no device but {self.adapter}")
+
+    @cached_property
+    def rounding(self) -> str:
+        """See drivers.base.Driver."""
+        return half_rounding(self)
+
+    def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
+        """File name of the bytecode of an entry point, in the program's folder. `stage` is 'ps' or 'vs'."""
+        source = shaders.hlsl(self.model, values)
+        key = (entry, source)
+        if key not in self._compiled:
+            code = fxc.bytecode(source, f"{stage}_{self.model}_0", entry)
+            name = f"{hashlib.sha256(code).hexdigest()[:32]}.{stage}"
+            (self._server.folder / name).write_bytes(code)
+            self._compiled[key] = name
+        return self._compiled[key]
+
+    def run(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        keep: Iterable[str] = ("result",),
+    ) -> dict[str, np.ndarray]:
+        """See drivers.base.Driver.run. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
+        folder, dtype = self._server.folder, np.dtype(storage_type(storage))
+        numbers: dict[str, int] = {}
+        lines = [f"size {size[0]} {size[1]} {FORMATS[dtype, 4]}"]
+        lines.append(f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}")
+        files = []
+        for name, pixels in textures.items():
+            number = numbers[name] = len(files)
+            files.append(folder / f"texture-{number}")
+            height, width = pixels.shape[:2]
+            kind = FORMATS[pixels.dtype, 1 if pixels.ndim == 2 else pixels.shape[2]]
+            files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
+            lines.append(f"texture {number} {width} {height} {kind} {files[-1].name}")
+        for count, item in enumerate(passes, len(files)):
+            lines += self._draw(item, numbers)
+            lines.append(f"draw {count}")
+            # an output may have the name of an earlier texture: from here on it is this one
+            numbers[item.output] = count
+        results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
+        lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
+        job = folder / f"{self.name}.job"
+        job.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+        try:
+            ok, answer = self._server.ask(job.name, RUN_S)
+            if not ok:
+                raise RuntimeError(f"{self.name}: {answer}")
+            shape = (size[1], size[0], 4)
+            pixels = {name: np.frombuffer(file.read_bytes(), dtype) for name, file in results.items()}
+            return {name: values.reshape(shape).copy() for name, values in pixels.items()}
+        except server.Ended as error:
+            raise RuntimeError(f"{self.name}: {error}") from error
+        finally:
+            for file in (*files, *results.values()):
+                file.unlink(missing_ok=True)
+
+    def _draw(self, item: Pass, numbers: dict[str, int]) -> list[str]:
+        """Lines that set up a pass."""
+        code = self.shader("ps", item.entry + "_PS", {"BOKEH_NUM_SAMPLES": item.samples})
+        lines = [f"pixel {code}"]
+        for slot, texture in item.inputs.items():
+            kind = "linear" if is_linear(item.entry, slot) else "nearest"
+            lines.append(f"input {SLOTS.index(slot)} {numbers[texture]} {kind}")
+        # nine digits are enough for any float32
+        lines += [f"value {index} {value:.9g}" for index, value in enumerate(item.values().values())]
+        return lines
+
+
+class D3D9(Direct3D):
+    """ps_3_0 and vs_3_0 on Direct3D 9."""
+
+    name = "d3d9"
+    libraries = ("-ld3d9", "-lopengl32", "-lgdi32")
+    model = 3
+
+
+class D3D11(Direct3D):
+    """ps_5_0 and vs_5_0 on Direct3D 11."""
+
+    name = "d3d11"
+    libraries = ("-ld3d11", "-ldxgi", "-ldxguid", "-luuid", "-lopengl32", "-lgdi32")
+    model = 5

@@ -1,0 +1,236 @@
+"""Windows programs elsewhere than on Windows: a Wine prefix and an X display of our own, both gone afterwards.
+
+A prefix serves one process of the harness at a time, which may then end whatever runs in it: `wineserver -k` before the
+first program, for what a killed run left, and after the last. A second harness at the same time takes a second prefix.
+The display is Xvfb's, on a number that is free; that of the user is never touched.
+"""
+
+import atexit
+import os
+import select
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from bokeh_validation import paths
+from bokeh_validation.errors import Unavailable
+
+PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
+INSTALL = f"apt-get install -y --no-install-recommends {PACKAGES}"
+
+ON_WINDOWS = sys.platform == "win32"
+
+MAX_PREFIXES = 8
+PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
+KILL_S = 10.0
+DISPLAY_S = 20.0
+
+# Xvfb ends when our end of the shell's standard input closes, however we end. It writes its number to descriptor 3 and
+# closes that; 4 stays open for as long as it runs, and is the only one: the shell closes its own.
+XVFB_SCRIPT = (
+    "Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>&1 4>&1 >/dev/null & exec >&-; read -r _; kill $!; wait"
+)
+
+
+class Display:
+    """A running Xvfb. `name` is what DISPLAY is to be, such as ':7'."""
+
+    def __init__(self) -> None:
+        _needed("Xvfb")
+        self._process = subprocess.Popen(
+            ["sh", "-c", XVFB_SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )  # fmt: skip
+        number = self._number()
+        if not number:
+            self.stop()
+            raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
+        self.name = f":{number}"
+
+    def _number(self) -> str:
+        end = time.monotonic() + DISPLAY_S
+        seen = b""
+        while not seen.endswith(b"\n"):
+            ready, _, _ = select.select([self._process.stdout], [], [], max(0.0, end - time.monotonic()))
+            data = os.read(self._process.stdout.fileno(), 64) if ready else b""
+            if not data:
+                return ""
+            seen += data
+        return seen.decode("ascii", "replace").strip()
+
+    @property
+    def alive(self) -> bool:
+        """Whether Xvfb still runs: its end of the pipe is open."""
+        ended, _, _ = select.select([self._process.stdout], [], [], 0)
+        return not ended
+
+    def stop(self) -> None:
+        """End Xvfb and wait for it."""
+        self._process.stdin.close()
+        try:
+            self._process.wait(KILL_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(self._process.pid, 9)
+            self._process.wait()
+        self._process.stdout.close()
+
+
+class Wine:
+    """A prefix that is ours alone until stop(), ready for programs."""
+
+    def __init__(self) -> None:
+        self._wine = _needed("wine")
+        self._server = _needed("wineserver")
+        self.prefix, self._lock = _own_prefix()
+        self._display: Display | None = None
+        try:
+            self.end_programs()
+            if not self._stamp.exists():
+                self._make_prefix()
+        except BaseException:
+            self._lock.close()
+            raise
+
+    @property
+    def _stamp(self) -> Path:
+        return self.prefix / "made by bokeh-validation"
+
+    def _make_prefix(self) -> None:
+        """A new, empty prefix. One that was not finished is thrown away."""
+        shutil.rmtree(self.prefix, ignore_errors=True)
+        self.prefix.parent.mkdir(parents=True, exist_ok=True)
+        command = [self._wine, "wineboot", "-i"]
+        process = subprocess.Popen(
+            command, env=self.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, start_new_session=True,
+        )  # fmt: skip
+        try:
+            status = process.wait(PREFIX_S)
+        except subprocess.TimeoutExpired as error:
+            os.killpg(process.pid, 9)
+            process.wait()
+            raise Unavailable(f"wineboot hung: stopped after {PREFIX_S:g} s") from error
+        finally:
+            # it returns before the registry is on disk; the server's end writes it
+            self.end_programs()
+        if status or not (self.prefix / "system.reg").exists():
+            raise Unavailable(f"wineboot made no prefix (exit status {status}); {INSTALL}")
+        self._stamp.touch()
+
+    def environment(self) -> dict[str, str]:
+        """Environment of a program: our prefix, our display, and nothing that asks or draws."""
+        kept = {k: v for k, v in os.environ.items() if not k.startswith("WINE") and k not in ("DISPLAY", "XAUTHORITY")}
+        kept.update(
+            WINEPREFIX=str(self.prefix),
+            WINEARCH="win64",
+            WINEDEBUG="-all",
+            # no prompts for Mono and Gecko, no entries in the user's menu
+            WINEDLLOVERRIDES="mscoree,mshtml=;winemenubuilder.exe=d",
+            LC_ALL="C.UTF-8",
+        )
+        kept.setdefault("XDG_RUNTIME_DIR", str(paths.ensured(paths.cache_folder())))
+        if self._display:
+            kept["DISPLAY"] = self._display.name
+        return kept
+
+    def ensure_display(self) -> None:
+        """A display for all programs started from now on.
+
+        A Wine server that was started without one, or on one that has died, gives no windows: it is ended first.
+        """
+        if self._display and self._display.alive:
+            return
+        self.end_programs()
+        if self._display:
+            self._display.stop()
+            self._display = None
+        self._display = Display()
+
+    def command(self, program: Path) -> list[str]:
+        """Command line that runs an .exe."""
+        return [self._wine, str(program)]
+
+    def end_programs(self) -> None:
+        """End everything that runs in the prefix and wait for it."""
+        environment = self.environment()
+        for argument in ("-k", "-w"):
+            try:
+                subprocess.run(
+                    [self._server, argument], env=environment, timeout=KILL_S, stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                subprocess.run([self._server, "-k9"], env=environment, timeout=KILL_S, capture_output=True)
+
+    def stop(self) -> None:
+        """End all programs and the display, and give the prefix back."""
+        self.end_programs()
+        if self._display:
+            self._display.stop()
+            self._display = None
+        self._lock.close()
+
+
+def _needed(name: str) -> str:
+    path = shutil.which(name)
+    if path is None:
+        raise Unavailable(f"{name} is not on this machine; {INSTALL}")
+    return path
+
+
+def _own_prefix():
+    """(folder, open lock file) of the first prefix that no other process has."""
+    import fcntl
+
+    folder = paths.ensured(paths.cache_folder() / "wine")
+    for number in range(MAX_PREFIXES):
+        lock = open(folder / f"prefix-{number}.lock", "w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            continue
+        return folder / f"prefix-{number}", lock
+    raise Unavailable(f"{MAX_PREFIXES} other runs have a Wine prefix each: wait for one of them")
+
+
+_guard = threading.RLock()
+_wine: Wine | Unavailable | None = None
+_stopping: list[Callable[[], None]] = []
+
+
+def get() -> Wine:
+    """The prefix of this process, made on first use. Raises Unavailable, the same each time."""
+    global _wine
+    with _guard:
+        if _wine is None:
+            try:
+                _wine = Wine()
+            except Unavailable as error:
+                _wine = error
+        if isinstance(_wine, Unavailable):
+            raise _wine
+        return _wine
+
+
+def before_stop(action: Callable[[], None]) -> None:
+    """Have stop() call this first."""
+    _stopping.append(action)
+
+
+def stop() -> None:
+    """Leave nothing of ours running. Called at exit; call it yourself before os._exit()."""
+    global _wine
+    with _guard:
+        while _stopping:
+            _stopping.pop()()
+        if isinstance(_wine, Wine):
+            _wine.stop()
+        _wine = None
+
+
+atexit.register(stop)

@@ -1,0 +1,197 @@
+"""The browser below webgl2, webgpu, angle and tint: crashes, hangs, mistakes, and that nothing of it is left."""
+
+import glob
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import load
+
+from bokeh_validation import browser, drivers, paths, shaders
+from bokeh_validation.browser import chromium
+from bokeh_validation.compilers import angle, naga, tint
+from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import Pass
+
+COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehConstantCoC": 0.0})
+NAMES = ("webgl2", "webgpu")
+# the page's functions are found by name, and so is JavaScript's own way to make one
+ENDLESS = "constructor.constructor('for (;;);')"
+
+
+@pytest.fixture(params=NAMES)
+def driver(request) -> drivers.Driver:
+    return load(request.param)
+
+
+@pytest.fixture
+def session() -> browser.Session:
+    load("webgl2")
+    return browser.session()
+
+
+def copied(driver: drivers.Driver, storage: str = "half") -> bool:
+    """Whether the driver copies a picture of odd size, no row of which fills 256 bytes."""
+    color = np.random.default_rng(1).random((5, 3, 4)).astype(np.float16)
+    output = driver.run([COPY], {"color": color}, (3, 5), storage)["result"]
+    return np.array_equal(output[..., :3], color[..., :3])
+
+
+def wgsl(vertex: str, fragment: str, source: str | None = None) -> CompileResult:
+    source = source or shaders.wgsl()
+    return tint.build(naga.Stage(source, vertex), naga.Stage(source, fragment), browser.session())
+
+
+def running(group: int) -> list[str]:
+    """Processes of a group, without those that have ended and wait for their parent to ask."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, state, _, owner = re.fullmatch(r"\d+ \((.*)\) (\w) (\d+) (\d+) .*", file.read_text(), re.S).groups()
+        except OSError:  # it has ended meanwhile
+            continue
+        if int(owner) == group and state != "Z":
+            found.append(name)
+    return found
+
+
+class TestEnds:
+    """Crashes and hangs are told as what they are, and the next call has a new browser."""
+
+    def test_crash(self, driver):
+        os.kill(browser.session()._process, signal.SIGKILL)
+        with pytest.raises(browser.BrowserError, match="^Chromium crashed: "):
+            copied(driver)
+        assert copied(driver)
+
+    def test_hang(self, session, driver):
+        with pytest.raises(browser.BrowserError, match="^Chromium hung: stopped after 1 s$"):
+            session.call(ENDLESS, limit=1.0)
+        assert not session.alive
+        with pytest.raises(browser.BrowserError, match="hung"):
+            session.call("webgl2.describe")
+        assert copied(driver)
+
+    def test_crash_while_compiling(self, session):
+        os.kill(session._process, signal.SIGKILL)
+        result = angle.build(shaders.glsl("BokehFullScreen", "300es"), shaders.glsl("BokehDebug", "300es"), session)
+        assert not result.ok and result.messages.startswith("Chromium crashed: ")
+
+    @pytest.mark.parametrize("end", ["pass", "os.kill(s._process, 9)", "raise SystemExit(3)"])
+    def test_nothing_is_left(self, end, session):
+        """At the end of Python neither processes nor files."""
+        lines = ["import os", "from bokeh_validation import browser", "s = browser.session()"]
+        lines += ["s.call('webgl2.describe')", "print(s._process, flush=True)", end]
+        with tempfile.TemporaryDirectory(prefix="b-", dir="/tmp") as folder:
+            environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION), "TMPDIR": folder}
+            done = subprocess.run(
+                [sys.executable, "-c", "\n".join(lines)], env=environment, capture_output=True, text=True, timeout=60
+            )
+            assert done.stderr == "" and os.listdir(folder) == []
+        end = time.monotonic() + 5.0
+        while running(int(done.stdout)) and time.monotonic() < end:
+            time.sleep(0.1)
+        assert not running(int(done.stdout))
+
+    def test_profile_of_a_killed_browser(self, session):
+        pattern = os.path.join(tempfile.gettempdir(), "bokeh-chromium-*")
+        before = set(glob.glob(pattern))
+        own = browser.Session()
+        assert len(set(glob.glob(pattern)) - before) == 1
+        with pytest.raises(browser.BrowserError):
+            own.call(ENDLESS, limit=1.0)
+        assert set(glob.glob(pattern)) <= before
+
+    def test_long_folder_for_temporary_files(self, session, tmp_path, monkeypatch):
+        folder = tmp_path / ("long" * 20)
+        folder.mkdir()
+        monkeypatch.setattr(tempfile, "tempdir", str(folder))
+        monkeypatch.setenv("TMPDIR", str(folder))
+        own = browser.Session()
+        own.call("webgl2.describe")
+        own.close()
+        assert list(folder.iterdir()) == []
+
+
+class TestMissing:
+    """What is not there is told with what installs it."""
+
+    def test_no_chromium(self, monkeypatch):
+        monkeypatch.delenv(chromium.VARIABLE, raising=False)
+        monkeypatch.setenv("PATH", "/nonexistent")
+        with pytest.raises(Unavailable, match="apt-get install -y --no-install-recommends chromium"):
+            browser.Session()
+
+    def test_named_wrongly(self, monkeypatch):
+        monkeypatch.setenv(chromium.VARIABLE, "/nonexistent/chromium")
+        with pytest.raises(Unavailable, match="BOKEH_CHROMIUM names no program: /nonexistent/chromium"):
+            browser.Session()
+
+    def test_does_not_start(self, monkeypatch, tmp_path):
+        program = tmp_path / "chromium"
+        program.write_text("#!/bin/sh\necho error while loading shared libraries: libx.so >&2\nexit 127\n")
+        program.chmod(0o755)
+        monkeypatch.setenv(chromium.VARIABLE, str(program))
+        with pytest.raises(Unavailable, match=r"chromium did not start: .*libx\.so"):
+            browser.Session()
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_adapter(self, name, driver):
+        assert drivers.load(name, "SwiftShader").adapter == load(name).adapter
+
+
+class TestDrivers:
+    """What is particular to them; the rest is in test_drivers.py."""
+
+    @pytest.mark.parametrize("storage", ["half", "float"])
+    def test_odd_rows(self, driver, storage):
+        assert copied(driver, storage)
+
+    def test_pictures_do_not_mix(self, driver):
+        """Textures of one run are not seen by the next, and several are kept at once."""
+        second = Pass("BokehConstantCoC", {"ColorSamp": "first"}, "second", {"BokehConstantCoC": 0.0})
+        first = Pass(COPY.entry, COPY.inputs, "first", COPY.parameters)
+        for value in (1.0, 2.0):
+            color = np.full((2, 2, 4), value, np.float16)
+            output = driver.run([first, second], {"color": color}, (2, 2), keep=("first", "second"))
+            assert all((output[name][..., :3] == value).all() for name in ("first", "second"))
+
+    def test_adapter_names_the_version(self, driver):
+        assert f"Chromium {browser.session().version}" in driver.adapter
+
+
+class TestCompilers:
+    """angle and tint report what is wrong; undeclared names are in test_compile.py."""
+
+    def test_link_of_stages_that_do_not_fit(self, session):
+        vertex = shaders.glsl("BokehFullScreen", "300es").replace("out vec2 BokehUV", "out vec3 BokehUV")
+        vertex = vertex.replace("BokehUV = vec2(", "BokehUV = vec3(0.0, ").replace("BokehUV * 2.0", "BokehUV.xy * 2.0")
+        result = angle.build(vertex, shaders.glsl("BokehDebug", "300es"), session)
+        assert not result.ok and result.messages.startswith("link: ") and "BokehUV" in result.messages
+
+    def test_angle_takes_no_desktop_glsl(self, session):
+        result = angle.build(shaders.glsl("BokehFullScreen", "330"), shaders.glsl("BokehDebug", "330"), session)
+        assert not result.ok and "version" in result.messages
+
+    def test_tint_misses_an_entry_point(self, session):
+        result = wgsl("BokehFullScreen_VS", "BokehNone_PS")
+        assert not result.ok and "BokehNone_PS" in result.messages
+
+    @pytest.mark.parametrize("entry", shaders.ENTRIES)
+    def test_depth_and_kernel_need_no_filtering_sampler(self, entry, session):
+        """The layout has them unfilterable, as the documents say that they may be."""
+        result = wgsl("BokehFullScreen_VS", entry + "_PS")
+        assert result.ok, result.messages
+
+    def test_linear_filter_on_depth(self, session):
+        source = shaders.wgsl().replace("BokehDepthSamp, BokehNearestClamp", "BokehDepthSamp, BokehLinearClamp")
+        result = wgsl("BokehFullScreen_VS", "BokehDepthOfField_PS", source)
+        assert not result.ok and "UnfilterableFloat" in result.messages

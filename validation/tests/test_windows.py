@@ -1,0 +1,220 @@
+"""fxc, the programs under Wine, and that nothing of them stays behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import load
+
+from bokeh_validation import matrix, paths, shaders, sm3
+from bokeh_validation.compilers import fxc
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import Pass
+from bokeh_validation.windows import server, wine
+
+COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
+under_wine = pytest.mark.skipif(wine.ON_WINDOWS, reason="no Wine on Windows")
+
+
+@pytest.fixture
+def compiler() -> fxc.Compiler:
+    """fxc, or the end of the test."""
+    try:
+        return fxc.load()
+    except Unavailable as error:
+        if os.environ.get("CI"):
+            pytest.fail(str(error))
+        pytest.skip(str(error))
+
+
+@pytest.fixture
+def d3d9():
+    """The Direct3D 9 driver, or the end of the test."""
+    return load("d3d9")
+
+
+def copied(driver) -> bool:
+    """Whether a driver runs a pass as it should."""
+    color = np.arange(48, dtype=np.float16).reshape(3, 4, 4)
+    output = driver.run([COPY], {"color": color}, (4, 3))["result"]
+    return np.array_equal(output[..., :3], color[..., :3])
+
+
+class TestBudgets:
+    """Shader model 3: 512 slots, 224 constants, 16 samplers, 32 temporaries."""
+
+    def test_every_variant_is_within(self, compiler):
+        rows = [row for row in matrix.load() if row.profile == "sm3"]
+        assert len(rows) > 10
+        for row in matrix.run(rows).rows:
+            known = row.cells["fxc"].facts
+            assert row.ok, (row.name, row.cells["fxc"].message)
+            assert known["slots"] <= 512 and known["constants"] <= 224, row.name
+            assert known["samplers"] <= 16 and known["temporaries"] <= 32, row.name
+            if row.entry != "BokehFullScreen":
+                assert known["texture_slots"] + known["arithmetic_slots"] == known["slots"], row.name
+                assert known["texture_slots"] and known["samplers"] and known["temporaries"], row.name
+
+    def test_one_over_names_its_limit(self, compiler):
+        text = sm3.source("BokehNaiveGather", 64, "[unroll]")
+        result = compiler.compile(text, "ps_3_0", "BokehNaiveGather_PS")
+        assert not result.ok
+        assert result.messages.startswith(f"over the budget of ps_3_0: {result.facts['slots']} instruction slots, 512 ")
+
+    @pytest.mark.parametrize(
+        ("code", "words"),
+        [
+            ("dcl_2d s16\n" + "".join(f"texld r0, v0, s{i}\n" for i in range(17)), "17 samplers, 16 allowed"),
+            ("".join(f"mov r{i}, c0\n" for i in range(33)), "33 temporaries, 32 allowed"),
+            ("".join(f"mov r0, c{i}\n" for i in range(225)), "225 constants, 224 allowed"),
+            ("// approximately 513 instruction slots used (1 texture, 512 arithmetic)", "513 instruction slots, 512"),
+        ],
+    )
+    def test_each_limit(self, code, words):
+        assert words in fxc.over_budget(fxc.facts(code), "ps_3_0")
+        assert fxc.over_budget(fxc.facts(code), "ps_5_0") == ""
+
+    def test_facts_of_a_listing(self):
+        listing = (
+            "//   BokehAngle c7\n    ps_3_0\n    def c2, 1, 0, 0, 0\n    dcl_texcoord v0.xy\n    dcl_2d s0\n"
+            "    texldl r0, v0, s0\n    mad oC0, r0_abs.x, c2.x, -c7.x\n\n"
+            "// approximately 3 instruction slots used (2 texture, 1 arithmetic)\n"
+        )
+        assert fxc.facts(listing) == {
+            "slots": 3, "texture_slots": 2, "arithmetic_slots": 1, "temporaries": 1, "constants": 2, "samplers": 1,
+        }  # fmt: skip
+
+    def test_naive_gather_and_the_kind_of_loop(self, compiler):
+        """Rolled, the slots do not grow with the samples; unrolled, 64 samples are too many already."""
+        found = {(item.entry, item.samples, item.loop): item.result for item in sm3.attempts((16, 64, 144))}
+        for entry in ("BokehNaiveGather", "BokehNaiveGrid"):
+            assert len({found[entry, count, "as it is"].facts["slots"] for count in (16, 64, 144)}) == 1
+            assert all(found[entry, count, "[loop]"].ok for count in (16, 64, 144))
+            assert found[entry, 16, "[unroll]"].ok
+            assert not found[entry, 64, "[unroll]"].ok and not found[entry, 144, "[unroll]"].ok
+        assert len(sm3.lines(sm3.attempts((16,)))) == 4
+
+
+class TestFxc:
+    """The compiler as a server."""
+
+    def test_error_has_a_place(self, compiler):
+        result = compiler.compile("float4 f() : COLOR\n{ return nothing; }\n", "ps_3_0", "f")
+        assert not result.ok and result.messages.startswith("bokeh.hlsl:2:10") and "nothing" in result.messages
+
+    def test_warnings_are_counted(self, compiler):
+        result = compiler.compile("float4 f(float2 uv : TEXCOORD0) : COLOR { return pow(uv.x, uv.y); }", "ps_3_0", "f")
+        assert result.ok and result.facts["warnings"] == 1 and "X3571" in result.messages
+
+    def test_defines(self, compiler):
+        code = "float4 f() : COLOR { return VALUE; }"
+        assert compiler.compile(code, "ps_3_0", "f", {"VALUE": "1.0 + 2.0"}).ok
+        assert not compiler.compile(code, "ps_3_0", "f").ok
+
+    def test_unknown_profile(self, compiler):
+        with pytest.raises(ValueError, match="ps_6_0"):
+            compiler.compile("", "ps_6_0", "f")
+
+    def test_hang_is_told_and_the_next_one_works(self, compiler, monkeypatch):
+        monkeypatch.setattr(fxc, "COMPILE_S", 0.0)
+        result = compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehNaiveGrid_PS")
+        assert not result.ok and result.messages == "fxc.exe hung: stopped after 0 s"
+        monkeypatch.undo()
+        assert compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehNaiveGrid_PS").ok
+
+    def test_crash_is_told_and_the_next_one_works(self, compiler, monkeypatch):
+        process = compiler._server._process
+        real = server.Server._start
+        monkeypatch.setattr(server.Server, "_start", lambda self: None)
+        os.killpg(process.pid, signal.SIGKILL)
+        result = compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehDebug_PS")
+        assert not result.ok and result.messages.startswith("fxc.exe crashed: exit status -9")
+        monkeypatch.setattr(server.Server, "_start", real)
+        assert compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehDebug_PS").ok
+
+
+class TestDirect3D:
+    """The runners as servers."""
+
+    def test_a_wrong_job_is_told(self, d3d9):
+        (d3d9._server.folder / "wrong.job").write_text("size 4 4 half4\ndrow 1\n")
+        assert d3d9._server.ask("wrong.job", 20) == (False, "cannot use the line 'drow 1'")
+        assert d3d9._server.ask("none.job", 20) == (False, "cannot read none.job")
+        assert copied(d3d9)
+
+    @under_wine
+    def test_dead_display(self, d3d9):
+        """A new display, and a new Wine server on it."""
+        assert copied(d3d9)
+        owner = wine.get()
+        os.killpg(owner._display._process.pid, signal.SIGKILL)
+        d3d9._server._end()
+        assert copied(d3d9)
+
+    @under_wine
+    def test_dead_wine_server(self, d3d9):
+        wine.get().end_programs()
+        with pytest.raises(RuntimeError, match="crashed"):
+            # it may be seen before the request or during it
+            copied(d3d9)
+            raise RuntimeError("crashed: seen before the request")
+        assert copied(d3d9)
+
+    def test_large_and_small_follow_each_other(self, d3d9):
+        """One process, many jobs: nothing of an earlier one shows in a later one."""
+        for size in ((1, 1), (300, 2), (1, 1), (7, 5)):
+            color = np.full((size[1], size[0], 4), size[0], np.float16)
+            output = d3d9.run([COPY], {"color": color}, size)["result"]
+            np.testing.assert_array_equal(output[..., :3], color[..., :3])
+
+    def test_names_of_textures_may_be_used_again(self, d3d9):
+        again = [COPY, replace(COPY, inputs={"ColorSamp": "result"})]
+        color = np.ones((2, 2, 4), np.float16)
+        assert d3d9.run(again, {"color": color}, (2, 2))["result"][0, 0, 0] == 1
+
+
+def running(prefix: Path) -> list[str]:
+    """Command lines of processes whose environment names a Wine prefix."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        try:
+            if f"WINEPREFIX={prefix}\0".encode() in (folder / "environ").read_bytes():
+                found.append((folder / "cmdline").read_bytes().replace(b"\0", b" ").decode("utf-8", "replace"))
+        except OSError:
+            pass
+    return found
+
+
+SCRIPT = """
+import os, signal, sys
+from bokeh_validation import drivers
+from bokeh_validation.windows import wine
+driver = drivers.load("d3d9")
+print(wine.get().prefix, wine.get()._display.name, flush=True)
+if sys.argv[1] == "kill":
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@under_wine
+@pytest.mark.parametrize("end", ["exit", "kill"])
+def test_nothing_is_left_running(end, d3d9):
+    """After an end as it should be, and after a kill, when there is no one left to clean up."""
+    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, end], env=environment, capture_output=True, text=True, timeout=200
+    )
+    prefix, display = done.stdout.split()
+    assert Path(prefix) != wine.get().prefix, "two runs must not share a prefix"
+    deadline = time.monotonic() + (0 if end == "exit" else 30)
+    while (running(Path(prefix)) or Path(f"/tmp/.X{display[1:]}-lock").exists()) and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert running(Path(prefix)) == []
+    assert not Path(f"/tmp/.X{display[1:]}-lock").exists()
+    assert copied(d3d9)
