@@ -101,6 +101,13 @@ vec4 BokehFetch(sampler2D tex, vec2 uv)
     return textureLod(tex, uv, 0.0);
 }
 
+// Porting: the same for textures with a nearest filter, depth and kernels
+//   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
+vec4 BokehFetchNearest(sampler2D tex, vec2 uv)
+{
+    return textureLod(tex, uv, 0.0);
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
 // ---------------------------------------------------------------------------------------------------------------------
@@ -121,11 +128,12 @@ float BokehCoC(float S2, float A, float f, float S1, float sensorHeight, float M
 }
 
 // Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
-//   The comparison is written so that NaN fails it: max() may return either operand for NaN.
+//   NaN fails this comparison; max() may return either operand. It is >= since shader model 3 has no other: > there
+//   is the opposite comparison with its two results swapped, and NaN passes that.
 float BokehSafeChannel(float value)
 {
     float safe = 0.0;
-    if (value > 0.0)
+    if (value >= 0.0)
     {
         safe = min(value, BOKEH_MAX_COLOR);
     }
@@ -136,7 +144,7 @@ float BokehSafeChannel(float value)
 float BokehSafeDepth(float S2)
 {
     float safe = BOKEH_MIN_DEPTH;
-    if (S2 > BOKEH_MIN_DEPTH)
+    if (S2 >= BOKEH_MIN_DEPTH)
     {
         safe = min(S2, BOKEH_MAX_DEPTH);
     }
@@ -160,7 +168,7 @@ vec4 BokehPackCoC(vec4 color, float CoC)
 vec4 BokehCoCMap(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float A, float f, float S1, float sensorHeight,
     float MaxCoC)
 {
-    float S2 = BokehSafeDepth(BokehFetch(DepthSamp, uv).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     float CoC = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
     return BokehPackCoC(BokehFetch(ColorSamp, uv), CoC);
 }
@@ -235,19 +243,19 @@ vec4 BokehResolve(vec4 color, float totalWeight, vec4 centerPixel, bool blurCoC)
 //   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
 //   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
 //   lineEnd       from BokehLineEnd
-//   numSamples    samples on the line, 2 or more
+//   numSamples    samples on the line, 2 or more; 254 at most in shader model 3
 vec4 BokehDepthOfField(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 lineEnd, int numSamples,
     float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     for (int i = 0; i < numSamples; i++)
     {
         vec2 sampleCoords = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
         vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-        float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
+        float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
             bleedingMult);
         color += samplePixel * weight;
@@ -295,32 +303,36 @@ vec4 BokehNaiveGather(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D Kernel
     int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
     vec2 scale = vec2(centerPixel.a / aspectRatio, centerPixel.a);
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
-    for (int i = 0; i < numSamples; i++)
+    // Two loops, since a loop of shader model 3 ends after 255 turns.
+    for (int start = 0; start < numSamples; start += 128)
     {
-        vec2 kernelCoords = vec2((float(i) + 0.5) / float(numSamples), 0.5);
-        vec2 sampleCoords = uv + BokehFetch(KernelSamp, kernelCoords).rg * scale;
-        vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-        float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
-        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-            bleedingMult);
-        color += samplePixel * weight;
-        totalWeight += weight;
+        for (int i = start; i < min(start + 128, numSamples); i++)
+        {
+            vec2 kernelCoords = vec2((float(i) + 0.5) / float(numSamples), 0.5);
+            vec2 sampleCoords = uv + BokehFetchNearest(KernelSamp, kernelCoords).rg * scale;
+            vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
+            float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+                bleedingMult);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
 // Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
-//   side                samples along a side, 2 or more: 4, 8, 12, 16, 20, 24 for the counts of Table 1
+//   side                samples along a side, 2 or more; 4, 8, 12, 16, 20, 24 for the counts of Table 1
 vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 lineEndU, vec2 lineEndV, int side,
     float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetch(DepthSamp, uv).r;
+    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     for (int j = 0; j < side; j++)
@@ -330,7 +342,7 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
         {
             vec2 sampleCoords = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
             vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-            float sampleDepth = BokehFetch(DepthSamp, sampleCoords).r;
+            float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
                 bleedingMult);
             color += samplePixel * weight;

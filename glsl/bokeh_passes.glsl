@@ -165,7 +165,7 @@ void main()
 void main()
 {
     vec4 result = BokehFetch(BokehColorSamp, BokehUV);
-    float S2 = BokehSafeDepth(BokehFetch(BokehDepthSamp, BokehUV).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, BokehUV).r);
     if (BokehDebugMode > 2.5)
     {
         result = BokehDebugFocus(S2, BokehFocusDistance, result.a, BokehMaxCoC);

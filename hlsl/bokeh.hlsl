@@ -114,6 +114,17 @@ float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
 #endif
 }
 
+// Porting: the same for textures with a nearest filter, depth and kernels
+//   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
+float4 BokehFetchNearest(BOKEH_TEXTURE(tex), float2 uv)
+{
+#if BOKEH_HLSL_SM == 3
+    return tex2Dlod(tex, float4(uv, 0.0, 0.0));
+#else
+    return tex.SampleLevel(texSampler, uv, 0.0);
+#endif
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
 // ---------------------------------------------------------------------------------------------------------------------
@@ -134,11 +145,12 @@ float BokehCoC(float S2, float A, float f, float S1, float sensorHeight, float M
 }
 
 // Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
-//   The comparison is written so that NaN fails it: max() may return either operand for NaN.
+//   NaN fails this comparison; max() may return either operand. It is >= since shader model 3 has no other: > there
+//   is the opposite comparison with its two results swapped, and NaN passes that.
 float BokehSafeChannel(float value)
 {
     float safe = 0.0;
-    if (value > 0.0)
+    if (value >= 0.0)
     {
         safe = min(value, BOKEH_MAX_COLOR);
     }
@@ -149,7 +161,7 @@ float BokehSafeChannel(float value)
 float BokehSafeDepth(float S2)
 {
     float safe = BOKEH_MIN_DEPTH;
-    if (S2 > BOKEH_MIN_DEPTH)
+    if (S2 >= BOKEH_MIN_DEPTH)
     {
         safe = min(S2, BOKEH_MAX_DEPTH);
     }
@@ -173,7 +185,7 @@ float4 BokehPackCoC(float4 color, float CoC)
 float4 BokehCoCMap(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float A, float f, float S1,
     float sensorHeight, float MaxCoC)
 {
-    float S2 = BokehSafeDepth(BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
     float CoC = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
     return BokehPackCoC(BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv), CoC);
 }
@@ -248,19 +260,19 @@ float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool bl
 //   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
 //   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
 //   lineEnd       from BokehLineEnd
-//   numSamples    samples on the line, 2 or more
+//   numSamples    samples on the line, 2 or more; 254 at most in shader model 3
 float4 BokehDepthOfField(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float2 lineEnd,
     int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     BOKEH_LOOP for (int i = 0; i < numSamples; i++)
     {
         float2 sampleCoords = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
         float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-        float sampleDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
+        float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
             bleedingMult);
         color += samplePixel * weight;
@@ -309,32 +321,36 @@ float4 BokehNaiveGather(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKE
     float aspectRatio, int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
     float2 scale = float2(centerPixel.a / aspectRatio, centerPixel.a);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
-    BOKEH_LOOP for (int i = 0; i < numSamples; i++)
+    // Two loops, since a loop of shader model 3 ends after 255 turns.
+    BOKEH_LOOP for (int start = 0; start < numSamples; start += 128)
     {
-        float2 kernelCoords = float2((float(i) + 0.5) / float(numSamples), 0.5);
-        float2 sampleCoords = uv + BokehFetch(BOKEH_ARGUMENT(KernelSamp), kernelCoords).rg * scale;
-        float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-        float sampleDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
-        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-            bleedingMult);
-        color += samplePixel * weight;
-        totalWeight += weight;
+        BOKEH_LOOP for (int i = start; i < min(start + 128, numSamples); i++)
+        {
+            float2 kernelCoords = float2((float(i) + 0.5) / float(numSamples), 0.5);
+            float2 sampleCoords = uv + BokehFetchNearest(BOKEH_ARGUMENT(KernelSamp), kernelCoords).rg * scale;
+            float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
+            float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
+            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+                bleedingMult);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
 // Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
-//   side                samples along a side, 2 or more: 4, 8, 12, 16, 20, 24 for the counts of Table 1
+//   side                samples along a side, 2 or more; 4, 8, 12, 16, 20, 24 for the counts of Table 1
 float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float2 lineEndU, float2 lineEndV,
     int side, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     BOKEH_LOOP for (int j = 0; j < side; j++)
@@ -344,7 +360,7 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2
         {
             float2 sampleCoords = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
             float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-            float sampleDepth = BokehFetch(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
+            float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
                 bleedingMult);
             color += samplePixel * weight;

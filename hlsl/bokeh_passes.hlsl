@@ -166,7 +166,7 @@ float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float4 result = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
-    float S2 = BokehSafeDepth(BokehFetch(BOKEH_ARGUMENT(BokehDepthSamp), uv).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r);
     if (BokehDebugMode > 2.5)
     {
         result = BokehDebugFocus(S2, BokehFocusDistance, result.a, BokehMaxCoC);

@@ -67,6 +67,13 @@ fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
     return textureSampleLevel(tex, texSampler, uv, 0.0);
 }
 
+// Porting: the same for textures with a nearest filter, depth and kernels
+//   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
+fn BokehFetchNearest(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
+{
+    return textureSampleLevel(tex, texSampler, uv, 0.0);
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
 // ---------------------------------------------------------------------------------------------------------------------
@@ -87,11 +94,12 @@ fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) ->
 }
 
 // Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
-//   The comparison is written so that NaN fails it: max() may return either operand for NaN.
+//   NaN fails this comparison; max() may return either operand. It is >= since shader model 3 has no other: > there
+//   is the opposite comparison with its two results swapped, and NaN passes that.
 fn BokehSafeChannel(value: f32) -> f32
 {
     var safe: f32 = 0.0;
-    if (value > 0.0)
+    if (value >= 0.0)
     {
         safe = min(value, BOKEH_MAX_COLOR);
     }
@@ -102,7 +110,7 @@ fn BokehSafeChannel(value: f32) -> f32
 fn BokehSafeDepth(S2: f32) -> f32
 {
     var safe: f32 = BOKEH_MIN_DEPTH;
-    if (S2 > BOKEH_MIN_DEPTH)
+    if (S2 >= BOKEH_MIN_DEPTH)
     {
         safe = min(S2, BOKEH_MAX_DEPTH);
     }
@@ -126,7 +134,7 @@ fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
 fn BokehCoCMap(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
     DepthSampSampler: sampler, uv: vec2f, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
 {
-    let S2: f32 = BokehSafeDepth(BokehFetch(DepthSamp, DepthSampSampler, uv).r);
+    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
     let CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
     return BokehPackCoC(BokehFetch(ColorSamp, ColorSampSampler, uv), CoC);
 }
@@ -201,20 +209,20 @@ fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: boo
 //   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
 //   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
 //   lineEnd       from BokehLineEnd
-//   numSamples    samples on the line, 2 or more
+//   numSamples    samples on the line, 2 or more; 254 at most in shader model 3
 fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
     DepthSampSampler: sampler, uv: vec2f, lineEnd: vec2f, numSamples: i32, bleedingBias: f32, bleedingMult: f32,
     blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
     for (var i: i32 = 0; i < numSamples; i++)
     {
         let sampleCoords: vec2f = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
         let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
+        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
         var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
             bleedingMult);
         color += samplePixel * weight;
@@ -265,33 +273,37 @@ fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Depth
     numSamples: i32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
     let scale: vec2f = vec2f(centerPixel.a / aspectRatio, centerPixel.a);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
-    for (var i: i32 = 0; i < numSamples; i++)
+    // Two loops, since a loop of shader model 3 ends after 255 turns.
+    for (var start: i32 = 0; start < numSamples; start += 128)
     {
-        let kernelCoords: vec2f = vec2f((f32(i) + 0.5) / f32(numSamples), 0.5);
-        let sampleCoords: vec2f = uv + BokehFetch(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
-        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
-        var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-            bleedingMult);
-        color += samplePixel * weight;
-        totalWeight += weight;
+        for (var i: i32 = start; i < min(start + 128, numSamples); i++)
+        {
+            let kernelCoords: vec2f = vec2f((f32(i) + 0.5) / f32(numSamples), 0.5);
+            let sampleCoords: vec2f = uv + BokehFetchNearest(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
+            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
+            var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
+                bleedingMult);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
 // Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
-//   side                samples along a side, 2 or more: 4, 8, 12, 16, 20, 24 for the counts of Table 1
+//   side                samples along a side, 2 or more; 4, 8, 12, 16, 20, 24 for the counts of Table 1
 fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
     DepthSampSampler: sampler, uv: vec2f, lineEndU: vec2f, lineEndV: vec2f, side: i32, bleedingBias: f32,
     bleedingMult: f32, blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
     for (var j: i32 = 0; j < side; j++)
@@ -301,7 +313,7 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
         {
             let sampleCoords: vec2f = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
             let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-            let sampleDepth: f32 = BokehFetch(DepthSamp, DepthSampSampler, sampleCoords).r;
+            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
             var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
                 bleedingMult);
             color += samplePixel * weight;

@@ -115,7 +115,7 @@ struct BokehVertex
 @fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
 {
     var result: vec4f = BokehFetch(BokehColorSamp, BokehLinearClamp, input.uv);
-    let S2: f32 = BokehSafeDepth(BokehFetch(BokehDepthSamp, BokehNearestClamp, input.uv).r);
+    let S2: f32 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, BokehNearestClamp, input.uv).r);
     if (bokehParameters.BokehDebugMode > 2.5)
     {
         result = BokehDebugFocus(S2, bokehParameters.BokehFocusDistance, result.a, bokehParameters.BokehMaxCoC);

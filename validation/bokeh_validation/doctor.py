@@ -42,6 +42,8 @@ def _native() -> str:
 
 CHECKS: tuple[tuple[str, str, Callable[[], str]], ...] = (
     ("compiler", "glslang", _compiler("glslang")),
+    ("compiler", "glslc", _compiler("glslc")),
+    ("compiler", "mojoshader", _compiler("mojoshader")),
     ("compiler", "spirv-val", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_val()),
     ("compiler", "spirv-cross", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_cross()),
     ("compiler", "mesa", _compiler("mesa")),

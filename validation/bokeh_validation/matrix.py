@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bokeh_validation import variants
-from bokeh_validation.compilers import angle, chain, glslang, mesa, naga, spirv, tint
+from bokeh_validation.compilers import angle, chain, glslang, glslc, mesa, mojoshader, naga, spirv, tint
 from bokeh_validation.compilers.chain import FAILED, MISSING, NOT_APPLICABLE, OK, Cell, Runtimes
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.variants import COLUMNS, Variant, load
@@ -160,12 +160,15 @@ def versions(rows: Iterable[Variant], runtimes: Runtimes) -> dict[str, str]:
 
     ask: dict[str, Callable[[], str]] = {
         "fxc": lambda: runtimes.get("fxc").version,
+        "mojoshader": mojoshader.version,
         "glslang": glslang.version,
+        "glslc": glslc.version,
         "dxc-spirv": lambda: runtimes.get("dxc").version,
         "dxc-dxil": lambda: runtimes.get("dxc").version,
         "spirv-val": spirv.version_val,
         "essl300": cross_checked,
         "essl310": cross_checked,
+        "hlsl50": lambda: f"spirv-cross {spirv.version_cross()}, fxc {runtimes.get('fxc').version}",
         "msl": lambda: f"spirv-cross {spirv.version_cross()}",
         "mesa": lambda: mesa.version(runtimes.get("gl")),
         "angle": lambda: angle.version(runtimes.chromium()),

@@ -17,8 +17,8 @@ PAPER_SAMPLES = 13  # on a line, section 4.3
 COMPILERS: dict[tuple[str, str], tuple[str, ...]] = {
     ("glsl", "330"): ("glslang", "spirv-val", "mesa"),
     ("glsl", "300es"): ("glslang", "mesa", "angle"),
-    ("glsl", "450"): ("glslang", "spirv-val", "essl300", "essl310", "msl", "mesa"),
-    ("hlsl", "sm3"): ("fxc",),
+    ("glsl", "450"): ("glslang", "glslc", "spirv-val", "essl300", "essl310", "msl", "hlsl50", "mesa"),
+    ("hlsl", "sm3"): ("fxc", "mojoshader"),
     ("hlsl", "sm4"): ("fxc",),
     ("hlsl", "sm5"): ("fxc", "glslang", "spirv-val", "essl300", "essl310", "msl"),
     ("hlsl", "sm6"): ("dxc-spirv", "dxc-dxil", "spirv-val", "essl300", "essl310", "msl", "naga"),
@@ -26,13 +26,16 @@ COMPILERS: dict[tuple[str, str], tuple[str, ...]] = {
 }
 COLUMNS = (
     "fxc",
+    "mojoshader",
     "glslang",
+    "glslc",
     "dxc-spirv",
     "dxc-dxil",
     "spirv-val",
     "essl300",
     "essl310",
     "msl",
+    "hlsl50",
     "mesa",
     "angle",
     "naga",

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from bokeh_validation import browser, variants
-from bokeh_validation.compilers import angle, dxc, fxc, glslang, mesa, naga, places, spirv, tint
+from bokeh_validation.compilers import angle, dxc, fxc, glslang, glslc, mesa, mojoshader, naga, places, spirv, tint
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.variants import Variant
@@ -75,8 +75,10 @@ def in_process(variant: Variant, source: str, runtimes: Runtimes) -> tuple[Cells
         cells = {"dxc-spirv": spirv_cell, "dxc-dxil": dxil_cell}
         cells = {name: _located(cell, variant, source) for name, cell in cells.items()}
     if "fxc" in variant.compilers:
-        cell, _ = _attempt(lambda: _fxc(variant, source, runtimes))
+        cell, bytecode = _attempt(lambda: _fxc(variant, source, runtimes))
         cells["fxc"] = _located(cell, variant, source)
+        if "mojoshader" in variant.compilers:
+            cells["mojoshader"] = _following("fxc", cells["fxc"], lambda: mojoshader.build(bytecode.binary))
     if "mesa" in variant.compilers:
         cell, _ = _attempt(lambda: _mesa(variant, source, runtimes))
         cells["mesa"] = _located(cell, variant, source)
@@ -105,11 +107,15 @@ def tools(variant: Variant, source: str, before: Cells, binary: CompileResult | 
         producer = "glslang"
         cell, binary = _attempt(lambda: _glslang(variant, source))
         cells["glslang"] = _located(cell, variant, source)
+    if "glslc" in variant.compilers:
+        cell, _ = _attempt(lambda: glslc.build(source, variant.stage))
+        cells["glslc"] = _located(cell, variant, source)
     after: dict[str, Callable[[], CompileResult]] = {
         "spirv-val": lambda: spirv.validate(binary.binary, OPENGL_RULES if variant.profile == "330" else VULKAN_RULES),
         "essl300": lambda: spirv.cross_checked(binary.binary, variant.stage, "essl300"),
         "essl310": lambda: spirv.cross_checked(binary.binary, variant.stage, "essl310"),
         "msl": lambda: spirv.cross(binary.binary, "msl"),
+        "hlsl50": lambda: _hlsl_again(binary.binary, variant.stage),
     }
     for column, step in after.items():
         if column in variant.compilers:
@@ -125,6 +131,15 @@ def _attempt(step: Callable[[], CompileResult]) -> tuple[Cell, CompileResult | N
         return Cell(MISSING, str(error)), None
     cell = Cell(OK if result.ok else FAILED, result.messages, result.facts)
     return cell, result if result.ok else None
+
+
+def _hlsl_again(binary: bytes, stage: str) -> CompileResult:
+    """SPIR-V to HLSL by spirv-cross, compiled by fxc."""
+    text = spirv.cross(binary, "hlsl50")
+    if not text.ok:
+        return text
+    result = fxc.load().compile(text.binary.decode(), "vs_5_0" if stage == "vert" else "ps_5_0", "main")
+    return result if result.ok else refused(f"spirv-cross wrote HLSL that fxc refuses:\n{result.messages}")
 
 
 def _located(cell: Cell, variant: Variant, source: str) -> Cell:

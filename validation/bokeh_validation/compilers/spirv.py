@@ -13,6 +13,7 @@ TARGETS = {
     "essl300": ("--es", "--version", "300"),
     "essl310": ("--es", "--version", "310"),
     "msl": ("--msl",),
+    "hlsl50": ("--hlsl", "--shader-model", "50"),
 }
 
 
