@@ -35,9 +35,9 @@ class Direct3D:
         self._compiled: dict[tuple[str, str], str] = {}
         fxc.load()
         program = programs.build(f"{self.name}run", [f"{self.name}run.c"], self.libraries)
-        self._server = server.Server(program, display=True)
-        self._server.start()
-        self.adapter = self._server.greeting
+        self.server = server.Server(program, display=True)
+        self.server.start()
+        self.adapter = self.server.greeting
         # Wine's Direct3D draws with OpenGL, which on a display of Xvfb is Mesa's software one
         self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
         if adapter is not None and adapter.lower() not in self.adapter.lower():
@@ -55,7 +55,7 @@ class Direct3D:
         if key not in self._compiled:
             code = fxc.bytecode(source, f"{stage}_{self.model}_0", entry)
             name = f"{hashlib.sha256(code).hexdigest()[:32]}.{stage}"
-            (self._server.folder / name).write_bytes(code)
+            (self.server.folder / name).write_bytes(code)
             self._compiled[key] = name
         return self._compiled[key]
 
@@ -68,7 +68,7 @@ class Direct3D:
         keep: Iterable[str] = ("result",),
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
-        folder, dtype = self._server.folder, np.dtype(storage_type(storage))
+        folder, dtype = self.server.folder, np.dtype(storage_type(storage))
         numbers: dict[str, int] = {}
         lines = [f"size {size[0]} {size[1]} {FORMATS[dtype, 4]}"]
         lines.append(f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}")
@@ -90,7 +90,7 @@ class Direct3D:
         job = folder / f"{self.name}.job"
         job.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
         try:
-            ok, answer = self._server.ask(job.name, RUN_S)
+            ok, answer = self.server.ask(job.name, RUN_S)
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
             shape = (size[1], size[0], 4)

@@ -82,13 +82,14 @@ static int set_inputs(const Draw *what, const Texture *textures)
     return 1;
 }
 
-static int draw(const Draw *what, const Texture *textures, Texture *target)
+static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets)
 {
-    ID3D11RenderTargetView *view;
-    TRY(ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)target->handle, NULL, &view));
-    D3D11_VIEWPORT viewport = {0, 0, (float)target->width, (float)target->height, 0, 1};
+    ID3D11RenderTargetView *views[MAX_TARGETS];
+    for (int i = 0; i < num_targets; i++)
+        TRY(ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)targets[i]->handle, NULL, &views[i]));
+    D3D11_VIEWPORT viewport = {0, 0, (float)targets[0]->width, (float)targets[0]->height, 0, 1};
     ID3D11DeviceContext_RSSetViewports(context, 1, &viewport);
-    ID3D11DeviceContext_OMSetRenderTargets(context, 1, &view, NULL);
+    ID3D11DeviceContext_OMSetRenderTargets(context, num_targets, views, NULL);
     int ready = set_inputs(what, textures);
     if (ready) {
         ID3D11DeviceContext_UpdateSubresource(context, (ID3D11Resource *)parameters, 0, NULL, what->values, 0, 0);
@@ -98,7 +99,8 @@ static int draw(const Draw *what, const Texture *textures, Texture *target)
     }
     /* a texture cannot be read while it is bound as the target */
     ID3D11DeviceContext_OMSetRenderTargets(context, 0, NULL, NULL);
-    ID3D11RenderTargetView_Release(view);
+    for (int i = 0; i < num_targets; i++)
+        ID3D11RenderTargetView_Release(views[i]);
     return ready;
 }
 

@@ -106,19 +106,33 @@ static int draw_quad(void)
     return 1;
 }
 
-static int draw(const Draw *what, const Texture *textures, Texture *target)
+static int set_target(int index, const Texture *target)
 {
     IDirect3DSurface9 *surface;
     TRY(IDirect3DTexture9_GetSurfaceLevel((IDirect3DTexture9 *)target->handle, 0, &surface));
-    HRESULT status = IDirect3DDevice9_SetRenderTarget(device, 0, surface);
+    HRESULT status = IDirect3DDevice9_SetRenderTarget(device, index, surface);
     IDirect3DSurface9_Release(surface);
     TRY(status);
+    return 1;
+}
+
+static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets)
+{
+    D3DCAPS9 caps;
+    TRY(IDirect3DDevice9_GetDeviceCaps(device, &caps));
+    if (num_targets > (int)caps.NumSimultaneousRTs)
+        return problem("%d targets, but the device has %lu at once", num_targets, (unsigned long)caps.NumSimultaneousRTs);
+    for (int i = 1; i < (int)caps.NumSimultaneousRTs; i++) /* those of the draw before may have another size */
+        TRY(IDirect3DDevice9_SetRenderTarget(device, i, NULL));
+    for (int i = 0; i < num_targets; i++)
+        if (!set_target(i, targets[i]))
+            return 0;
     TRY(IDirect3DDevice9_SetVertexShader(device, what->vertex));
     TRY(IDirect3DDevice9_SetPixelShader(device, what->pixel));
     for (int slot = 0; slot < NUM_SLOTS; slot++)
         if (!set_input(slot, &what->inputs[slot], textures))
             return 0;
-    return set_values(what, target) && draw_quad();
+    return set_values(what, targets[0]) && draw_quad();
 }
 
 static int read_back(const Texture *texture, void *pixels)

@@ -9,7 +9,7 @@
  *   pixel FILE                   pixel shader of the next draw
  *   input SLOT N FILTER          texture N in a slot (s and t register) of the next draw; linear or nearest, clamp
  *   value I NUMBER               parameter I: c(I).x in shader model 3, byte 4 I of b0 in 4 and up
- *   draw N                       draw; the target becomes texture N
+ *   draw N [N [N [N]]]           draw; each target of the pixel shader becomes a texture
  *   keep N FILE                  write texture N, in the format of its target, rows as above
  *
  * FILEs are names in the working directory. A shader file is read once: other contents need another name.
@@ -24,6 +24,7 @@
 #define MAX_SHADERS 4096
 #define NUM_SLOTS 4
 #define NUM_VALUES 16
+#define MAX_TARGETS 4 /* what Direct3D 9 cards have at the most */
 
 typedef enum { HALF4, FLOAT4, FLOAT1, NUM_FORMATS } Format;
 
@@ -52,7 +53,7 @@ typedef struct {
 static int make_texture(Texture *texture, const void *pixels);
 static int make_target(Texture *texture);
 static int make_shader(int is_vertex, const void *code, size_t size, void **shader);
-static int draw(const Draw *what, const Texture *textures, Texture *target);
+static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets);
 static int read_back(const Texture *texture, void *pixels);
 static void drop(Texture *texture);
 
@@ -152,6 +153,25 @@ static void clear_inputs(Draw *next)
     next->pixel = NULL;
 }
 
+static int do_draw(const char *numbers, Texture *textures, const Texture *size, Draw *next)
+{
+    int number[MAX_TARGETS];
+    int count = sscanf(numbers, "%d %d %d %d", &number[0], &number[1], &number[2], &number[3]);
+    Texture *targets[MAX_TARGETS];
+    if (count < 1 || !next->vertex || !next->pixel || !size->width)
+        return problem("draw needs size, vertex and pixel before it, and a number");
+    for (int i = 0; i < count; i++) {
+        Texture target = *size;
+        if (!is_texture(textures, number[i], 0) || !make_target(&target))
+            return 0;
+        targets[i] = &textures[number[i]];
+        *targets[i] = target;
+    }
+    int done = draw(next, textures, targets, count);
+    clear_inputs(next);
+    return done;
+}
+
 /* Do one line of a job. 0 on failure, after problem(). */
 static int do_line(const char *line, Texture *textures, Texture *size, Draw *next)
 {
@@ -186,17 +206,8 @@ static int do_line(const char *line, Texture *textures, Texture *size, Draw *nex
         next->values[slot] = value;
         return 1;
     }
-    if (!strcmp(word, "draw") && sscanf(rest, "%d", &number) == 1) {
-        if (!next->vertex || !next->pixel || !size->width)
-            return problem("draw needs size, vertex and pixel before it");
-        Texture target = *size;
-        if (!is_texture(textures, number, 0) || !make_target(&target))
-            return 0;
-        textures[number] = target;
-        int done = draw(next, textures, &textures[number]);
-        clear_inputs(next);
-        return done;
-    }
+    if (!strcmp(word, "draw"))
+        return do_draw(rest, textures, size, next);
     if (!strcmp(word, "keep") && sscanf(rest, "%d %127s", &number, file) == 2)
         return is_texture(textures, number, 1) && keep_texture(&textures[number], file);
     return problem("cannot use the line '%.200s'", line);

@@ -1,5 +1,5 @@
-// WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on a
-// framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
+// WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on
+// a framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
 
 import { decode, elements, encode } from "./pixels.js";
 
@@ -45,7 +45,11 @@ function build(vertex, fragment) {
   const program = gl.createProgram();
   const logs = {};
   let ok = true;
-  for (const [name, stage, source] of [["vertex", gl.VERTEX_SHADER, vertex], ["fragment", gl.FRAGMENT_SHADER, fragment]]) {
+  const stages = [
+    ["vertex", gl.VERTEX_SHADER, vertex],
+    ["fragment", gl.FRAGMENT_SHADER, fragment],
+  ];
+  for (const [name, stage, source] of stages) {
     const shader = gl.createShader(stage);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
