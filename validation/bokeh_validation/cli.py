@@ -27,7 +27,8 @@ console = Console(soft_wrap=True)
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
-DriverOption = Annotated[list[str] | None, typer.Option("--driver", help="osmesa, egl, wgpu, dxc or reference.")]
+DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, d3d11, webgl2, webgpu or reference."
+DriverOption = Annotated[list[str] | None, typer.Option("--driver", help=DRIVER_HELP)]
 AdapterOption = Annotated[
     str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")
 ]
@@ -204,7 +205,7 @@ def render(
     coc_blur: Annotated[bool, typer.Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
     leak_fix: Annotated[bool, typer.Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
     depth_channel: Annotated[str, typer.Option(help="Name of the depth channel.")] = "Z",
-    driver: Annotated[str | None, typer.Option(help="osmesa, egl, wgpu, dxc or reference.")] = None,
+    driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
     adapter: AdapterOption = None,
     png: Annotated[Path | None, typer.Option(help="Write a tone-mapped picture as well.")] = None,
 ) -> None:
@@ -349,5 +350,6 @@ def _print_scenes(results) -> None:
         state = "[green]ok[/]" if comparison.ok else "[red]FAILED[/]"
         console.print(
             f"{result.driver} {result.scene.name}, {result.aperture}: {comparison} {state}; "
-            f"against the lens {result.psnr:.1f} dB, untouched {result.psnr_untouched:.1f} dB"
+            f"against the lens {result.psnr:.1f} dB, FLIP {result.flip:.3f} "
+            f"(untouched {result.psnr_untouched:.1f} dB, {result.flip_untouched:.3f})"
         )

@@ -196,6 +196,8 @@ def summary(matrix: Matrix) -> str:
     counts = matrix.counts
     parts = [f"{len(matrix.rows)} programs", f"{counts[OK]} of {sum(counts.values())} compilations ok"]
     parts += [f"{counts[kind]} {kind}" for kind in (FAILED, MISSING) if counts[kind]]
+    if any("warnings" in cell.facts for row in matrix.rows for cell in row.cells.values()):
+        parts.append("* with warnings")
     return ", ".join(parts) + f", {matrix.seconds:.1f} s"
 
 
@@ -229,7 +231,7 @@ def _mark(cells: Sequence[Cell]) -> str:
     if statuses.count(worst) < len(statuses):
         text += f" {statuses.count(worst)}/{len(statuses)}"
     elif worst == OK and any("warnings" in cell.facts for cell in cells):
-        text += ", warnings"
+        text += "*"
     return f"[{STYLES[worst]}]{text}[/]"
 
 

@@ -98,3 +98,11 @@ def psnr(result: np.ndarray, truth: np.ndarray) -> float:
     """Peak signal to noise ratio of the tone-mapped rgb, dB."""
     error = np.mean((tone_mapped(result[..., :3]) - tone_mapped(truth[..., :3])) ** 2)
     return float("inf") if error == 0 else float(-10 * np.log10(error))
+
+
+def flip(result: np.ndarray, truth: np.ndarray) -> float:
+    """Mean FLIP of the rgb of two HDR images, 0 (same) to 1."""
+    import flip_evaluator
+
+    images = [np.ascontiguousarray(image[..., :3], np.float32) for image in (truth, result)]
+    return float(flip_evaluator.evaluate(*images, "HDR")[1])

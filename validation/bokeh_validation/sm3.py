@@ -86,7 +86,9 @@ def lines(found: Sequence[Attempt]) -> list[str]:
     text = ["| ps_3_0 | samples | " + " | ".join(LOOPS) + " |", "|---" * (2 + len(LOOPS)) + "|"]
     for entry, samples in dict.fromkeys((item.entry, item.samples) for item in found):
         row = {item.loop: item.result for item in found if (item.entry, item.samples) == (entry, samples)}
-        text.append(f"| {entry.removeprefix('Bokeh')} | {samples} | {' | '.join(_cell(row.get(loop)) for loop in LOOPS)} |")
+        text.append(
+            f"| {entry.removeprefix('Bokeh')} | {samples} | {' | '.join(_cell(row.get(loop)) for loop in LOOPS)} |"
+        )
     return text
 
 

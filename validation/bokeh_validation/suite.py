@@ -81,6 +81,8 @@ class SceneResult:
     result: CaseResult
     psnr: float
     psnr_untouched: float
+    flip: float
+    flip_untouched: float
 
 
 def run_scenes(runtimes: Iterable[Driver], progress: Progress = lambda _: None) -> list[SceneResult]:
@@ -102,6 +104,8 @@ def run_scenes(runtimes: Iterable[Driver], progress: Progress = lambda _: None) 
                         CaseResult(case, outputs, wanted, compared),
                         metrics.psnr(outputs["result"], lens),
                         metrics.psnr(case.color, lens),
+                        metrics.flip(outputs["result"], lens),
+                        metrics.flip(case.color, lens),
                     )
                 )
                 progress(f"{driver.name}: {scene.name}, {aperture}")

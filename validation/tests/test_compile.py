@@ -339,7 +339,7 @@ class TestTools:
                 assert "apt-get install -y" in row.cells[column].message
         told = matrix.failures(result)
         assert any(glslang.INSTALL in text for text in told)
-        assert len(told) == 4  # glslang, mesa, naga, tint: the rest only waits for glslang
+        assert len(told) == 5  # glslang, glslc, mesa, naga, tint: the rest only waits for glslang
 
 
 class TestOutput:

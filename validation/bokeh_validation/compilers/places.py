@@ -5,8 +5,8 @@ from pathlib import Path
 
 from bokeh_validation import paths
 
-# how each compiler writes a place, up to the line number: glslang, mesa, DXC, naga
-PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag)|0|bokeh\.hlsl|wgsl):(\d+)(?=[:(])")
+# how each compiler writes a place, up to the line number: glslang and glslc, mesa, DXC and fxc, naga
+PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag|glsl)|0|bokeh\.hlsl|wgsl):(\d+)(?=[:(])")
 
 
 def located(message: str, source: str, language: str) -> str:

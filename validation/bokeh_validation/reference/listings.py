@@ -171,8 +171,9 @@ class _Bound:
         width, height = self.size
         coc_error = self.center_error[..., 3]
         place_x, place_y = self.precision.place(width), self.precision.place(height)
-        shift_x = place_x + abs(offset[0]) * height * coc_error
-        shift_y = place_y + abs(offset[1]) * height * coc_error
+        turned = self.precision.line * height * self.center[..., 3]
+        shift_x = place_x + abs(offset[0]) * height * coc_error + turned
+        shift_y = place_y + abs(offset[1]) * height * coc_error + turned
         texel = sampling.nearest_index(x, y, self.size)
         fields = self.fields
         error = fields.stored[texel] + self.precision.filter * fields.largest[texel]

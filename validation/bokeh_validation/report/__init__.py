@@ -151,8 +151,8 @@ def _scene_strips(results: list[SceneResult]) -> list[dict]:
                 "strip": strip,
                 "untouched": untouched,
                 "lens": lens,
-                "psnr": [(r.driver, r.psnr) for r in group],
-                "psnr_untouched": group[0].psnr_untouched,
+                "distances": [(r.driver, r.psnr, r.flip) for r in group],
+                "untouched_distance": (group[0].psnr_untouched, group[0].flip_untouched),
             }
         )
     return strips
