@@ -204,29 +204,47 @@ SPELT = {
         "wgsl": ("    var totalWeight: f32 =", "    var totalWeight ="),
     },
     "a fetch without its coordinates": {
-        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(BOKEH_ARGUMENT(DepthSamp))"),
-        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp)"),
-        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, DepthSampSampler)"),
+        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp))"),
+        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp)"),
+        "wgsl": (
+            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+            "BokehFetchNearest(DepthSamp, DepthSampSampler)",
+        ),
     },
     "a fetch of the other texture": {
-        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv)"),
-        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(ColorSamp, uv)"),
-        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(ColorSamp, ColorSampSampler, uv)"),
+        "hlsl": (
+            "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)",
+            "BokehFetchNearest(BOKEH_ARGUMENT(ColorSamp), uv)",
+        ),
+        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(ColorSamp, uv)"),
+        "wgsl": (
+            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+            "BokehFetchNearest(ColorSamp, ColorSampSampler, uv)",
+        ),
     },
     "a texture without its sampler": {
-        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(DepthSamp, uv)"),
-        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp, DepthSampSampler, uv)"),
-        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, uv)"),
+        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetchNearest(DepthSamp, uv)"),
+        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)"),
+        "wgsl": ("BokehFetchNearest(DepthSamp, DepthSampSampler, uv)", "BokehFetchNearest(DepthSamp, uv)"),
     },
     "the sampler of the other texture": {
-        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
-        "glsl": ("BokehFetch(DepthSamp, uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
-        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "BokehFetch(DepthSamp, ColorSampSampler, uv)"),
+        "hlsl": (
+            "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)",
+            "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)",
+        ),
+        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)"),
+        "wgsl": (
+            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+            "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)",
+        ),
     },
     "sampling past BokehFetch": {
-        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(DepthSamp), uv)", "tex2D(DepthSamp, uv)"),
-        "glsl": ("BokehFetch(DepthSamp, uv)", "texture(DepthSamp, uv)"),
-        "wgsl": ("BokehFetch(DepthSamp, DepthSampSampler, uv)", "textureSample(DepthSamp, DepthSampSampler, uv)"),
+        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "tex2D(DepthSamp, uv)"),
+        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "texture(DepthSamp, uv)"),
+        "wgsl": (
+            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+            "textureSample(DepthSamp, DepthSampSampler, uv)",
+        ),
     },
     "a size of a texture": {
         "hlsl": ("    return lineEnd * t;", "    tex.GetDimensions(t);\n    return lineEnd * t;"),
