@@ -232,6 +232,9 @@ def _mark(cells: Sequence[Cell]) -> str:
         text += f" {statuses.count(worst)}/{len(statuses)}"
     elif worst == OK and any("warnings" in cell.facts for cell in cells):
         text += "*"
+    slots = [int(cell.facts["slots"]) for cell in cells if "slots" in cell.facts]
+    if slots:
+        text += f", {max(slots)} slots"
     return f"[{STYLES[worst]}]{text}[/]"
 
 

@@ -139,7 +139,9 @@ def _hlsl_again(binary: bytes, stage: str) -> CompileResult:
     if not text.ok:
         return text
     result = fxc.load().compile(text.binary.decode(), "vs_5_0" if stage == "vert" else "ps_5_0", "main")
-    return result if result.ok else refused(f"spirv-cross wrote HLSL that fxc refuses:\n{result.messages}")
+    if result.ok:
+        return accepted(result.messages, result.binary)
+    return refused(f"spirv-cross wrote HLSL that fxc refuses:\n{result.messages}")
 
 
 def _located(cell: Cell, variant: Variant, source: str) -> Cell:
