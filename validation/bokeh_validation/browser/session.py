@@ -133,6 +133,8 @@ class Session:
                     headless=True,
                     chromium_sandbox=chromium.sandboxed(),
                     args=chromium.flags(hardware),
+                    # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
+                    env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
                     timeout=START_LIMIT * 1000,
                 )
                 try:
