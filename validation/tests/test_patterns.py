@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bokeh_validation import patterns
+from bokeh_validation import methods, patterns
 from bokeh_validation.drivers.reference import Reference
-from bokeh_validation.patterns import impulse
+from bokeh_validation.patterns import impulse, model
 
 
 @pytest.mark.parametrize("probe", patterns.PROBES, ids=lambda p: p.name)
@@ -59,3 +59,11 @@ def test_scene_probes_notice(name, changes):
     """A switch that does nothing, and a CoC that does not follow depth."""
     probe = next(p for p in patterns.PROBES if p.name == name)
     assert not all(check.ok for check in judged(probe, **changes))
+
+
+def test_reference_is_kept_by_content():
+    """Images of another size or content must not share a kept reference, even where one is freed for the next."""
+    for width in (3, 5, 3, 8):
+        case = model.Case("", methods.Settings(coc=0.1), model.flat((width, 2), 1.0), model.depth_of((width, 2), 1.0))
+        assert model.expected(case, True, "zero")["result"].size == (width, 2)
+        del case
