@@ -21,6 +21,9 @@
 //   octagon    0, then 90;  45, then 135                      4        min
 //   star       as octagon                                     4        max
 //
+//   Better, for polygons with 4, 6, 8 or 10 sides: exact, two passes, no min, no light lost, section [8]
+//   colour + depth -> CoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom, tone mapping
+//
 // PASTE: put this file after your #version line (330, 300 es or 450, or later of the same kind), then for one line pass
 //           uniform sampler2D ColorSamp, DepthSamp;  in vec2 uv;  out vec4 result;
 //           void main() {
@@ -30,7 +33,7 @@
 // CONTENTS
 //   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets
 //   [5] line filter: BokehDepthOfField   [6] combine: BokehDepthOfFieldFinal   [7] naive gather: BokehNaiveGather
-//   [8] exact polygons (not in this version)   [9] debug views: BokehDebugCoC
+//   [8] exact polygons: BokehExactFirst, BokehExactSecond   [9] debug views: BokehDebugCoC
 
 // ---------------------------------------------------------------------------------------------------------------------
 // [1] configuration
@@ -201,6 +204,79 @@ vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
     return lineEnd * t;
 }
 
+// Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
+//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour shows.
+//   spacing       pixels between samples; 0 or less: a fixed number of samples, and the CoC as it is
+//   returns       fraction of the image height
+float BokehFilterCoC(float CoC, float imageHeight, float spacing)
+{
+    float filterCoC = CoC;
+    if (spacing > 0.0)
+    {
+        filterCoC = CoC * clamp(2.0 * CoC * imageHeight - 1.0, 0.0, 1.0);
+    }
+    return filterCoC;
+}
+
+// Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
+//   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
+//   maxSamples    an odd number is used whole; of an even one, one is not used
+float BokehCells(float lengthInPixels, float spacing, int maxSamples)
+{
+    float cells = float(maxSamples);
+    if (spacing > 0.0)
+    {
+        cells = clamp(lengthInPixels / spacing, 1.0, float(2 * ((maxSamples - 1) / 2) + 1));
+    }
+    return cells;
+}
+
+// Listing 2, adaptive: number of samples for so many cells: whole ones about the middle, a part of one at each end
+int BokehCellCount(float cells, int maxSamples)
+{
+    return min(2 * int(ceil(0.5 * (cells - 1.0))) + 1, maxSamples);
+}
+
+// Listing 2, adaptive: sample i of count
+//
+//      |-|---|---|---|-|     4.2 cells, 5 samples: a cell at an end grows from nothing as the line does, so that the
+//       ^  ^   ^   ^  ^      result has no step where the number of samples has one
+//
+//   phase         place in the cell, 0.5 = in its middle
+//   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
+vec2 BokehCell(float cells, int i, int count, float phase)
+{
+    float middle = float(i) - 0.5 * float(count - 1);
+    float low = max(middle - 0.5, -0.5 * cells);
+    float high = max(min(middle + 0.5, 0.5 * cells), low);
+    return vec2(low + (high - low) * phase, high - low);
+}
+
+// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
+//   imageWidth, imageHeight  pixels
+//   frame         number of the frame; give each pass of a frame a number of its own
+//   returns       -0.5 .. 0.5
+float BokehNoise(vec2 uv, float imageWidth, float imageHeight, float frame)
+{
+    float shift = 5.588238 * (frame - 64.0 * floor(frame / 64.0));
+    vec2 pixel = floor(uv * vec2(imageWidth, imageHeight)) + vec2(shift, shift);
+    float seed = dot(pixel, vec2(0.06711056, 0.00583715));
+    float value = 52.9829189 * (seed - floor(seed));
+    return value - floor(value) - 0.5;
+}
+
+// Listing 2, adaptive: a line of any length, off the pixel as well, for BokehDepthOfFieldAdaptive
+//   angle         radians
+//   lineLength    in units of the CoC
+//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the last row
+//   squeeze       width of the bokeh / its height, 1 = round
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC; BokehPolygonEdge returns the same
+vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
+{
+    vec4 segment = vec4(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength * sin(angle));
+    return segment * vec4(squeeze, 1.0, squeeze, 1.0);
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // [5] Listing 3: one pass of the line filter
 // ---------------------------------------------------------------------------------------------------------------------
@@ -262,6 +338,65 @@ vec4 BokehDepthOfField(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 l
         totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Listing 3, adaptive: the mean along one segment, as many samples as it needs
+//   CoC           from BokehFilterCoC, > 0
+//   centerPixel   this pixel, which the leakage test compares with
+//   segment       from BokehSegment or BokehPolygonEdge
+//   aspectRatio   width / height of the image
+//   imageHeight   pixels
+//   spacing       pixels between samples, 1 is right for most; 0: exactly maxSamples
+//   maxSamples    2 or more; 254 at most in shader model 3
+//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther apart than a pixel.
+vec4 BokehLineMean(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec4 segment, float CoC,
+    vec4 centerPixel, float centerDepth, float aspectRatio, float imageHeight, float spacing, int maxSamples,
+    float jitter, float bleedingBias, float bleedingMult)
+{
+    float lengthInPixels = 2.0 * length(segment.zw) * CoC * imageHeight;
+    float cells = BokehCells(lengthInPixels, spacing, maxSamples);
+    int count = BokehCellCount(cells, maxSamples);
+    float phase = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+    vec2 scale = vec2(CoC / aspectRatio, CoC);
+    vec2 middle = uv + segment.xy * scale;
+    vec2 cellLength = segment.zw * scale * (2.0 / cells);
+    vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+    float totalWeight = 0.0;
+    for (int i = 0; i < maxSamples; i++)
+    {
+        if (i >= count)
+        {
+            break;
+        }
+        vec2 cell = BokehCell(cells, i, count, phase);
+        vec2 sampleCoords = middle + cellLength * cell.x;
+        vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
+        float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+        float leakageWeight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            bleedingBias, bleedingMult);
+        float weight = cell.y * leakageWeight;
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, true);
+}
+
+// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs (the paper's future work)
+//   Parameters as in BokehLineMean and BokehDepthOfField. In focus it costs one fetch of each texture.
+vec4 BokehDepthOfFieldAdaptive(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec4 segment,
+    float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias,
+    float bleedingMult, bool blurCoC)
+{
+    vec4 result = BokehFetch(ColorSamp, uv);
+    float CoC = BokehFilterCoC(result.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        vec4 mean = BokehLineMean(ColorSamp, DepthSamp, uv, segment, CoC,
+            result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        result = BokehResolve(mean, 1.0, result, blurCoC);
+    }
+    return result;
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -353,8 +488,218 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
-// [8] exact polygons: not in this version
+// [8] exact polygons
 // ---------------------------------------------------------------------------------------------------------------------
+//
+//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap. Their blurs are
+//   ADDED: no light is lost as by min, and highlights that overlap add up. The first pass blurs along all edges of one
+//   half of the outline but the last, the second pass along all but the first. docs/apertures.md has the proof.
+//
+//           edge 2                  edges 1, 2, 3 of a hexagon; the other half of the outline is the same, turned.
+//          ,-' '-,  edge 1          first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighed
+//   edge 3 |     |                  second pass  T2 blurred along 2, T3 along 3, weighed: 1/3 + 2/3
+//          '-, ,-'
+//
+//   sides       targets of the first pass   textures of the second
+//   4           1                           ColorSamp
+//   6           2                           ColorSamp, ColorSampB
+//   8           3                           ColorSamp .. ColorSampC
+//   10          4                           ColorSamp .. ColorSampD
+//
+//   Give `sides` as a literal: what it does not need is then compiled away. Without several targets, BokehExactEdge
+//   makes them one by one, each from the two before it.
+//   Corners lie on the circle of confusion. Rotation 0 has an edge upright at the right, as `paper` has it.
+
+// Exact: a vector turned by an angle, from +x towards +y
+vec2 BokehTurned(vec2 direction, float angle)
+{
+    float c = cos(angle);
+    float s = sin(angle);
+    return vec2(direction.x * c - direction.y * s, direction.x * s + direction.y * c);
+}
+
+// Exact: the line of edge k in one of the two passes
+//   Where both passes put it on the outline, every sample of the first pass is on one side of the pixel. So the first
+//   pass is moved by the mean of its lines to the middle, and the second pass back.
+//   k             1 .. sides / 2
+//   sides         4, 6, 8 or 10
+//   axis          (cos, sin) of the rotation
+//   squeeze       width of the bokeh / its height, 1 = round
+//   secondPass    false: first pass
+//   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
+vec4 BokehPolygonEdge(float k, float sides, vec2 axis, float squeeze, bool secondPass)
+{
+    float halfStep = 3.14159265 / sides;
+    vec2 outwards = BokehTurned(axis, 2.0 * halfStep * k);
+    vec2 meanOfFirst = vec2(-axis.y, axis.x) * (0.5 * cos(halfStep) * cos(halfStep) / (sin(halfStep) *
+        (0.5 * sides - 1.0)));
+    vec2 middle = outwards * (0.5 * cos(halfStep)) - meanOfFirst;
+    if (secondPass)
+    {
+        middle = -middle - BokehTurned(axis, halfStep) * 0.5;
+    }
+    vec2 halfEdge = vec2(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
+    return vec4(middle, halfEdge) * vec4(squeeze, 1.0, squeeze, 1.0);
+}
+
+// Exact: area of all parallelograms between edge k and the edges before it, in units of a rhombus with a right angle
+float BokehExactWeight(float k, float sides)
+{
+    float halfStep = 3.14159265 / sides;
+    return sin(k * halfStep) * sin((k - 1.0) * halfStep) / sin(halfStep);
+}
+
+// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighed by their parallelograms
+//   B1 .. B4      blurs along edges 1 to 4; those from k on count nothing
+//   CoC           of this pixel, which goes to the alpha: the second pass blurs by the unblurred CoC
+vec4 BokehExactTarget(float k, float sides, vec4 B1, vec4 B2, vec4 B3, vec4 B4, float CoC)
+{
+    float turn = 6.28318531 / sides;
+    float w1 = sin((k - 1.0) * turn);
+    float w2 = max(sin((k - 2.0) * turn), 0.0);
+    float w3 = max(sin((k - 3.0) * turn), 0.0);
+    float w4 = max(sin((k - 4.0) * turn), 0.0);
+    vec4 mean = (B1 * w1 + B2 * w2 + B3 * w3 + B4 * w4) / (w1 + w2 + w3 + w4);
+    return vec4(mean.rgb, CoC);
+}
+
+// Exact: first pass
+//   ColorSamp     from BokehCoCMap; linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   sides         4, 6, 8 or 10, a literal
+//   rotation      radians
+//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+//   aspectRatio, imageHeight, spacing, maxSamples, jitter  as in BokehLineMean
+//   returns       T[0] .. T[3]: what targets 0 to 3 get, as many as the table above says
+mat4 BokehExactFirst(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float sides, float rotation,
+    float squeeze, float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter,
+    float bleedingBias, float bleedingMult)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    mat4 result = mat4(centerPixel, centerPixel, centerPixel, centerPixel);
+    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        vec2 axis = vec2(cos(rotation), sin(rotation));
+        vec4 B2 = centerPixel;
+        vec4 B3 = centerPixel;
+        vec4 B4 = centerPixel;
+        vec4 B1 = BokehLineMean(ColorSamp, DepthSamp, uv,
+            BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (sides > 5.0)
+        {
+            B2 = BokehLineMean(ColorSamp, DepthSamp, uv,
+                BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 7.0)
+        {
+            B3 = BokehLineMean(ColorSamp, DepthSamp, uv,
+                BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 9.0)
+        {
+            B4 = BokehLineMean(ColorSamp, DepthSamp, uv,
+                BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        vec4 T2 = BokehExactTarget(2.0, sides, B1, B2, B3, B4, centerPixel.a);
+        vec4 T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B4, centerPixel.a);
+        vec4 T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B4, centerPixel.a);
+        vec4 T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
+        result = mat4(T2, T3, T4, T5);
+    }
+    return result;
+}
+
+// Exact: second pass, the finished polygon
+//   ColorSamp .. ColorSampD  targets 0 to 3 of the first pass; linear filter, clamp. Where there are fewer, give any
+//                            texture for the rest: it is not read.
+//   The other parameters as in BokehExactFirst.
+//   returns       rgb = colour, a = CoC of this pixel, as BokehCoCMap made it
+vec4 BokehExactSecond(sampler2D ColorSamp, sampler2D ColorSampB, sampler2D ColorSampC,
+    sampler2D ColorSampD, sampler2D DepthSamp, vec2 uv, float sides, float rotation, float squeeze,
+    float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias,
+    float bleedingMult)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    vec4 result = centerPixel;
+    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        vec2 axis = vec2(cos(rotation), sin(rotation));
+        float weight = BokehExactWeight(2.0, sides);
+        float totalWeight = weight;
+        vec4 sum = weight * BokehLineMean(ColorSamp, DepthSamp, uv,
+            BokehPolygonEdge(2.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (sides > 5.0)
+        {
+            weight = BokehExactWeight(3.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampB, DepthSamp, uv,
+                BokehPolygonEdge(3.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 7.0)
+        {
+            weight = BokehExactWeight(4.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampC, DepthSamp, uv,
+                BokehPolygonEdge(4.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 9.0)
+        {
+            weight = BokehExactWeight(5.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampD, DepthSamp, uv,
+                BokehPolygonEdge(5.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        result = vec4(sum.rgb / totalWeight, centerPixel.a);
+    }
+    return result;
+}
+
+// Exact: one target of the first pass, where a pass can write but one
+//   Call it for k = 1 .. sides / 2 - 1: it makes the target of edge k + 1 by blurring along edge k. The blurs before
+//   that one are not blurred again, since sin((m + 1) a) = 2 cos(a) sin(m a) - sin((m - 1) a).
+//   PreviousSamp  what k - 1 made; not read for k = 1
+//   EarlierSamp   what k - 2 made; not read for k = 1 and 2
+//   The other parameters as in BokehExactFirst.
+vec4 BokehExactEdge(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D PreviousSamp,
+    sampler2D EarlierSamp, vec2 uv, float k, float sides, float rotation, float squeeze, float aspectRatio,
+    float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias, float bleedingMult)
+{
+    vec4 centerPixel = BokehFetch(ColorSamp, uv);
+    vec4 result = centerPixel;
+    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        vec2 axis = vec2(cos(rotation), sin(rotation));
+        float turn = 6.28318531 / sides;
+        vec4 sum = sin(turn) * BokehLineMean(ColorSamp, DepthSamp, uv,
+            BokehPolygonEdge(k, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio, imageHeight,
+            spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (k > 1.5)
+        {
+            sum += 2.0 * cos(turn) * BokehExactWeight(k, sides) * BokehFetch(PreviousSamp, uv);
+        }
+        if (k > 2.5)
+        {
+            sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(EarlierSamp, uv);
+        }
+        sum = max(sum / BokehExactWeight(k + 1.0, sides), vec4(0.0, 0.0, 0.0, 0.0));
+        result = vec4(sum.rgb, centerPixel.a);
+    }
+    return result;
+}
 
 // ---------------------------------------------------------------------------------------------------------------------
 // [9] debug views

@@ -8,22 +8,45 @@
 //   BOKEH_CONSTANT_COC           ColorSamp                              colour, the same CoC everywhere
 //   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp                   one line of the filter
 //   BOKEH_DEPTH_OF_FIELD_FINAL   ColorSamp, DepthSamp, ColorSampB       the same, min or max with ColorSampB
+//   BOKEH_ADAPTIVE               ColorSamp, DepthSamp                   a line of any length and place, adaptive
+//   BOKEH_ADAPTIVE_FINAL         ColorSamp, DepthSamp, ColorSampB       the same, min or max with ColorSampB
 //   BOKEH_NAIVE_GATHER           ColorSamp, DepthSamp, KernelSamp       a table of BOKEH_NUM_SAMPLES offsets
 //   BOKEH_NAIVE_GRID             ColorSamp, DepthSamp                   BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
+//   BOKEH_SQUARE_FIRST           ColorSamp, DepthSamp                   exact, first pass: 1 target
+//   BOKEH_SQUARE_SECOND          ColorSamp, DepthSamp                   exact, second pass: the finished square
+//   BOKEH_HEXAGON_FIRST          ColorSamp, DepthSamp                   2 targets
+//   BOKEH_HEXAGON_SECOND         ColorSamp, DepthSamp, ColorSampB       ColorSamp and so on: the targets in their order
+//   BOKEH_OCTAGON_FIRST          ColorSamp, DepthSamp                   3 targets
+//   BOKEH_OCTAGON_SECOND         ColorSamp, DepthSamp, ColorSampB .. C
+//   BOKEH_DECAGON_FIRST          ColorSamp, DepthSamp                   4 targets
+//   BOKEH_DECAGON_SECOND         ColorSamp, DepthSamp, ColorSampB .. D
+//   BOKEH_EXACT_EDGE             ColorSamp, DepthSamp, ColorSampB .. C  one target of the first pass, without MRT;
+//                                                                       B, C: the target before, the one before that
 //   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp        debug view
 //   BOKEH_FULL_SCREEN            -                                      (vertex shader) one triangle over the target
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below (docs/inputs.md has the
-//   table with units and offsets). Set 0: the block at binding 0, the four textures in their order at 1 to 4.
+//   table with units and offsets). Set 0: the block at binding 0, the six textures in their order at 1 to 6.
 
 #define BOKEH_COC_MAP 1
 #define BOKEH_CONSTANT_COC 2
 #define BOKEH_DEPTH_OF_FIELD 3
 #define BOKEH_DEPTH_OF_FIELD_FINAL 4
-#define BOKEH_NAIVE_GATHER 5
-#define BOKEH_NAIVE_GRID 6
-#define BOKEH_DEBUG 7
-#define BOKEH_FULL_SCREEN 8
+#define BOKEH_ADAPTIVE 5
+#define BOKEH_ADAPTIVE_FINAL 6
+#define BOKEH_NAIVE_GATHER 7
+#define BOKEH_NAIVE_GRID 8
+#define BOKEH_SQUARE_FIRST 9
+#define BOKEH_SQUARE_SECOND 10
+#define BOKEH_HEXAGON_FIRST 11
+#define BOKEH_HEXAGON_SECOND 12
+#define BOKEH_OCTAGON_FIRST 13
+#define BOKEH_OCTAGON_SECOND 14
+#define BOKEH_DECAGON_FIRST 15
+#define BOKEH_DECAGON_SECOND 16
+#define BOKEH_EXACT_EDGE 17
+#define BOKEH_DEBUG 18
+#define BOKEH_FULL_SCREEN 19
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
@@ -63,9 +86,10 @@ void main()
 layout(set = 0, binding = 1) uniform sampler2D BokehColorSamp;
 layout(set = 0, binding = 2) uniform sampler2D BokehDepthSamp;
 layout(set = 0, binding = 3) uniform sampler2D BokehColorSampB;
-layout(set = 0, binding = 4) uniform sampler2D BokehKernelSamp;
+layout(set = 0, binding = 4) uniform sampler2D BokehColorSampC;
+layout(set = 0, binding = 5) uniform sampler2D BokehColorSampD;
+layout(set = 0, binding = 6) uniform sampler2D BokehKernelSamp;
 layout(location = 0) in vec2 BokehUV;
-layout(location = 0) out vec4 BokehResult;
 
 #define BOKEH_PARAMETER(type, name) type name;
 
@@ -77,9 +101,10 @@ layout(set = 0, binding = 0, std140) uniform BokehParameters
 uniform sampler2D BokehColorSamp;
 uniform sampler2D BokehDepthSamp;
 uniform sampler2D BokehColorSampB;
+uniform sampler2D BokehColorSampC;
+uniform sampler2D BokehColorSampD;
 uniform sampler2D BokehKernelSamp;
 in vec2 BokehUV;
-out vec4 BokehResult;
 
 #define BOKEH_PARAMETER(type, name) uniform type name;
 
@@ -99,9 +124,32 @@ BOKEH_PARAMETER(float, BokehBleedingMult)
 BOKEH_PARAMETER(float, BokehBlurCoC)
 BOKEH_PARAMETER(float, BokehUseMax)
 BOKEH_PARAMETER(float, BokehDebugMode)
+BOKEH_PARAMETER(float, BokehLineLength)
+BOKEH_PARAMETER(float, BokehLineCenterX)
+BOKEH_PARAMETER(float, BokehLineCenterY)
+BOKEH_PARAMETER(float, BokehSqueeze)
+BOKEH_PARAMETER(float, BokehSpacing)
+BOKEH_PARAMETER(float, BokehImageWidth)
+BOKEH_PARAMETER(float, BokehImageHeight)
+BOKEH_PARAMETER(float, BokehJitter)
+BOKEH_PARAMETER(float, BokehFrame)
+BOKEH_PARAMETER(float, BokehSides)
+BOKEH_PARAMETER(float, BokehEdge)
 
 #ifdef VULKAN
 };
+#endif
+
+// what a pass writes: one target, or as many as the table says
+layout(location = 0) out vec4 BokehResult;
+#if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_FIRST
+layout(location = 1) out vec4 BokehResultB;
+#endif
+#if BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_FIRST
+layout(location = 2) out vec4 BokehResultC;
+#endif
+#if BOKEH_PASS == BOKEH_DECAGON_FIRST
+layout(location = 3) out vec4 BokehResultD;
 #endif
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -127,7 +175,7 @@ void main()
 
 void main()
 {
-    vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio);
+    vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
         BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
 }
@@ -136,27 +184,148 @@ void main()
 
 void main()
 {
-    vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio);
+    vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
         BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5, BokehColorSampB, BokehUseMax > 0.5);
+}
+
+#elif BOKEH_PASS == BOKEH_ADAPTIVE
+
+void main()
+{
+    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
+    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
+        0.5);
+}
+
+#elif BOKEH_PASS == BOKEH_ADAPTIVE_FINAL
+
+void main()
+{
+    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
+    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    vec4 a = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
+        0.5);
+    BokehResult = BokehCombine(a, BokehFetch(BokehColorSampB, BokehUV), BokehUseMax > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_NAIVE_GATHER
 
 void main()
 {
-    BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV, BokehAspectRatio,
-        BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+    BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV,
+        BokehAspectRatio / BokehSqueeze, BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_NAIVE_GRID
 
 void main()
 {
-    vec2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio);
-    vec2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio);
+    vec2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
+    vec2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, BokehUV, lineEndU, lineEndV, BOKEH_NUM_SAMPLES,
         BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_FIRST
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = T[0];
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_SECOND
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehDepthSamp,
+        BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        jitter, BokehBleedingBias, BokehBleedingMult);
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_FIRST
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = T[0];
+    BokehResultB = T[1];
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB, BokehColorSampB, BokehDepthSamp,
+        BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        jitter, BokehBleedingBias, BokehBleedingMult);
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = T[0];
+    BokehResultB = T[1];
+    BokehResultC = T[2];
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampC, BokehDepthSamp,
+        BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        jitter, BokehBleedingBias, BokehBleedingMult);
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_FIRST
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
+        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = T[0];
+    BokehResultB = T[1];
+    BokehResultC = T[2];
+    BokehResultD = T[3];
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_SECOND
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD, BokehDepthSamp,
+        BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        jitter, BokehBleedingBias, BokehBleedingMult);
+}
+
+#elif BOKEH_PASS == BOKEH_EXACT_EDGE
+
+void main()
+{
+    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    BokehResult = BokehExactEdge(BokehColorSamp, BokehDepthSamp, BokehColorSampB, BokehColorSampC, BokehUV, BokehEdge,
+        BokehSides, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        jitter, BokehBleedingBias, BokehBleedingMult);
 }
 
 #elif BOKEH_PASS == BOKEH_DEBUG

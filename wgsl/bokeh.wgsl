@@ -21,6 +21,9 @@
 //   octagon    0, then 90;  45, then 135                      4        min
 //   star       as octagon                                     4        max
 //
+//   Better, for polygons with 4, 6, 8 or 10 sides: exact, two passes, no min, no light lost, section [8]
+//   colour + depth -> CoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom, tone mapping
+//
 // PASTE: put this file before your shader; each texture is followed by its sampler. For one line pass write
 //           @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
 //               return BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv,
@@ -30,7 +33,7 @@
 // CONTENTS
 //   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets
 //   [5] line filter: BokehDepthOfField   [6] combine: BokehDepthOfFieldFinal   [7] naive gather: BokehNaiveGather
-//   [8] exact polygons (not in this version)   [9] debug views: BokehDebugCoC
+//   [8] exact polygons: BokehExactFirst, BokehExactSecond   [9] debug views: BokehDebugCoC
 
 // ---------------------------------------------------------------------------------------------------------------------
 // [1] configuration
@@ -167,6 +170,79 @@ fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
     return lineEnd * t;
 }
 
+// Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
+//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour shows.
+//   spacing       pixels between samples; 0 or less: a fixed number of samples, and the CoC as it is
+//   returns       fraction of the image height
+fn BokehFilterCoC(CoC: f32, imageHeight: f32, spacing: f32) -> f32
+{
+    var filterCoC: f32 = CoC;
+    if (spacing > 0.0)
+    {
+        filterCoC = CoC * clamp(2.0 * CoC * imageHeight - 1.0, 0.0, 1.0);
+    }
+    return filterCoC;
+}
+
+// Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
+//   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
+//   maxSamples    an odd number is used whole; of an even one, one is not used
+fn BokehCells(lengthInPixels: f32, spacing: f32, maxSamples: i32) -> f32
+{
+    var cells: f32 = f32(maxSamples);
+    if (spacing > 0.0)
+    {
+        cells = clamp(lengthInPixels / spacing, 1.0, f32(2 * ((maxSamples - 1) / 2) + 1));
+    }
+    return cells;
+}
+
+// Listing 2, adaptive: number of samples for so many cells: whole ones about the middle, a part of one at each end
+fn BokehCellCount(cells: f32, maxSamples: i32) -> i32
+{
+    return min(2 * i32(ceil(0.5 * (cells - 1.0))) + 1, maxSamples);
+}
+
+// Listing 2, adaptive: sample i of count
+//
+//      |-|---|---|---|-|     4.2 cells, 5 samples: a cell at an end grows from nothing as the line does, so that the
+//       ^  ^   ^   ^  ^      result has no step where the number of samples has one
+//
+//   phase         place in the cell, 0.5 = in its middle
+//   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
+fn BokehCell(cells: f32, i: i32, count: i32, phase: f32) -> vec2f
+{
+    let middle: f32 = f32(i) - 0.5 * f32(count - 1);
+    let low: f32 = max(middle - 0.5, -0.5 * cells);
+    let high: f32 = max(min(middle + 0.5, 0.5 * cells), low);
+    return vec2f(low + (high - low) * phase, high - low);
+}
+
+// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
+//   imageWidth, imageHeight  pixels
+//   frame         number of the frame; give each pass of a frame a number of its own
+//   returns       -0.5 .. 0.5
+fn BokehNoise(uv: vec2f, imageWidth: f32, imageHeight: f32, frame: f32) -> f32
+{
+    let shift: f32 = 5.588238 * (frame - 64.0 * floor(frame / 64.0));
+    let pixel: vec2f = floor(uv * vec2f(imageWidth, imageHeight)) + vec2f(shift, shift);
+    let seed: f32 = dot(pixel, vec2f(0.06711056, 0.00583715));
+    let value: f32 = 52.9829189 * (seed - floor(seed));
+    return value - floor(value) - 0.5;
+}
+
+// Listing 2, adaptive: a line of any length, off the pixel as well, for BokehDepthOfFieldAdaptive
+//   angle         radians
+//   lineLength    in units of the CoC
+//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the last row
+//   squeeze       width of the bokeh / its height, 1 = round
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC; BokehPolygonEdge returns the same
+fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
+{
+    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength * sin(angle));
+    return segment * vec4f(squeeze, 1.0, squeeze, 1.0);
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // [5] Listing 3: one pass of the line filter
 // ---------------------------------------------------------------------------------------------------------------------
@@ -229,6 +305,66 @@ fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Dept
         totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Listing 3, adaptive: the mean along one segment, as many samples as it needs
+//   CoC           from BokehFilterCoC, > 0
+//   centerPixel   this pixel, which the leakage test compares with
+//   segment       from BokehSegment or BokehPolygonEdge
+//   aspectRatio   width / height of the image
+//   imageHeight   pixels
+//   spacing       pixels between samples, 1 is right for most; 0: exactly maxSamples
+//   maxSamples    2 or more; 254 at most in shader model 3
+//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther apart than a pixel.
+fn BokehLineMean(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, segment: vec4f, CoC: f32, centerPixel: vec4f, centerDepth: f32,
+    aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32,
+    bleedingMult: f32) -> vec4f
+{
+    let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * imageHeight;
+    let cells: f32 = BokehCells(lengthInPixels, spacing, maxSamples);
+    let count: i32 = BokehCellCount(cells, maxSamples);
+    let phase: f32 = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+    let scale: vec2f = vec2f(CoC / aspectRatio, CoC);
+    let middle: vec2f = uv + segment.xy * scale;
+    let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var i: i32 = 0; i < maxSamples; i++)
+    {
+        if (i >= count)
+        {
+            break;
+        }
+        let cell: vec2f = BokehCell(cells, i, count, phase);
+        let sampleCoords: vec2f = middle + cellLength * cell.x;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
+        let leakageWeight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            bleedingBias, bleedingMult);
+        let weight: f32 = cell.y * leakageWeight;
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, true);
+}
+
+// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs (the paper's future work)
+//   Parameters as in BokehLineMean and BokehDepthOfField. In focus it costs one fetch of each texture.
+fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, segment: vec4f, aspectRatio: f32, imageHeight: f32, spacing: f32,
+    maxSamples: i32, jitter: f32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
+{
+    var result: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let CoC: f32 = BokehFilterCoC(result.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let mean: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv, segment, CoC,
+            result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        result = BokehResolve(mean, 1.0, result, blurCoC);
+    }
+    return result;
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -324,8 +460,221 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
-// [8] exact polygons: not in this version
+// [8] exact polygons
 // ---------------------------------------------------------------------------------------------------------------------
+//
+//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap. Their blurs are
+//   ADDED: no light is lost as by min, and highlights that overlap add up. The first pass blurs along all edges of one
+//   half of the outline but the last, the second pass along all but the first. docs/apertures.md has the proof.
+//
+//           edge 2                  edges 1, 2, 3 of a hexagon; the other half of the outline is the same, turned.
+//          ,-' '-,  edge 1          first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighed
+//   edge 3 |     |                  second pass  T2 blurred along 2, T3 along 3, weighed: 1/3 + 2/3
+//          '-, ,-'
+//
+//   sides       targets of the first pass   textures of the second
+//   4           1                           ColorSamp
+//   6           2                           ColorSamp, ColorSampB
+//   8           3                           ColorSamp .. ColorSampC
+//   10          4                           ColorSamp .. ColorSampD
+//
+//   Give `sides` as a literal: what it does not need is then compiled away. Without several targets, BokehExactEdge
+//   makes them one by one, each from the two before it.
+//   Corners lie on the circle of confusion. Rotation 0 has an edge upright at the right, as `paper` has it.
+
+// Exact: a vector turned by an angle, from +x towards +y
+fn BokehTurned(direction: vec2f, angle: f32) -> vec2f
+{
+    let c: f32 = cos(angle);
+    let s: f32 = sin(angle);
+    return vec2f(direction.x * c - direction.y * s, direction.x * s + direction.y * c);
+}
+
+// Exact: the line of edge k in one of the two passes
+//   Where both passes put it on the outline, every sample of the first pass is on one side of the pixel. So the first
+//   pass is moved by the mean of its lines to the middle, and the second pass back.
+//   k             1 .. sides / 2
+//   sides         4, 6, 8 or 10
+//   axis          (cos, sin) of the rotation
+//   squeeze       width of the bokeh / its height, 1 = round
+//   secondPass    false: first pass
+//   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
+fn BokehPolygonEdge(k: f32, sides: f32, axis: vec2f, squeeze: f32, secondPass: bool) -> vec4f
+{
+    let halfStep: f32 = 3.14159265 / sides;
+    let outwards: vec2f = BokehTurned(axis, 2.0 * halfStep * k);
+    let meanOfFirst: vec2f = vec2f(-axis.y, axis.x) * (0.5 * cos(halfStep) * cos(halfStep) / (sin(halfStep) *
+        (0.5 * sides - 1.0)));
+    var middle: vec2f = outwards * (0.5 * cos(halfStep)) - meanOfFirst;
+    if (secondPass)
+    {
+        middle = -middle - BokehTurned(axis, halfStep) * 0.5;
+    }
+    let halfEdge: vec2f = vec2f(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
+    return vec4f(middle, halfEdge) * vec4f(squeeze, 1.0, squeeze, 1.0);
+}
+
+// Exact: area of all parallelograms between edge k and the edges before it, in units of a rhombus with a right angle
+fn BokehExactWeight(k: f32, sides: f32) -> f32
+{
+    let halfStep: f32 = 3.14159265 / sides;
+    return sin(k * halfStep) * sin((k - 1.0) * halfStep) / sin(halfStep);
+}
+
+// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighed by their parallelograms
+//   B1 .. B4      blurs along edges 1 to 4; those from k on count nothing
+//   CoC           of this pixel, which goes to the alpha: the second pass blurs by the unblurred CoC
+fn BokehExactTarget(k: f32, sides: f32, B1: vec4f, B2: vec4f, B3: vec4f, B4: vec4f, CoC: f32) -> vec4f
+{
+    let turn: f32 = 6.28318531 / sides;
+    let w1: f32 = sin((k - 1.0) * turn);
+    let w2: f32 = max(sin((k - 2.0) * turn), 0.0);
+    let w3: f32 = max(sin((k - 3.0) * turn), 0.0);
+    let w4: f32 = max(sin((k - 4.0) * turn), 0.0);
+    let mean: vec4f = (B1 * w1 + B2 * w2 + B3 * w3 + B4 * w4) / (w1 + w2 + w3 + w4);
+    return vec4f(mean.rgb, CoC);
+}
+
+// Exact: first pass
+//   ColorSamp     from BokehCoCMap; linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   sides         4, 6, 8 or 10, a literal
+//   rotation      radians
+//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+//   aspectRatio, imageHeight, spacing, maxSamples, jitter  as in BokehLineMean
+//   returns       T[0] .. T[3]: what targets 0 to 3 get, as many as the table above says
+fn BokehExactFirst(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, uv: vec2f, sides: f32, rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32,
+    spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32, bleedingMult: f32) -> mat4x4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    var result: mat4x4f = mat4x4f(centerPixel, centerPixel, centerPixel, centerPixel);
+    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
+        var B2: vec4f = centerPixel;
+        var B3: vec4f = centerPixel;
+        var B4: vec4f = centerPixel;
+        let B1: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+            BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (sides > 5.0)
+        {
+            B2 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 7.0)
+        {
+            B3 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 9.0)
+        {
+            B4 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        let T2: vec4f = BokehExactTarget(2.0, sides, B1, B2, B3, B4, centerPixel.a);
+        let T3: vec4f = BokehExactTarget(3.0, sides, B1, B2, B3, B4, centerPixel.a);
+        let T4: vec4f = BokehExactTarget(4.0, sides, B1, B2, B3, B4, centerPixel.a);
+        let T5: vec4f = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
+        result = mat4x4f(T2, T3, T4, T5);
+    }
+    return result;
+}
+
+// Exact: second pass, the finished polygon
+//   ColorSamp .. ColorSampD  targets 0 to 3 of the first pass; linear filter, clamp. Where there are fewer, give any
+//                            texture for the rest: it is not read.
+//   The other parameters as in BokehExactFirst.
+//   returns       rgb = colour, a = CoC of this pixel, as BokehCoCMap made it
+fn BokehExactSecond(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, ColorSampB: texture_2d<f32>,
+    ColorSampBSampler: sampler, ColorSampC: texture_2d<f32>, ColorSampCSampler: sampler, ColorSampD: texture_2d<f32>,
+    ColorSampDSampler: sampler, DepthSamp: texture_2d<f32>, DepthSampSampler: sampler, uv: vec2f, sides: f32,
+    rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32,
+    bleedingBias: f32, bleedingMult: f32) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    var result: vec4f = centerPixel;
+    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
+        var weight: f32 = BokehExactWeight(2.0, sides);
+        var totalWeight: f32 = weight;
+        var sum: vec4f = weight * BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+            BokehPolygonEdge(2.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (sides > 5.0)
+        {
+            weight = BokehExactWeight(3.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampB, ColorSampBSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(3.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 7.0)
+        {
+            weight = BokehExactWeight(4.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampC, ColorSampCSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(4.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        if (sides > 9.0)
+        {
+            weight = BokehExactWeight(5.0, sides);
+            totalWeight += weight;
+            sum += weight * BokehLineMean(ColorSampD, ColorSampDSampler, DepthSamp, DepthSampSampler, uv,
+                BokehPolygonEdge(5.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
+                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        }
+        result = vec4f(sum.rgb / totalWeight, centerPixel.a);
+    }
+    return result;
+}
+
+// Exact: one target of the first pass, where a pass can write but one
+//   Call it for k = 1 .. sides / 2 - 1: it makes the target of edge k + 1 by blurring along edge k. The blurs before
+//   that one are not blurred again, since sin((m + 1) a) = 2 cos(a) sin(m a) - sin((m - 1) a).
+//   PreviousSamp  what k - 1 made; not read for k = 1
+//   EarlierSamp   what k - 2 made; not read for k = 1 and 2
+//   The other parameters as in BokehExactFirst.
+fn BokehExactEdge(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
+    DepthSampSampler: sampler, PreviousSamp: texture_2d<f32>, PreviousSampSampler: sampler,
+    EarlierSamp: texture_2d<f32>, EarlierSampSampler: sampler, uv: vec2f, k: f32, sides: f32, rotation: f32,
+    squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32,
+    bleedingMult: f32) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    var result: vec4f = centerPixel;
+    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    if (CoC > 0.0)
+    {
+        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
+        let turn: f32 = 6.28318531 / sides;
+        var sum: vec4f = sin(turn) * BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+            BokehPolygonEdge(k, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio, imageHeight,
+            spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        if (k > 1.5)
+        {
+            sum += 2.0 * cos(turn) * BokehExactWeight(k, sides) * BokehFetch(PreviousSamp, PreviousSampSampler, uv);
+        }
+        if (k > 2.5)
+        {
+            sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(EarlierSamp, EarlierSampSampler, uv);
+        }
+        sum = max(sum / BokehExactWeight(k + 1.0, sides), vec4f(0.0, 0.0, 0.0, 0.0));
+        result = vec4f(sum.rgb, centerPixel.a);
+    }
+    return result;
+}
 
 // ---------------------------------------------------------------------------------------------------------------------
 // [9] debug views

@@ -9,6 +9,9 @@ from math import cos, radians, sin
 import numpy as np
 
 APERTURES = ("square", "diamond", "hexagon", "octagon", "star")
+# Regular polygons that decomposition.py makes: number of sides, inscribed in the CoC, first corner straight up
+POLYGONS = {"triangle": 3, "pentagon": 5, "heptagon": 7}
+NAMES = (*APERTURES, *POLYGONS)
 METHODS = ("paper", "naive")
 
 
@@ -100,6 +103,29 @@ def star_kernel(cells: int = 12) -> np.ndarray:
     return lattice_kernel(cells, lambda x, y: np.minimum(*_square_distances(x, y)) <= 0.5)
 
 
+def regular_polygon(sides: int) -> np.ndarray:
+    """Corners inscribed in the circle of confusion, the first straight up, from +x towards +y, (sides, 2), CoC of 1."""
+    return np.array([0.5 * direction(radians(360.0 * k / sides - 90.0)) for k in range(sides)])
+
+
+def polygon_kernel(sides: int, cells: int = 12) -> np.ndarray:
+    """Square lattice inside a regular polygon, point-reflected: 46 offsets for a triangle and 12.
+
+    A pixel finds a highlight on the other side of itself, so that the picture of a highlight is the offsets' mirror
+    image. The mean is 0, or the picture would move.
+    """
+    corners = regular_polygon(sides)
+
+    def inside(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        within = np.ones(x.shape, bool)
+        for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            within &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= -1e-12
+        return within
+
+    table = lattice_kernel(cells, inside)
+    return table.mean(axis=0) - table
+
+
 def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
     """Table of the naive gather with about the density of `samples` a line, (N, 2), x right, y down, CoC of 1.
 
@@ -113,6 +139,8 @@ def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
         table = octagon_kernel(max(2, samples - 1))
     elif aperture == "star":
         table = star_kernel(max(2, samples - 1))
+    elif aperture in POLYGONS:
+        table = polygon_kernel(POLYGONS[aperture], max(2, samples - 1))
     else:
-        raise ValueError(f"unknown aperture {aperture!r}: one of {', '.join(APERTURES)}")
+        raise ValueError(f"unknown aperture {aperture!r}: one of {', '.join(NAMES)}")
     return rotated(table, rotation)

@@ -193,7 +193,9 @@ def render(
         Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
     ],
     method: Annotated[str, typer.Option(help="naive or paper.")] = "paper",
-    aperture: Annotated[str, typer.Option(help="square, diamond, hexagon, octagon or star.")] = "hexagon",
+    aperture: Annotated[
+        str, typer.Option(help="square, diamond, hexagon, octagon, star, triangle, pentagon or heptagon.")
+    ] = "hexagon",
     samples: Annotated[int, typer.Option(help="Samples on a line, 2 or more.")] = 13,
     rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
     aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
@@ -221,6 +223,33 @@ def render(
         )
     result, used = rendering.render(rendering.Request(source, target, settings, depth_channel, driver, adapter, png))
     console.print(f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})")
+
+
+@app.command()
+def aperture(
+    sides: Annotated[int | None, typer.Option(help="A regular polygon, first corner straight up.")] = None,
+    vertices: Annotated[
+        str | None, typer.Option(metavar='"x,y x,y ..."', help="Any convex polygon: x right, y down, unit: the CoC.")
+    ] = None,
+    rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
+    squeeze: Annotated[float, typer.Option(help="Width of the bokeh over its height, as BokehSqueeze.")] = 1.0,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.png", help="Draw it.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the passes here as well.")] = None,
+) -> None:
+    """The line passes that make a polygon with min, and how much light they keep (docs/apertures.md)."""
+    from bokeh_validation import exr, pictures, sheet
+
+    page = sheet.sheet(sides, vertices, rotation, squeeze)
+    for path in (output, json_file):
+        if path is not None:
+            exr.check_writable(path)
+    if output is not None:
+        pictures.write_png(output, sheet.picture(page))
+    if json_file is not None:
+        text = json.dumps(sheet.as_json(page), indent=1)
+        exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    for line in (sheet.summary(page.shape), *sheet.table(page)):
+        console.print(line, markup=False, highlight=False)
 
 
 @app.command()

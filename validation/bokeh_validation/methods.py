@@ -1,11 +1,11 @@
 """The workflows of Figure 10 and the naive gather, as lists of passes."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians
 
 import numpy as np
 
-from bokeh_validation import apertures
+from bokeh_validation import apertures, decomposition
 from bokeh_validation.passes import Pass
 
 
@@ -32,11 +32,21 @@ class Camera:
 
 @dataclass(frozen=True)
 class Settings:
-    """What to render. `coc`: a constant CoC (fraction of the image height) instead of one from depth."""
+    """What to render.
+
+    samples      on a line; default: see default_samples
+    coc          a constant CoC (fraction of the image height) instead of one from depth
+    spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples
+    max_samples  on a line, where spacing is not 0
+    jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
+    frame        number of the frame: the noise is another in each
+    squeeze      width of the bokeh over its height
+    targets      whether a pass may write several targets; exact only
+    """
 
     method: str = "paper"
     aperture: str = "hexagon"
-    samples: int = 13
+    samples: int | None = None
     rotation: float = 0.0
     camera: Camera = field(default_factory=Camera)
     coc: float | None = None
@@ -44,6 +54,34 @@ class Settings:
     leak_fix: bool = True
     bleeding_bias: float = 0.02
     bleeding_mult: float = 30.0
+    spacing: float = 0.0
+    max_samples: int = 65
+    jitter: float = 0.0
+    frame: int = 0
+    squeeze: float = 1.0
+    targets: bool = True
+
+    @property
+    def count(self) -> int:
+        """BOKEH_NUM_SAMPLES of the filter passes."""
+        if self.spacing > 0.0:
+            return self.max_samples
+        return default_samples(self.method, self.aperture) if self.samples is None else self.samples
+
+
+# Sides of the polygons that are exact, with the name that their entries begin with
+EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
+PAPER_SAMPLES = 13
+# An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
+# 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
+EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
+# The noise of the passes of one frame must not be the same.
+FRAMES_BETWEEN_PASSES = 16
+
+
+def default_samples(method: str, aperture: str) -> int:
+    """Samples on a line where nobody says: 13 as in the paper's section 4.3, and as dense in the exact method."""
+    return EDGE_SAMPLES.get(aperture, PAPER_SAMPLES) if method == "exact" else PAPER_SAMPLES
 
 
 @dataclass(frozen=True)
@@ -72,7 +110,17 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
         "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 1.0,
         "BokehBleedingMult": settings.bleeding_mult,
         "BokehBlurCoC": 1.0 if settings.blur_coc else 0.0,
+        "BokehSqueeze": settings.squeeze,
+        "BokehSpacing": settings.spacing,
+        "BokehImageWidth": float(size[0]),
+        "BokehImageHeight": float(size[1]),
+        "BokehJitter": settings.jitter,
     }
+
+
+def _frame(settings: Settings, index: int) -> float:
+    """BokehFrame of the filter pass number `index`."""
+    return float(settings.frame + FRAMES_BETWEEN_PASSES * index)
 
 
 def paper(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -80,6 +128,9 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
 
     Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is made once.
     """
+    if settings.aperture in apertures.POLYGONS:
+        corners = apertures.regular_polygon(apertures.POLYGONS[settings.aperture])
+        return paper_polygon(decomposition.decompose(corners), settings, size)
     common = _filter_parameters(settings, size)
     shapes = apertures.PARALLELOGRAMS[settings.aperture]
     passes = [_coc_pass(settings)]
@@ -95,23 +146,75 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
             passes.append(_line(settings, common, shape.second, source, finished))
         else:
             passes.append(_line(settings, common, shape.second, source, "result", finished))
-    return Plan(tuple(passes), {})
+    return Plan(_framed(settings, passes), {})
+
+
+def _framed(settings: Settings, passes: list[Pass]) -> tuple[Pass, ...]:
+    """The passes, each with noise of its own."""
+    return tuple(
+        replace(item, parameters={**item.parameters, "BokehFrame": _frame(settings, index)})
+        for index, item in enumerate(passes)
+    )
 
 
 def _line(settings: Settings, common: dict, angle: float, source: str, target: str, other: str | None = None) -> Pass:
     """One line pass; with `other`, the final one that combines with it."""
     parameters = {**common, "BokehAngle": radians(angle + settings.rotation)}
     inputs = {"ColorSamp": source, "DepthSamp": "depth"}
+    entry = "BokehAdaptive" if settings.spacing > 0.0 else "BokehDepthOfField"
     if other is None:
-        return Pass("BokehDepthOfField", inputs, target, parameters, settings.samples)
+        return Pass(entry, inputs, target, parameters, settings.count)
     inputs["ColorSampB"] = other
     parameters["BokehUseMax"] = 1.0 if settings.aperture in apertures.USES_MAX else 0.0
-    return Pass("BokehDepthOfFieldFinal", inputs, target, parameters, settings.samples)
+    return Pass(entry + "Final", inputs, target, parameters, settings.count)
+
+
+def paper_polygon(shape: decomposition.Decomposition, settings: Settings, size: tuple[int, int]) -> Plan:
+    """The paper's method for any convex polygon, turned by `settings.rotation`; `settings.aperture` is not looked at.
+
+    Names are those of `paper`. The entries are the adaptive ones, which take lines of any length beside the pixel.
+    """
+    common = _filter_parameters(settings, size)
+    common["BokehUseMax"] = 0.0
+    lines = shape.rotated(settings.rotation).lines
+    names = [f"line {index + 1}" for index in range(len(lines) - 1)] + ["result"]
+    passes = [_coc_pass(settings)]
+    for line, name in zip(lines, names, strict=True):
+        inputs = {"ColorSamp": "coc" if line.reads is None else names[line.reads], "DepthSamp": "depth"}
+        if line.combines is not None:
+            inputs["ColorSampB"] = names[line.combines]
+        entry = "BokehAdaptive" if line.combines is None else "BokehAdaptiveFinal"
+        passes.append(Pass(entry, inputs, name, {**common, **line.parameters()}, settings.count))
+    return Plan(_framed(settings, passes), {})
+
+
+def exact(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Polygons with an even number of sides, added up from parallelograms: docs/apertures.md.
+
+    The first pass writes 'target 2' .. 'target n', n = sides / 2: at once, or one after the other without several
+    targets. The second pass writes 'result'.
+    """
+    sides = EXACT[settings.aperture]
+    stem = f"Bokeh{settings.aperture.capitalize()}"
+    common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
+    names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
+    inputs = {"ColorSamp": "coc", "DepthSamp": "depth"}
+    passes = [_coc_pass(settings)]
+    if settings.targets:
+        passes.append(Pass(stem + "First", inputs, names, common, settings.count))
+    else:
+        for k, name in enumerate(names, 1):
+            before = dict(zip(("ColorSampB", "ColorSampC"), names[max(k - 3, 0) : k - 1][::-1], strict=False))
+            edge = {**common, "BokehSides": float(sides), "BokehEdge": float(k)}
+            passes.append(Pass("BokehExactEdge", {**inputs, **before}, name, edge, settings.count))
+    read = dict(zip(("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD"), names, strict=False))
+    passes.append(Pass(stem + "Second", {**read, "DepthSamp": "depth"}, "result", common, settings.count))
+    return Plan(_framed(settings, passes), {})
 
 
 def naive(settings: Settings, size: tuple[int, int]) -> Plan:
     """Section 3: one gather with the aperture's table of offsets."""
-    table = apertures.kernel(settings.aperture, settings.samples, settings.rotation)
+    table = apertures.kernel(settings.aperture, settings.count, settings.rotation)
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     gather = Pass("BokehNaiveGather", inputs, "result", _filter_parameters(settings, size), len(table))
     return Plan((_coc_pass(settings), gather), {"kernel": kernel_texture(table)})
@@ -125,7 +228,7 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
         "BokehAngle": radians(shape.first + settings.rotation),
         "BokehAngleB": radians(shape.second + settings.rotation),
     }
-    gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.samples)
+    gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.count)
     return Plan((_coc_pass(settings), gather), {})
 
 
@@ -138,4 +241,4 @@ def kernel_texture(table: np.ndarray) -> np.ndarray:
 
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
     """The passes of `settings.method`."""
-    return {"paper": paper, "naive": naive, "naive-grid": naive_grid}[settings.method](settings, size)
+    return {"paper": paper, "exact": exact, "naive": naive, "naive-grid": naive_grid}[settings.method](settings, size)

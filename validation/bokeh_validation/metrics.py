@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation.reference import listings
-from bokeh_validation.reference.listings import Image
+from bokeh_validation.reference import images
+from bokeh_validation.reference.images import Image
 
 # Bounds for Mesa's software drivers, whose filter is exact: nearly all pixels are a rounding or two away.
 CLOSE_STEPS, CLOSE_SHARE = 4, 0.995
@@ -62,8 +62,8 @@ def steps(result: np.ndarray, expected: np.ndarray, dtype: type = np.float16) ->
     magnitude = np.where(finite, np.maximum(np.abs(result), np.abs(expected)), 1.0)
     magnitude[..., 3] = np.maximum(magnitude[..., 3], 1.0 / result.shape[0])
     # the spacing below the larger value: at a power of two it is half of that above
-    below = listings.rounded(magnitude * (1 - 2.0**-30), dtype, "zero")
-    distance = np.abs(result - expected) / listings.step(below, dtype)
+    below = images.rounded(magnitude * (1 - 2.0**-30), dtype, "zero")
+    distance = np.abs(result - expected) / images.step(below, dtype)
     return np.where(finite, distance, np.inf).max(axis=-1)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from bokeh_validation import shaders
+
 # Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/inputs.md).
 # The values are used where a pass does not say otherwise.
 PARAMETERS: dict[str, float] = {
@@ -20,14 +22,31 @@ PARAMETERS: dict[str, float] = {
     "BokehBlurCoC": 1.0,
     "BokehUseMax": 0.0,
     "BokehDebugMode": 0.0,
+    "BokehLineLength": 1.0,
+    "BokehLineCenterX": 0.0,
+    "BokehLineCenterY": 0.0,
+    "BokehSqueeze": 1.0,
+    "BokehSpacing": 0.0,
+    "BokehImageWidth": 1.0,
+    "BokehImageHeight": 1.0,
+    "BokehJitter": 0.0,
+    "BokehFrame": 0.0,
+    "BokehSides": 6.0,
+    "BokehEdge": 1.0,
 }
 
 # Texture slots in the order of their bindings.
-SLOTS = ("ColorSamp", "DepthSamp", "ColorSampB", "KernelSamp")
+SLOTS = ("ColorSamp", "DepthSamp", "ColorSampB", "ColorSampC", "ColorSampD", "KernelSamp")
 # Slots that the filter passes sample with a linear filter; all else is fetched from the nearest texel. The first pass
 # copies colour texel by texel: a linear filter there would blur by the rounding of uv.
-LINEAR_SLOTS = ("ColorSamp", "ColorSampB")
+LINEAR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
 COPYING_ENTRIES = ("BokehCoCMap", "BokehConstantCoC")
+
+# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the textures, then two samplers, linear and nearest.
+FIRST_TEXTURE = 1
+FIRST_SAMPLER = FIRST_TEXTURE + len(SLOTS)
+# Slot -> sample type of its binding in WebGPU: what is only fetched from the nearest texel need not be filterable.
+SAMPLE_TYPES = {slot: "float" if slot in LINEAR_SLOTS else "unfilterable-float" for slot in SLOTS}
 
 
 def is_linear(entry: str, slot: str) -> bool:
@@ -41,16 +60,27 @@ class Pass:
 
     entry       one of shaders.ENTRIES
     inputs      slot -> name of a texture: one that was handed in, or the output of an earlier pass
-    output      name of the texture it writes
+    output      name of the texture it writes; a tuple of names where it writes several targets at once
     parameters  those that differ from PARAMETERS
     samples     BOKEH_NUM_SAMPLES
+
+    Raises ValueError where the entry writes another number of targets.
     """
 
     entry: str
     inputs: Mapping[str, str]
-    output: str
+    output: str | tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
     samples: int = 13
+
+    def __post_init__(self):
+        if len(self.outputs) != shaders.targets(self.entry):
+            raise ValueError(f"{self.entry} writes {shaders.targets(self.entry)} targets, not {self.outputs}")
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of all textures it writes, in the order of the targets."""
+        return (self.output,) if isinstance(self.output, str) else self.output
 
     def values(self) -> dict[str, float]:
         """All parameters, in layout order."""

@@ -33,7 +33,7 @@ def check(settings: methods.Settings) -> None:
     """Refuse settings that mean nothing, naming the option, its value and what is allowed."""
     camera = settings.camera
     _one_of("--method", settings.method, apertures.METHODS)
-    _one_of("--aperture", settings.aperture, apertures.APERTURES)
+    _one_of("--aperture", settings.aperture, apertures.NAMES)
     if not 2 <= settings.samples <= MAX_SAMPLES:
         raise UserError(f"--samples {settings.samples}: a line has two ends. Give 2 to {MAX_SAMPLES}.")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")

@@ -12,13 +12,31 @@ ENTRIES = (
     "BokehConstantCoC",
     "BokehDepthOfField",
     "BokehDepthOfFieldFinal",
+    "BokehAdaptive",
+    "BokehAdaptiveFinal",
     "BokehNaiveGather",
     "BokehNaiveGrid",
+    "BokehSquareFirst",
+    "BokehSquareSecond",
+    "BokehHexagonFirst",
+    "BokehHexagonSecond",
+    "BokehOctagonFirst",
+    "BokehOctagonSecond",
+    "BokehDecagonFirst",
+    "BokehDecagonSecond",
+    "BokehExactEdge",
     "BokehDebug",
 )
+# Render targets of the entries that write more than one
+_TARGETS = {"BokehHexagonFirst": 2, "BokehOctagonFirst": 3, "BokehDecagonFirst": 4}
 
 # GLSL kinds: profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
+
+
+def targets(entry: str) -> int:
+    """How many render targets an entry writes."""
+    return _TARGETS.get(entry, 1)
 
 
 def glsl_pass(entry: str) -> str:

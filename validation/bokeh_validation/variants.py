@@ -73,6 +73,11 @@ class Variant:
         return "vert" if self.entry == VERTEX else "frag"
 
     @property
+    def targets(self) -> int:
+        """How many render targets it writes; of a vertex shader, what it is linked with does."""
+        return shaders.targets(self.entry)
+
+    @property
     def function(self) -> str:
         """Name of the entry point in HLSL and WGSL."""
         return self.entry + ("_VS" if self.entry == VERTEX else "_PS")

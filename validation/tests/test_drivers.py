@@ -9,7 +9,7 @@ from bokeh_validation import apertures, drivers, methods, metrics, suite
 from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case, expected
-from bokeh_validation.reference import listings, precision
+from bokeh_validation.reference import images, listings, precision
 
 METHODS = [*apertures.METHODS, "naive-grid"]
 
@@ -175,7 +175,7 @@ def test_debug_views(mode, driver):
     output = driver.run([first, view], case.textures(), case.size)["result"]
     wanted = Reference().images([first, view], case.textures(), case.size, rounding=driver.rounding)["result"].value
     # a colour is read at a rounded uv (mode 0) or takes half a dozen float32 roundings, and is stored once
-    off = np.abs(output - wanted) / listings.step(np.maximum(np.abs(wanted), 2.0**-10), np.float16)
+    off = np.abs(output - wanted) / images.step(np.maximum(np.abs(wanted), 2.0**-10), np.float16)
     assert off.max() <= metrics.CLOSE_STEPS
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bokeh_validation import apertures, metrics
-from bokeh_validation.reference import listings, polygons, precision, sampling
-from bokeh_validation.reference.listings import Image
+from bokeh_validation.reference import images, listings, polygons, precision, sampling
+from bokeh_validation.reference.gather import Leakage, Table, gather
+from bokeh_validation.reference.images import Image
 
 
 def test_circle_of_confusion_by_similar_triangles():
@@ -41,7 +42,7 @@ def test_line_filter_of_a_ramp():
     y, x = np.mgrid[0:20, 0:40] + 0.5
     value = np.stack([x, y, x + y, np.full_like(x, 0.3)], axis=-1)
     offsets = apertures.make_offsets(0.4, 1.0, 7)
-    result = listings.gather(Image(value), np.ones((20, 40)), offsets, 0.02, 30.0)
+    result = gather(Image(value), np.ones((20, 40)), Table(offsets, 20), Leakage(0.02, 30.0))
     np.testing.assert_allclose(result.value[5:-5, 5:-5], value[5:-5, 5:-5], atol=1e-12)
 
 
@@ -95,8 +96,8 @@ def test_rounding_of_targets():
     """To nearest and towards zero, both signs."""
     step = 2.0**-10
     values = np.array([1 + 0.25 * step, 1 + 0.75 * step, -1 - 0.75 * step, 65504.0])
-    np.testing.assert_array_equal(listings.rounded(values, np.float16, "nearest"), [1, 1 + step, -1 - step, 65504])
-    np.testing.assert_array_equal(listings.rounded(values, np.float16, "zero"), [1, 1, -1, 65504])
+    np.testing.assert_array_equal(images.rounded(values, np.float16, "nearest"), [1, 1 + step, -1 - step, 65504])
+    np.testing.assert_array_equal(images.rounded(values, np.float16, "zero"), [1, 1, -1, 65504])
 
 
 def test_steps_count_half_floats():
@@ -138,7 +139,7 @@ def test_interval_holds_for_a_device_at_its_limit(kind):
     depth = random.uniform(1, 9, (height, width))
     offsets = apertures.make_offsets(0.6, 1.0, 9)
     image = Image(value, np.zeros_like(value), np.zeros((height, width), bool))
-    exact = listings.gather(image, depth, offsets, 0.02, 30.0, True, kind)
+    exact = gather(image, depth, Table(offsets, image.size[1]), Leakage(0.02, 30.0), True, kind)
 
     def moved(scale: float) -> np.ndarray:
         shift = np.array([kind.place(width), kind.place(height)]) * scale

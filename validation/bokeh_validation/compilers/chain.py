@@ -207,7 +207,7 @@ def _wgsl_stages(variant: Variant, source: str) -> tuple[naga.Stage, naga.Stage]
     """Vertex and fragment stage of a row."""
     other = _other(variant)
     pair = {
-        variant.stage: naga.Stage(source, variant.function, variants.constants(variant)),
+        variant.stage: naga.Stage(source, variant.function, variants.constants(variant), variant.targets),
         other.stage: naga.Stage(source, other.function),
     }
     return pair["vert"], pair["frag"]
@@ -219,7 +219,7 @@ def _naga_spirv(variant: Variant, binary: bytes, runtimes: Runtimes) -> CompileR
     if not partner.ok:
         return partner
     pair = {
-        variant.stage: naga.Stage(binary, variant.function),
+        variant.stage: naga.Stage(binary, variant.function, targets=variant.targets),
         other.stage: naga.Stage(partner.binary, other.function),
     }
     return naga.build(pair["vert"], pair["frag"], runtimes.get("wgpu"))

@@ -17,6 +17,7 @@ from bokeh_validation import paths
 from bokeh_validation.compilers import spirv_facts
 from bokeh_validation.compilers.result import CompileResult, accepted
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE
 
 PACKAGE = "compushady"
 VERSION = "0.17.5"
@@ -28,9 +29,9 @@ MEMBERS = {
 DOWNLOAD_S = 540
 INSTALL = "validation/run doctor --install fetches it (67 MB, once)"
 
-# Register shifts that put HLSL's b0, t0-3, s0-1 on the bindings of the WGSL file: 0 parameters, 1-4 textures,
-# 5-6 samplers.
-SPIRV_OPTIONS = ("-spirv", "-fvk-b-shift", "0", "0", "-fvk-t-shift", "1", "0", "-fvk-s-shift", "5", "0")
+# Register shifts that put HLSL's b0, t0, s0 and those behind on the bindings of the WGSL file, all in set 0.
+_SHIFTS = {"b": 0, "t": FIRST_TEXTURE, "s": FIRST_SAMPLER}
+SPIRV_OPTIONS = ("-spirv", *(word for kind, by in _SHIFTS.items() for word in (f"-fvk-{kind}-shift", str(by), "0")))
 
 
 class GUID(ctypes.Structure):

@@ -2,14 +2,16 @@
 
 from bokeh_validation.compilers import spirv_facts, tool
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE
 
 INSTALL = "apt-get install -y glslang-tools"
 
 # What the SPIR-V is for, as a client and as glslangValidator's options. OpenGL: GLSL 330 states no locations or
-# bindings, so they are assigned. HLSL: the register shifts put t0-3, s0-1, b0 on the bindings of the WGSL file.
+# bindings, so they are assigned. HLSL: the register shifts put t0, s0, b0 and those behind them on the bindings of the
+# WGSL file.
 OPENGL = ("-G100", "--aml", "--amb")
 VULKAN = ("-V",)
-HLSL = ("-D", "-V", "--stb", "1", "--ssb", "5", "--sub", "0")
+HLSL = ("-D", "-V", "--stb", str(FIRST_TEXTURE), "--ssb", str(FIRST_SAMPLER), "--sub", "0")
 
 
 def _program() -> str:

@@ -13,11 +13,18 @@ TARGET_FORMAT = "rgba16float"
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of a pipeline: WGSL text or SPIR-V, its entry point, values of its override constants."""
+    """One stage of a pipeline.
+
+    code       WGSL text or SPIR-V
+    entry      its entry point
+    constants  values of its override constants
+    targets    how many targets it writes, of a fragment stage
+    """
 
     code: str | bytes
     entry: str
     constants: Mapping[str, float] = field(default_factory=dict)
+    targets: int = 1
 
 
 def driver() -> WGPU:
@@ -37,7 +44,7 @@ def version(device: WGPU | None = None) -> str:
 def build(vertex: Stage, fragment: Stage, device: WGPU) -> CompileResult:
     """Make the modules and a render pipeline of them, with the bindings that the package documents.
 
-    The pipeline is where override constants, bindings and the interface between the stages are checked.
+    The pipeline is where override constants, bindings, the interface between the stages and targets are checked.
     """
     errors = (device.wgpu.GPUError, device.wgpu.GPUPipelineError)
     gpu = device.device
@@ -45,16 +52,10 @@ def build(vertex: Stage, fragment: Stage, device: WGPU) -> CompileResult:
         vertex_module = gpu.create_shader_module(code=vertex.code)
         same = fragment.code == vertex.code
         fragment_module = vertex_module if same else gpu.create_shader_module(code=fragment.code)
-        gpu.create_render_pipeline(
-            layout=gpu.create_pipeline_layout(bind_group_layouts=[device.layout]),
-            vertex={"module": vertex_module, "entry_point": vertex.entry, "constants": dict(vertex.constants)},
-            fragment={
-                "module": fragment_module,
-                "entry_point": fragment.entry,
-                "constants": dict(fragment.constants),
-                "targets": [{"format": TARGET_FORMAT}],
-            },
-            primitive={"topology": "triangle-list"},
+        device.make_pipeline(
+            {"module": vertex_module, "entry_point": vertex.entry, "constants": dict(vertex.constants)},
+            {"module": fragment_module, "entry_point": fragment.entry, "constants": dict(fragment.constants)},
+            [TARGET_FORMAT] * fragment.targets,
         )
     except errors as error:
         return refused(_message(str(error)))

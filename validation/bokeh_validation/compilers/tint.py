@@ -3,6 +3,7 @@
 from bokeh_validation import browser
 from bokeh_validation.compilers.naga import TARGET_FORMAT, Stage
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.passes import SAMPLE_TYPES
 
 INSTALL = browser.INSTALL
 
@@ -23,7 +24,8 @@ def build(vertex: Stage, fragment: Stage, session: browser.Session) -> CompileRe
         raise ValueError("the stages are of different modules")
     job = {
         "code": fragment.code,
-        "format": TARGET_FORMAT,
+        "slots": SAMPLE_TYPES,
+        "formats": [TARGET_FORMAT] * fragment.targets,
         "vertex": {"entry": vertex.entry, "constants": dict(vertex.constants)},
         "fragment": {"entry": fragment.entry, "constants": dict(fragment.constants)},
     }

@@ -5,8 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
-from bokeh_validation.reference import listings
+from bokeh_validation.reference import images
 
 Textures = Mapping[str, np.ndarray]
 
@@ -48,6 +49,15 @@ def storage_type(storage: str) -> type:
     return {"half": np.float16, "float": np.float32}[storage]
 
 
+def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
+    """Raise Unavailable where all targets of a pass together have more bytes a pixel than the device's `limit`."""
+    texel = 4 * np.dtype(storage_type(storage)).itemsize
+    for item in passes:
+        needed = texel * len(item.outputs)
+        if needed > limit:
+            raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
+
+
 def half_rounding(driver: "Driver") -> str:
     """How a driver's half-float targets round what a shader writes: 'nearest', or 'zero' for cutting off.
 
@@ -61,10 +71,10 @@ def half_rounding(driver: "Driver") -> str:
         Pass("BokehConstantCoC", {"ColorSamp": "color"}, f"{i}", {"BokehConstantCoC": float(c), "BokehMaxCoC": 1.0})
         for i, c in enumerate(constants)
     ]
-    names = [item.output for item in passes]
+    names = [name for item in passes for name in item.outputs]
     outputs = driver.run(passes, {"color": np.ones((1, 1, 4), np.float16)}, (1, 1), keep=names)
     seen = np.array([outputs[name][0, 0, 3] for name in names])
     for rounding in ("nearest", "zero"):
-        if np.array_equal(seen, listings.rounded(constants, np.float16, rounding)):
+        if np.array_equal(seen, images.rounded(constants, np.float16, rounding)):
             return rounding
     raise RuntimeError(f"{driver.name}: half-float targets neither round to nearest nor cut off")

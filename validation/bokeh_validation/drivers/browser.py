@@ -1,15 +1,16 @@
 """GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
 
 import base64
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.drivers.base import Textures, half_rounding, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass, is_linear
+from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear
 
 TYPES = {np.dtype(np.float16): "half", np.dtype(np.float32): "float"}
 SOFTWARE_DEVICE = "swiftshader"
@@ -46,6 +47,8 @@ class BrowserDriver:
     # 1.9e-4 (Vulkan allows 4.9e-4; Mesa's are off by 7e-8). So lines at an angle end a little elsewhere: within the
     # interval of a GPU, and not always within the bounds in steps that Mesa is held to.
     software = False
+    # bytes a pixel that all targets of a pass may have; WebGL 2 has room for four targets of any format
+    attachment_bytes = math.inf
 
     def __init__(self, adapter: str | None = None):
         self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
@@ -89,6 +92,7 @@ class BrowserDriver:
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run."""
         self._require_filter(passes, textures, storage)
+        require_targets(self, passes, storage, self.attachment_bytes)
         job = {
             **self._shared(),
             "size": list(size),
@@ -98,7 +102,7 @@ class BrowserDriver:
             "passes": [
                 {
                     **self._program(item),
-                    "output": item.output,
+                    "outputs": list(item.outputs),
                     "values": {name: float(value) for name, value in item.values().items()},
                     "inputs": {
                         slot: {"texture": texture, "linear": is_linear(item.entry, slot)}
@@ -116,7 +120,7 @@ class BrowserDriver:
         if self.float_filterable:
             return
         wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
-        wide |= {item.output for item in passes} if storage == "float" else set()
+        wide |= {name for item in passes for name in item.outputs} if storage == "float" else set()
         for item in passes:
             if any(texture in wide and is_linear(item.entry, slot) for slot, texture in item.inputs.items()):
                 raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures; use half floats")
@@ -145,6 +149,7 @@ class WebGPU(BrowserDriver):
 
     def _device(self) -> tuple[str, bool]:
         told = self.session.call("webgpu.describe")
+        self.attachment_bytes = told["attachmentBytes"]
         words = (told["vendor"], told["architecture"], told["description"])
         return " ".join(word for word in words if word), told["floatFilterable"]
 
@@ -152,4 +157,4 @@ class WebGPU(BrowserDriver):
         return {"entry": item.entry + "_PS", "samples": item.samples}
 
     def _shared(self) -> dict[str, object]:
-        return {"code": shaders.wgsl(), "vertex": "BokehFullScreen_VS"}
+        return {"code": shaders.wgsl(), "vertex": "BokehFullScreen_VS", "slots": SAMPLE_TYPES}

@@ -4,6 +4,7 @@ A program of ours (windows/d3d9run.c, d3d11run.c) runs whole lists of passes; it
 """
 
 import hashlib
+import itertools
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
@@ -80,11 +81,13 @@ class Direct3D:
             kind = FORMATS[pixels.dtype, 1 if pixels.ndim == 2 else pixels.shape[2]]
             files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
             lines.append(f"texture {number} {width} {height} {kind} {files[-1].name}")
-        for count, item in enumerate(passes, len(files)):
+        free = itertools.count(len(files))
+        for item in passes:
             lines += self._draw(item, numbers)
-            lines.append(f"draw {count}")
+            targets = {name: next(free) for name in item.outputs}
+            lines.append(f"draw {' '.join(map(str, targets.values()))}")
             # an output may have the name of an earlier texture: from here on it is this one
-            numbers[item.output] = count
+            numbers.update(targets)
         results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
         lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
         job = folder / f"{self.name}.job"

@@ -102,10 +102,10 @@ class GLDriver:
         live = {name: self.upload(pixels) for name, pixels in textures.items()}
         framebuffers = []
         for item in passes:
-            texture = self.target(size, storage)
-            framebuffers.append(self.context.framebuffer([texture]))
+            targets = [self.target(size, storage) for _ in item.outputs]
+            framebuffers.append(self.context.framebuffer(targets))
             self.draw(item, live, framebuffers[-1])
-            live[item.output] = texture
+            live.update(zip(item.outputs, targets, strict=True))
         dtype = storage_type(storage)
         results = {}
         for name in keep:

@@ -7,8 +7,9 @@ import numpy as np
 from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, storage_type
 from bokeh_validation.passes import Pass
-from bokeh_validation.reference import listings
-from bokeh_validation.reference.listings import Image
+from bokeh_validation.reference import listings, segments
+from bokeh_validation.reference.gather import Leakage, Table, gather
+from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.precision import Precision
 
 
@@ -46,16 +47,19 @@ class Reference:
     ) -> dict[str, Image]:
         """Every pass's output in float64; with `precision`, each with its acceptance interval.
 
-        rounding  how the targets round, see listings.stored
+        rounding  how the targets round, see images.stored
         """
         dtype = storage_type(storage)
         live: dict[str, Image] = {}
         for item in passes:
-            live[item.output] = listings.stored(_run_pass(item, live, textures, size, precision), dtype, rounding)
+            results = _run_pass(item, live, textures, size, precision)
+            for name, image in zip(item.outputs, results, strict=True):
+                live[name] = stored(image, dtype, rounding)
         return live
 
 
-def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> Image:
+def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:
+    """What a pass writes to each of its targets."""
     values = item.values()
     if item.entry == "BokehCoCMap":
         depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
@@ -67,24 +71,94 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
             values["BokehSensorHeight"],
             values["BokehMaxCoC"],
         )
-        return listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)
+        return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
     if item.entry == "BokehConstantCoC":
         coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
-        return listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)
+        return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
     if item.entry == "BokehDebug":
-        return _debug(live[item.inputs["ColorSamp"]], textures[item.inputs["DepthSamp"]], values)
-    filtered = listings.gather(
-        live[item.inputs["ColorSamp"]],
-        textures[item.inputs["DepthSamp"]],
-        _offsets(item, values, textures, size),
-        values["BokehBleedingBias"],
-        values["BokehBleedingMult"],
-        values["BokehBlurCoC"] > 0.5,
-        precision,
+        return [_debug(live[item.inputs["ColorSamp"]], textures[item.inputs["DepthSamp"]], values)]
+    filters = _Filters(item, values, live, textures[item.inputs["DepthSamp"]], size, precision)
+    if item.entry in ("BokehAdaptive", "BokehAdaptiveFinal"):
+        return [filters.combined(filters.adaptive())]
+    if item.entry == "BokehExactEdge":
+        return [filters.exact_edge()]
+    if item.entry.endswith("First"):
+        return filters.exact_first(SIDES[item.entry.removesuffix("First")])
+    if item.entry.endswith("Second"):
+        return [filters.exact_second(SIDES[item.entry.removesuffix("Second")])]
+    table = Table(_offsets(item, values, textures, size), size[1])
+    filtered = gather(
+        filters.color, filters.depth, table, filters.leakage, values["BokehBlurCoC"] > 0.5, precision
     )
-    if item.entry == "BokehDepthOfFieldFinal":
-        return listings.combine(filtered, live[item.inputs["ColorSampB"]], values["BokehUseMax"] > 0.5)
-    return filtered
+    return [filters.combined(filtered)]
+
+
+# Polygons of the exact method, by the stem of their entries
+SIDES = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon": 10}
+
+
+class _Filters:
+    """Filters of one pass: what they have in common, read from the pass once."""
+
+    def __init__(self, item: Pass, values: Mapping[str, float], live: Mapping[str, Image], depth, size, precision):
+        self.item, self.values, self.live, self.depth, self.precision = item, values, live, depth, precision
+        self.color = live[item.inputs["ColorSamp"]]
+        self.leakage = Leakage(values["BokehBleedingBias"], values["BokehBleedingMult"])
+        self.quality = segments.quality(
+            size, values["BokehSpacing"], item.samples, values["BokehJitter"], values["BokehFrame"]
+        )
+
+    def slot(self, name: str) -> Image:
+        """The texture in a slot."""
+        return self.live[self.item.inputs[name]]
+
+    def line(self, segment: segments.Segment, image: Image, blur_coc: bool = True) -> Image:
+        """Mean of an image along a segment, around the pixels of ColorSamp."""
+        return segments.adaptive(
+            image, self.depth, segment, self.quality, self.leakage, blur_coc, self.precision, self.color
+        )
+
+    def edge(self, k: int, sides: int, image: Image, second_pass: bool) -> Image:
+        """Mean of an image along edge k of the polygon."""
+        values = self.values
+        return self.line(
+            segments.polygon_edge(k, sides, values["BokehAngle"], values["BokehSqueeze"], second_pass), image
+        )
+
+    def adaptive(self) -> Image:
+        """`BokehAdaptive`."""
+        values = self.values
+        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
+        segment = segments.line_segment(
+            values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"]
+        )
+        return self.line(segment, self.color, values["BokehBlurCoC"] > 0.5)
+
+    def combined(self, image: Image) -> Image:
+        """Listing 4, where the pass has a second image."""
+        if "ColorSampB" not in self.item.inputs:
+            return image
+        return listings.combine(image, self.slot("ColorSampB"), self.values["BokehUseMax"] > 0.5)
+
+    def exact_first(self, sides: int) -> list[Image]:
+        """First pass of the exact method."""
+        blurs = [self.edge(k, sides, self.color, False) for k in range(1, sides // 2)]
+        return segments.exact_first(blurs, sides, self.color)
+
+    def exact_second(self, sides: int) -> Image:
+        """Second pass: ColorSamp, ColorSampB and so on hold the targets of the first."""
+        slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
+        parts = []
+        for k in range(2, sides // 2 + 1):
+            parts.append((segments.weight(k, sides), self.edge(k, sides, self.slot(slots[k - 2]), True)))
+        return segments.mixed(parts, self.color)
+
+    def exact_edge(self) -> Image:
+        """One target of the first pass from the two before it."""
+        k, sides = round(self.values["BokehEdge"]), round(self.values["BokehSides"])
+        previous = self.slot("ColorSampB") if k > 1 else None
+        earlier = self.slot("ColorSampC") if k > 2 else None
+        return segments.exact_edge(k, sides, self.edge(k, sides, self.color, False), previous, earlier, self.color)
 
 
 def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: tuple[int, int]) -> np.ndarray:
@@ -92,7 +166,7 @@ def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: 
 
     The shaders divide x by the aspect ratio that they are told; uv times the real size undoes it only if that is right.
     """
-    aspect = values["BokehAspectRatio"]
+    aspect = values["BokehAspectRatio"] / values["BokehSqueeze"]
     to_heights = np.array([size[0] / size[1], 1.0])
     if item.entry in ("BokehDepthOfField", "BokehDepthOfFieldFinal"):
         return apertures.make_offsets(values["BokehAngle"], aspect, item.samples) * to_heights

@@ -7,15 +7,18 @@ from functools import cached_property
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.drivers.base import Textures, half_rounding, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import LINEAR_SLOTS, SLOTS, Pass
+from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
 FORMATS = {
     (np.dtype(np.float16), 4): "rgba16float",
     (np.dtype(np.float32), 4): "rgba32float",
     (np.dtype(np.float32), 1): "r32float",
 }
+# Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
+# half-float targets, but two of 32 bits.
+ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
 
 
 def _import():
@@ -59,7 +62,10 @@ class WGPU:
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
         self.software = "llvmpipe" in self.adapter
         wanted = {"float32-filterable", "timestamp-query"} & set(chosen.features)
-        self.device = chosen.request_device_sync(required_features=sorted(wanted))
+        self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
+        self.device = chosen.request_device_sync(
+            required_features=sorted(wanted), required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
+        )
         self.float_filterable = "float32-filterable" in wanted
         self._pipelines: dict[tuple, object] = {}
         self.layout = self._make_layout()
@@ -75,14 +81,12 @@ class WGPU:
         return half_rounding(self)
 
     def _make_layout(self):
-        """One layout for every pass: parameters, four textures, two samplers. Depth need not be filterable."""
+        """One layout for every pass: parameters, all texture slots, two samplers. Depth need not be filterable."""
         stage = self.wgpu.ShaderStage.FRAGMENT
-        kinds = {True: "float", False: "unfilterable-float"}
         entries = [{"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}}]
-        for index, slot in enumerate(SLOTS):
-            texture = {"sample_type": kinds[slot in LINEAR_SLOTS]}
-            entries.append({"binding": 1 + index, "visibility": stage, "texture": texture})
-        for binding, kind in ((5, "filtering"), (6, "non-filtering")):
+        for binding, kind in enumerate(SAMPLE_TYPES.values(), FIRST_TEXTURE):
+            entries.append({"binding": binding, "visibility": stage, "texture": {"sample_type": kind}})
+        for binding, kind in enumerate(("filtering", "non-filtering"), FIRST_SAMPLER):
             entries.append({"binding": binding, "visibility": stage, "sampler": {"type": kind}})
         return self.device.create_bind_group_layout(entries=entries)
 
@@ -93,21 +97,27 @@ class WGPU:
         constants = {"BOKEH_NUM_SAMPLES": float(samples)}
         return self._module, "BokehFullScreen_VS", self._module, entry + "_PS", constants
 
-    def pipeline(self, entry: str, samples: int, target_format: str):
-        """Render pipeline, cached."""
-        key = (entry, samples, target_format)
+    def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
+        """A render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target of each format.
+
+        Raises the device's GPUError or GPUPipelineError.
+        """
+        return self.device.create_render_pipeline(
+            layout=self.device.create_pipeline_layout(bind_group_layouts=[self.layout]),
+            vertex=vertex,
+            fragment={**fragment, "targets": [{"format": kind} for kind in formats]},
+            primitive={"topology": "triangle-list"},
+        )
+
+    def pipeline(self, item: Pass, formats: Sequence[str]):
+        """Render pipeline of a pass into targets of these formats, cached."""
+        key = (item.entry, item.samples, *formats)
         if key not in self._pipelines:
-            vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(entry, samples)
-            self._pipelines[key] = self.device.create_render_pipeline(
-                layout=self.device.create_pipeline_layout(bind_group_layouts=[self.layout]),
-                vertex={"module": vertex, "entry_point": vertex_entry},
-                fragment={
-                    "module": fragment,
-                    "entry_point": fragment_entry,
-                    "constants": constants,
-                    "targets": [{"format": target_format}],
-                },
-                primitive={"topology": "triangle-list"},
+            vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item.entry, item.samples)
+            self._pipelines[key] = self.make_pipeline(
+                {"module": vertex, "entry_point": vertex_entry},
+                {"module": fragment, "entry_point": fragment_entry, "constants": constants},
+                formats,
             )
         return self._pipelines[key]
 
@@ -135,27 +145,22 @@ class WGPU:
 
     def bind(self, item: Pass, live: dict):
         """Bind group of a pass; slots it does not read get a dummy."""
-        values = np.zeros(16, np.float32)
-        values[: len(item.values())] = list(item.values().values())
+        values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block has a multiple of 16 bytes
+        values[: len(PARAMETERS)] = list(item.values().values())
         buffer = self.device.create_buffer_with_data(data=values.tobytes(), usage=self.wgpu.BufferUsage.UNIFORM)
         entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": values.nbytes}}]
-        for index, slot in enumerate(SLOTS):
+        for binding, slot in enumerate(SLOTS, FIRST_TEXTURE):
             texture = live[item.inputs[slot]] if slot in item.inputs else self._dummy
-            entries.append({"binding": 1 + index, "resource": texture.create_view()})
-        entries.append({"binding": 5, "resource": self._samplers[True]})
-        entries.append({"binding": 6, "resource": self._samplers[False]})
+            entries.append({"binding": binding, "resource": texture.create_view()})
+        for binding, linear in enumerate((True, False), FIRST_SAMPLER):
+            entries.append({"binding": binding, "resource": self._samplers[linear]})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
-    def encode(self, encoder, item: Pass, live: dict, target) -> None:
-        """Record one pass."""
-        attachment = {
-            "view": target.create_view(),
-            "load_op": "clear",
-            "store_op": "store",
-            "clear_value": (0, 0, 0, 0),
-        }
-        render = encoder.begin_render_pass(color_attachments=[attachment])
-        render.set_pipeline(self.pipeline(item.entry, item.samples, target.format))
+    def encode(self, encoder, item: Pass, live: dict, targets: Sequence) -> None:
+        """Record one pass into its targets."""
+        how = {"load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
+        render = encoder.begin_render_pass(color_attachments=[{"view": t.create_view(), **how} for t in targets])
+        render.set_pipeline(self.pipeline(item, [target.format for target in targets]))
         render.set_bind_group(0, self.bind(item, live))
         render.draw(3)
         render.end()
@@ -174,12 +179,13 @@ class WGPU:
         )
         if wide and not self.float_filterable:
             raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
+        require_targets(self, passes, storage, self.attachment_bytes)
         live = {name: self.upload(pixels) for name, pixels in textures.items()}
         encoder = self.device.create_command_encoder()
         for item in passes:
-            target = self.target(size, storage)
-            self.encode(encoder, item, live, target)
-            live[item.output] = target
+            targets = [self.target(size, storage) for _ in item.outputs]
+            self.encode(encoder, item, live, targets)
+            live.update(zip(item.outputs, targets, strict=True))
         self.device.queue.submit([encoder.finish()])
         return {name: self._read(live[name], size, storage) for name in keep}
 

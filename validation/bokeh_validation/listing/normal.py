@@ -13,9 +13,10 @@ SCALARS = ("float", "int", "uint", "bool")
 SIZES = ("2", "3", "4")
 
 
-def _types(scalars: Sequence[str], vectors: Sequence[str]) -> dict[str, str]:
+def _types(scalars: Sequence[str], vectors: Sequence[str], matrix: str) -> dict[str, str]:
     """Type words of a language -> the common name (HLSL's); `vectors` are written with a * for the size."""
     words = dict(zip(scalars, SCALARS, strict=True))
+    words[matrix] = "float4x4"
     for vector, scalar in zip(vectors, SCALARS, strict=False):
         words.update({vector.replace("*", size): scalar + size for size in SIZES})
     return words
@@ -23,9 +24,9 @@ def _types(scalars: Sequence[str], vectors: Sequence[str]) -> dict[str, str]:
 
 # Only the words that the language has itself: `vec4` in HLSL stays a stranger.
 TYPES = {
-    "hlsl": _types(SCALARS, ("float*", "int*", "uint*", "bool*")),
-    "glsl": _types(SCALARS, ("vec*", "ivec*", "uvec*", "bvec*")),
-    "wgsl": _types(("f32", "i32", "u32", "bool"), ("vec*f", "vec*i", "vec*u")),
+    "hlsl": _types(SCALARS, ("float*", "int*", "uint*", "bool*"), "float4x4"),
+    "glsl": _types(SCALARS, ("vec*", "ivec*", "uvec*", "bvec*"), "mat4"),
+    "wgsl": _types(("f32", "i32", "u32", "bool"), ("vec*f", "vec*i", "vec*u"), "mat4x4f"),
 }
 
 MISPLACED = "a '// differs:' that stands on no statement"

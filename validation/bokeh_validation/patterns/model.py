@@ -12,7 +12,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.reference import precision
-from bokeh_validation.reference.listings import Image
+from bokeh_validation.reference.images import Image
 
 Outputs = Mapping[str, np.ndarray]
 

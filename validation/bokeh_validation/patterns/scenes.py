@@ -6,7 +6,7 @@ import numpy as np
 
 from bokeh_validation import methods
 from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat
-from bokeh_validation.reference import listings
+from bokeh_validation.reference import images, listings
 
 SIZE = (160, 120)
 CAMERA = methods.Camera(aperture_diameter=0.1, focal_length=0.05, focus_distance=2.0, max_coc=0.2)
@@ -257,7 +257,7 @@ def _judge_coc(outputs: dict[str, Outputs]) -> list[Check]:
     seen = outputs["depth 0.5 m to 500 m"]["coc"][..., 3]
     camera = CAMERA
     truth = thin_lens(field_depth().astype(np.float64))
-    off = np.abs(seen - truth) / listings.step(truth + 16 * 2.0**-24 * truth, np.float16)
+    off = np.abs(seen - truth) / images.step(truth + 16 * 2.0**-24 * truth, np.float16)
     far = camera.aperture_diameter * camera.focal_length / (camera.focus_distance - camera.focal_length)
     sky = outputs["infinite depth"]["coc"][..., 3]
     limit = far / camera.sensor_height

@@ -3,12 +3,10 @@
 
 import { decode, elements, encode } from "./pixels.js";
 
-const SLOTS = ["ColorSamp", "DepthSamp", "ColorSampB", "KernelSamp"];
-
 let gl = null;
 let floatLinear = null; // OES_texture_float_linear, or null where 32-bit textures cannot be filtered
 let samplers = null; // by "is linear"
-const programs = new Map(); // both sources -> { program, locations }
+const programs = new Map(); // both sources -> { program, places: name of a uniform -> its location or null }
 
 // Make the context on first use.
 function start() {
@@ -76,17 +74,21 @@ export function compile({ vertex, fragment }) {
   return { ok, logs };
 }
 
-// A linked program with the places of its uniforms, made once for each pair of sources.
-function linked(vertex, fragment, names) {
+// A linked program, made once for each pair of sources.
+function linked(vertex, fragment) {
   const key = vertex + "\0" + fragment;
   if (!programs.has(key)) {
     const { ok, logs, program } = build(vertex, fragment);
     if (!ok) throw new Error("ANGLE refused a shader:\n" + Object.values(logs).join("\n"));
-    const place = (name) => [name, gl.getUniformLocation(program, name)];
-    const locations = new Map([...names, ...SLOTS.map((slot) => "Bokeh" + slot)].map(place));
-    programs.set(key, { program, locations });
+    programs.set(key, { program, places: new Map() });
   }
   return programs.get(key);
+}
+
+// Where a uniform is. One that the program does not use has no place, and setting it there does nothing.
+function place({ program, places }, name) {
+  if (!places.has(name)) places.set(name, gl.getUniformLocation(program, name));
+  return places.get(name);
 }
 
 // 'half' or 'float', 4 or 1 channels: the format that stores it exactly.
@@ -112,35 +114,43 @@ function upload(pixels) {
   return made;
 }
 
-function framebuffer(target) {
+// Do something with a framebuffer of some targets, in the order of the shader's outputs.
+function onto(targets, step) {
   const made = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, made);
-  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
-  const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
-  if (status !== gl.FRAMEBUFFER_COMPLETE) throw new Error(`framebuffer incomplete: 0x${status.toString(16)}`);
-  return made;
+  try {
+    gl.bindFramebuffer(gl.FRAMEBUFFER, made);
+    const attachments = targets.map((target, index) => gl.COLOR_ATTACHMENT0 + index);
+    targets.forEach((target, index) => {
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, attachments[index], gl.TEXTURE_2D, target, 0);
+    });
+    gl.drawBuffers(attachments);
+    const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
+    if (status !== gl.FRAMEBUFFER_COMPLETE) throw new Error(`framebuffer incomplete: 0x${status.toString(16)}`);
+    return step();
+  } finally {
+    gl.deleteFramebuffer(made);
+  }
 }
 
 // Draw one pass into the framebuffer that is bound.
 function draw(pass, live, vertex) {
-  const { program, locations } = linked(vertex, pass.fragment, Object.keys(pass.values));
-  gl.useProgram(program);
-  for (const [slot, { texture: name, linear }] of Object.entries(pass.inputs)) {
-    const unit = SLOTS.indexOf(slot);
+  const made = linked(vertex, pass.fragment);
+  gl.useProgram(made.program);
+  const inputs = Object.entries(pass.inputs);
+  inputs.forEach(([slot, { texture: name, linear }], unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, live.get(name));
     gl.bindSampler(unit, samplers[linear]);
-    gl.uniform1i(locations.get("Bokeh" + slot), unit);
-  }
-  // a uniform that the pass does not use has no place, and setting it there does nothing
-  for (const [name, value] of Object.entries(pass.values)) gl.uniform1f(locations.get(name), value);
+    gl.uniform1i(place(made, "Bokeh" + slot), unit);
+  });
+  for (const [name, value] of Object.entries(pass.values)) gl.uniform1f(place(made, name), value);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   // or the next upload or target, bound to unit 0, would stay bound to a pass that reads fewer slots
-  for (let unit = 0; unit < SLOTS.length; unit++) {
+  inputs.forEach((input, unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, null);
     gl.bindSampler(unit, null);
-  }
+  });
 }
 
 // The framebuffer that is bound; 32-bit floats where the browser reads half-float targets only so.
@@ -156,21 +166,21 @@ function read(size, storage) {
 export function run({ size, storage, textures, passes, keep, vertex }) {
   start();
   const live = new Map();
-  const targets = new Map();
+  const made = []; // all textures: a later one may take the name of an earlier one
   try {
-    for (const [name, pixels] of Object.entries(textures)) live.set(name, upload(pixels));
+    for (const [name, pixels] of Object.entries(textures)) {
+      live.set(name, upload(pixels));
+      made.push(live.get(name));
+    }
     gl.viewport(0, 0, ...size);
     for (const pass of passes) {
-      const target = texture(size, format(storage, 4).internal);
-      targets.set(pass.output, framebuffer(target));
-      draw(pass, live, vertex);
-      live.set(pass.output, target);
+      const targets = pass.outputs.map(() => texture(size, format(storage, 4).internal));
+      made.push(...targets);
+      onto(targets, () => draw(pass, live, vertex));
+      pass.outputs.forEach((name, index) => live.set(name, targets[index]));
     }
     const kept = {};
-    for (const name of keep) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, targets.get(name));
-      kept[name] = read(size, storage);
-    }
+    for (const name of keep) kept[name] = onto([live.get(name)], () => read(size, storage));
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
     return kept;
@@ -178,7 +188,6 @@ export function run({ size, storage, textures, passes, keep, vertex }) {
     // a lost context answers everything with a failure of that thing
     throw gl.isContextLost() ? new Error("the WebGL context was lost: the GPU process has died") : error;
   } finally {
-    for (const made of targets.values()) gl.deleteFramebuffer(made);
-    for (const made of live.values()) gl.deleteTexture(made);
+    for (const image of made) gl.deleteTexture(image);
   }
 }

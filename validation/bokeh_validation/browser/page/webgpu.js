@@ -2,14 +2,13 @@
 
 import { BYTES, decode, elements, encode } from "./pixels.js";
 
-const SLOTS = ["ColorSamp", "DepthSamp", "ColorSampB", "KernelSamp"]; // bindings 1 to 4
-const FILTERED = ["ColorSamp", "ColorSampB"]; // the others may be unfilterable
 const FORMATS = { half4: "rgba16float", float4: "rgba32float", float1: "r32float" };
-const PARAMETER_BYTES = 64; // 14 floats, and room up to a multiple of 16 bytes
+// Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
+const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
-let started = null; // promise of { adapter, device, layout, samplers, dummy }
+let started = null; // promise of { adapter, device, samplers, dummy }
 const modules = new Map(); // source -> GPUShaderModule
-const pipelines = new Map(); // entry, samples, format and source -> GPURenderPipeline
+const pipelines = new Map(); // entry, samples, formats and source -> GPURenderPipeline
 
 // The device, made on first use and again after it was lost.
 function start() {
@@ -23,6 +22,7 @@ async function open() {
   if (!adapter) throw new Error("this browser gives no WebGPU adapter");
   const device = await adapter.requestDevice({
     requiredFeatures: ["float32-filterable"].filter((feature) => adapter.features.has(feature)),
+    requiredLimits: { [ATTACHMENT_BYTES]: adapter.limits[ATTACHMENT_BYTES] },
   });
   modules.clear();
   pipelines.clear();
@@ -30,31 +30,29 @@ async function open() {
   const samplers = ["linear", "nearest"].map((kind) => device.createSampler({ minFilter: kind, magFilter: kind }));
   const usage = GPUTextureUsage.TEXTURE_BINDING;
   const dummy = device.createTexture({ size: [1, 1], format: "rgba16float", usage });
-  return { adapter, device, layout: layout(device), samplers, dummy };
+  return { adapter, device, samplers, dummy };
 }
 
-// One layout for every pass, as the package documents it: parameters, four textures, two samplers.
-function layout(device) {
+// One layout for every pass, as the package documents it: parameters, textures, two samplers, bound in this order.
+// `slots`: name of a texture -> its sample type, in the order of the bindings.
+function layout(device, slots) {
+  const resources = [
+    { buffer: { type: "uniform" } },
+    ...Object.values(slots).map((sampleType) => ({ texture: { sampleType } })),
+    { sampler: { type: "filtering" } },
+    { sampler: { type: "non-filtering" } },
+  ];
   const visibility = GPUShaderStage.FRAGMENT;
-  const textures = SLOTS.map((slot, index) => {
-    const sampleType = FILTERED.includes(slot) ? "float" : "unfilterable-float";
-    return { binding: 1 + index, visibility, texture: { sampleType } };
-  });
-  return device.createBindGroupLayout({
-    entries: [
-      { binding: 0, visibility, buffer: { type: "uniform" } },
-      ...textures,
-      { binding: 5, visibility, sampler: { type: "filtering" } },
-      { binding: 6, visibility, sampler: { type: "non-filtering" } },
-    ],
-  });
+  const entries = resources.map((resource, binding) => ({ binding, visibility, ...resource }));
+  return device.createBindGroupLayout({ entries });
 }
 
-// { vendor, architecture, description, floatFilterable }
+// { vendor, architecture, description, floatFilterable, attachmentBytes }
 export async function describe() {
   const { adapter, device } = await start();
   const { vendor, architecture, description } = adapter.info;
-  return { vendor, architecture, description, floatFilterable: device.features.has("float32-filterable") };
+  const floatFilterable = device.features.has("float32-filterable");
+  return { vendor, architecture, description, floatFilterable, attachmentBytes: device.limits[ATTACHMENT_BYTES] };
 }
 
 // Run steps and throw what the device says of them: its errors come out of scopes, not as exceptions.
@@ -70,28 +68,29 @@ async function checked(device, step) {
   }
 }
 
-function pipelineDescriptor({ device, layout }, vertex, fragment, format) {
+function pipelineDescriptor(device, slots, vertex, fragment, formats) {
   return {
-    layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
+    layout: device.createPipelineLayout({ bindGroupLayouts: [layout(device, slots)] }),
     vertex: { module: vertex.module, entryPoint: vertex.entry, constants: vertex.constants },
     fragment: {
       module: fragment.module,
       entryPoint: fragment.entry,
       constants: fragment.constants,
-      targets: [{ format }],
+      targets: formats.map((format) => ({ format })),
     },
     primitive: { topology: "triangle-list" },
   };
 }
 
-// { ok, messages: [{ type, line, column, text }], pipeline } of { code, vertex, fragment, format }, the stages being
-// { entry, constants }. `pipeline` is what making a render pipeline was refused with, or "".
-export async function compile({ code, vertex, fragment, format }) {
-  const gpu = await start();
-  gpu.device.pushErrorScope("validation"); // the errors of a module come with its messages
-  const module = gpu.device.createShaderModule({ code });
+// { ok, messages: [{ type, line, column, text }], pipeline } of { code, vertex, fragment, slots, formats }, the stages
+// being { entry, constants }, with a target of each format. `pipeline` is what making a render pipeline was refused
+// with, or "".
+export async function compile({ code, vertex, fragment, slots, formats }) {
+  const { device } = await start();
+  device.pushErrorScope("validation"); // the errors of a module come with its messages
+  const module = device.createShaderModule({ code });
   const info = await module.getCompilationInfo();
-  await gpu.device.popErrorScope();
+  await device.popErrorScope();
   const messages = info.messages.map((said) => ({
     type: said.type,
     line: said.lineNum,
@@ -101,22 +100,23 @@ export async function compile({ code, vertex, fragment, format }) {
   if (messages.some((said) => said.type === "error")) return { ok: false, messages, pipeline: "" };
   try {
     const stages = [vertex, fragment].map((stage) => ({ module, ...stage }));
-    await gpu.device.createRenderPipelineAsync(pipelineDescriptor(gpu, ...stages, format));
+    await device.createRenderPipelineAsync(pipelineDescriptor(device, slots, ...stages, formats));
   } catch (error) {
     return { ok: false, messages, pipeline: error.message };
   }
   return { ok: true, messages, pipeline: "" };
 }
 
-// A pipeline, made once for each entry, sample count and format.
-async function pipeline(gpu, code, vertex, pass, format) {
-  const key = [pass.entry, pass.samples, format, code].join("\0");
+// A pipeline for targets of one format, made once for each entry, sample count and format.
+async function pipeline(device, { code, vertex, slots }, pass, format) {
+  const formats = pass.outputs.map(() => format);
+  const key = [pass.entry, pass.samples, ...formats, code].join("\0");
   if (!pipelines.has(key)) {
-    if (!modules.has(code)) modules.set(code, gpu.device.createShaderModule({ code }));
+    if (!modules.has(code)) modules.set(code, device.createShaderModule({ code }));
     const module = modules.get(code);
     const fragment = { module, entry: pass.entry, constants: { BOKEH_NUM_SAMPLES: pass.samples } };
-    const descriptor = pipelineDescriptor(gpu, { module, entry: vertex }, fragment, format);
-    pipelines.set(key, await gpu.device.createRenderPipelineAsync(descriptor));
+    const descriptor = pipelineDescriptor(device, slots, { module, entry: vertex }, fragment, formats);
+    pipelines.set(key, await device.createRenderPipelineAsync(descriptor));
   }
   return pipelines.get(key);
 }
@@ -133,18 +133,19 @@ function upload(device, pixels) {
   return made;
 }
 
-function bind({ device, layout, samplers, dummy }, pass, live) {
+function bind({ device, samplers, dummy }, slots, pass, live) {
+  const values = new Float32Array(Object.values(pass.values));
   const buffer = device.createBuffer({
-    size: PARAMETER_BYTES,
+    size: Math.ceil(values.byteLength / 16) * 16, // of a uniform block
     usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
   });
-  device.queue.writeBuffer(buffer, 0, new Float32Array(Object.values(pass.values)));
+  device.queue.writeBuffer(buffer, 0, values);
   // a pass has something at every binding, also where it reads nothing
-  const textures = SLOTS.map((slot) => (slot in pass.inputs ? live.get(pass.inputs[slot].texture) : dummy));
-  const entries = [{ binding: 0, resource: { buffer } }];
-  textures.forEach((texture, index) => entries.push({ binding: 1 + index, resource: texture.createView() }));
-  samplers.forEach((resource, index) => entries.push({ binding: 5 + index, resource }));
-  return { buffer, group: device.createBindGroup({ layout, entries }) };
+  const bound = (slot) => (slot in pass.inputs ? live.get(pass.inputs[slot].texture) : dummy);
+  const textures = Object.keys(slots).map((slot) => bound(slot).createView());
+  const resources = [{ buffer }, ...textures, ...samplers];
+  const entries = resources.map((resource, binding) => ({ binding, resource }));
+  return { buffer, group: device.createBindGroup({ layout: layout(device, slots), entries }) };
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
@@ -179,7 +180,8 @@ export async function run(job) {
   }
 }
 
-async function record(gpu, { size, storage, textures, passes, keep, code, vertex }, made) {
+async function record(gpu, job, made) {
+  const { size, storage, textures, passes, keep } = job;
   const { device } = gpu;
   const format = FORMATS[storage + 4];
   const live = new Map();
@@ -188,20 +190,21 @@ async function record(gpu, { size, storage, textures, passes, keep, code, vertex
     made.push(live.get(name));
   }
   const ready = [];
-  for (const pass of passes) ready.push(await pipeline(gpu, code, vertex, pass, format));
+  for (const pass of passes) ready.push(await pipeline(device, job, pass, format));
   const encoder = device.createCommandEncoder();
   passes.forEach((pass, index) => {
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
-    const target = device.createTexture({ size, format, usage });
-    const { buffer, group } = bind(gpu, pass, live);
-    made.push(target, buffer);
-    const attachment = { view: target.createView(), loadOp: "clear", storeOp: "store", clearValue: [0, 0, 0, 0] };
-    const render = encoder.beginRenderPass({ colorAttachments: [attachment] });
+    const targets = pass.outputs.map(() => device.createTexture({ size, format, usage }));
+    const { buffer, group } = bind(gpu, job.slots, pass, live);
+    made.push(...targets, buffer);
+    const how = { loadOp: "clear", storeOp: "store", clearValue: [0, 0, 0, 0] };
+    const colorAttachments = targets.map((target) => ({ view: target.createView(), ...how }));
+    const render = encoder.beginRenderPass({ colorAttachments });
     render.setPipeline(ready[index]);
     render.setBindGroup(0, group);
     render.draw(3);
     render.end();
-    live.set(pass.output, target);
+    pass.outputs.forEach((name, output) => live.set(name, targets[output]));
   });
   const copies = new Map(keep.map((name) => [name, copy(device, encoder, live.get(name), size, storage)]));
   for (const { buffer } of copies.values()) made.push(buffer);

@@ -1,0 +1,51 @@
+"""A texture of the reference, with how far a correct device may be from it, and how a render target stores it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Image:
+    """A texture and how far each value may be off.
+
+    value      (H, W, 4) float64
+    error      (H, W, 4), or None where no precision was asked for
+    undecided  (H, W) bool: one of Listing 3's comparisons is within its error, here or in the pass before
+    """
+
+    value: np.ndarray
+    error: np.ndarray | None = None
+    undecided: np.ndarray | None = None
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height)"""
+        return self.value.shape[1], self.value.shape[0]
+
+
+def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
+    """The image as a render target of `dtype` keeps it; the interval gets wider by one step.
+
+    rounding  'nearest', or 'zero' for devices that cut off: OpenGL and Vulkan allow both
+    """
+    value = rounded(image.value, dtype, rounding).astype(np.float64)
+    if image.error is None:
+        return Image(value)
+    finite = np.where(np.isfinite(image.error), image.error, 0.0)
+    return Image(value, image.error + step(np.abs(value) + finite, dtype), image.undecided)
+
+
+def rounded(value: np.ndarray, dtype: type, rounding: str) -> np.ndarray:
+    """Numbers of `dtype`, rounded to nearest or towards zero."""
+    result = value.astype(dtype)
+    if rounding == "zero":
+        too_far = np.abs(result.astype(np.float64)) > np.abs(value)
+        result = np.where(too_far, np.nextafter(result, dtype(0)), result)
+    return result
+
+
+def step(value: np.ndarray, dtype: type) -> np.ndarray:
+    """Distance from a magnitude to the next larger number of `dtype`."""
+    largest = float(np.finfo(dtype).max)
+    return np.spacing(np.minimum(value, largest / 2).astype(dtype)).astype(np.float64)

@@ -1,0 +1,242 @@
+"""The adaptive line and the exact polygons in float64: sections [4], [5] and [8] of the libraries beyond the paper.
+
+Derivation of the interval, beside what reference/precision.py says. A line is 2 h long (units of the CoC), the CoC c is
+off by at most e, the image H texels high, so the line's length l = 2 h c H is off by 2 h e H. Cut into x cells, it has
+its samples at t h c H from its middle, |t| <= 1:
+
+  * fixed count, or as many cells as are allowed: t does not depend on c, so a sample is off by |t| h e H.
+  * cells of a given length: the places of whole cells do not depend on c at all. A cell at an end reaches from a place
+    that does not to the end of the line, so its sample at phase p in it moves by p times the end's h e H, and p <= |t|.
+    Its weight, its length in cells, moves by the end's shift in cells.
+
+A count that differs because x is a little off adds or drops cells of a length within that error: they are all there,
+with their least and largest weight.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+
+from bokeh_validation import apertures
+from bokeh_validation.reference.gather import Leakage, Sample, gather
+from bokeh_validation.reference.images import Image
+from bokeh_validation.reference.precision import FLOAT_STEP, Precision
+
+# Interleaved gradient noise (Jimenez 2014)
+NOISE = (0.06711056, 0.00583715, 52.9829189)
+FRAME_STEP, FRAMES = 5.588238, 64
+LENGTH_ROUNDINGS = 16
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A line: middle and half of it, units of the CoC, x right, y down, each (2,)."""
+
+    middle: np.ndarray
+    half: np.ndarray
+
+    @property
+    def half_length(self) -> float:
+        """Half its length, units of the CoC."""
+        return float(np.hypot(*self.half))
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How a line is sampled.
+
+    spacing    pixels between samples; 0: exactly max_samples
+    jitter     (H, W) phase of each pixel's samples, -0.5 .. 0.5; or 0
+    open       (H, W) how far off the jitter may be
+    undecided  (H, W) bool: a device's noise may come out at the other end of its range
+    """
+
+    spacing: float
+    max_samples: int
+    jitter: np.ndarray | float = 0.0
+    open: np.ndarray | float = 0.0
+    undecided: np.ndarray | bool = False
+
+
+def line_segment(angle: float, length: float, middle: tuple[float, float], squeeze: float) -> Segment:
+    """`BokehSegment` of the shaders. `angle` in radians."""
+    shape = np.array([squeeze, 1.0])
+    return Segment(np.array(middle) * shape, 0.5 * length * apertures.direction(angle) * shape)
+
+
+def polygon_edge(k: int, sides: int, rotation: float, squeeze: float, second_pass: bool) -> Segment:
+    """`BokehPolygonEdge`: edge k of an inscribed polygon as it is filtered along in one of the two passes.
+
+    Corners V_j = 0.5 (cos, sin) of rotation + (j + 1/2) step. Edge k runs from V_(k-1) to V_k, its middle is M_k. The
+    first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
+    put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
+    """
+    step = 2.0 * pi / sides
+    corner = [0.5 * apertures.direction(rotation + (j + 0.5) * step) for j in range(sides // 2 + 1)]
+    middles = [(corner[j] + corner[j + 1]) / 2 for j in range(sides // 2)]
+    mean_of_first = sum(middles[:-1]) / (sides // 2 - 1)
+    middle = middles[k - 1] - mean_of_first
+    if second_pass:
+        middle = -middle - corner[0]
+    shape = np.array([squeeze, 1.0])
+    return Segment(middle * shape, 0.5 * (corner[k] - corner[k - 1]) * shape)
+
+
+def noise(size: tuple[int, int], frame: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`BokehNoise`, (H, W), -0.5 .. 0.5; how far off a device's float32 may be; and where it may wrap around.
+
+    The seed has four roundings of 2^-24 of its size, and the factor of 53 takes them along.
+    """
+    width, height = size
+    shift = FRAME_STEP * (frame % FRAMES)
+    y, x = np.mgrid[0:height, 0:width] + shift
+    seed = NOISE[0] * x + NOISE[1] * y
+    fraction = seed % 1.0
+    value = (NOISE[2] * fraction) % 1.0
+    error = NOISE[2] * 4 * FLOAT_STEP * (seed + 1.0)
+    wraps = (np.minimum(value, 1.0 - value) < error) | (np.minimum(fraction, 1.0 - fraction) * NOISE[2] < error)
+    return value - 0.5, error, wraps
+
+
+def quality(size: tuple[int, int], spacing: float, max_samples: int, amount: float, frame: float) -> Quality:
+    """A Quality with the noise of a frame, times its amount, 0 .. 1."""
+    if amount <= 0.0:
+        return Quality(spacing, max_samples)
+    value, error, wraps = noise(size, frame)
+    return Quality(spacing, max_samples, amount * value, amount * error, wraps)
+
+
+def filter_coc(coc, image_height: float, spacing: float):
+    """`BokehFilterCoC`: 0 below half a pixel, the CoC from one pixel up."""
+    if spacing <= 0.0:
+        return coc
+    return coc * np.clip(2.0 * coc * image_height - 1.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Line:
+    """The samples of `BokehLineMean`, see gather.Pattern."""
+
+    segment: Segment
+    quality: Quality
+    height: int
+
+    @property
+    def count(self) -> int:
+        """See gather.Pattern."""
+        return self.quality.max_samples
+
+    def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
+        """See gather.Pattern."""
+        quality, height = self.quality, self.height
+        used = filter_coc(coc, height, quality.spacing)
+        # the fade between half a pixel and one is steeper than the CoC itself: its slope is 4 c H - 1 <= 3
+        steeper = 3.0 if quality.spacing > 0.0 else 1.0
+        error = steeper * coc_error + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
+        length = 2.0 * self.segment.half_length * used * height
+        cells, cells_error = self._cells(length, 2.0 * self.segment.half_length * error * height)
+        jitter, open_jitter = (
+            field[rows] if isinstance(field, np.ndarray) else field for field in (quality.jitter, quality.open)
+        )
+        phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
+        # where the jitter's amount depends on the length, that is off too
+        open_phase = open_jitter + np.abs(jitter) * 2.0 * self.segment.half_length * error * height / cells
+        most = int(np.ceil(np.max(0.5 * (cells + cells_error - 1.0)))) * 2 + 1
+        count = min(most, quality.max_samples)
+        turned = line * height * used
+        for i in range(count):
+            center = i - 0.5 * (count - 1)
+            low, weight = _cell(center, cells)
+            _, least = _cell(center, cells - cells_error)
+            _, largest = _cell(center, cells + cells_error)
+            t = 2.0 * (low + weight * phase) / cells
+            slip = open_phase * weight * 2.0 / cells
+            reach = self.segment.half[:, None, None] * t
+            place = self.segment.middle[:, None, None] + reach
+            moved = np.abs(self.segment.middle)[:, None, None] + np.abs(reach)
+            off = moved * error * height + turned + np.abs(self.segment.half)[:, None, None] * slip * used * height
+            x, y = place * used * height
+            yield Sample(x, y, weight, off[0], off[1], np.maximum(weight - least, largest - weight))
+
+    def _cells(self, length: np.ndarray, length_error) -> tuple[np.ndarray, np.ndarray]:
+        """`BokehCells`: how many cells, and how far off that may be."""
+        most = self.quality.max_samples
+        if self.quality.spacing <= 0.0:
+            return np.full_like(length, most), np.zeros_like(length)
+        odd = 2 * ((most - 1) // 2) + 1
+        cells = length / self.quality.spacing
+        error = length_error / self.quality.spacing
+        found = np.clip(cells, 1.0, odd)
+        return found, np.maximum(np.clip(cells + error, 1.0, odd) - found, found - np.clip(cells - error, 1.0, odd))
+
+
+def _cell(center: float, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`BokehCell`: where the cell about `center` begins, within the line, and how much of it is on the line."""
+    low = np.clip(center - 0.5, -0.5 * cells, 0.5 * cells)
+    high = np.clip(center + 0.5, -0.5 * cells, 0.5 * cells)
+    return low, high - low
+
+
+def adaptive(
+    image: Image,
+    depth: np.ndarray,
+    segment: Segment,
+    quality: Quality,
+    leakage: Leakage,
+    blur_coc: bool = True,
+    precision: Precision | None = None,
+    center: Image | None = None,
+) -> Image:
+    """`BokehDepthOfFieldAdaptive`: the mean along a segment; `center` as in gather."""
+    found = gather(image, depth, Line(segment, quality, image.size[1]), leakage, blur_coc, precision, center)
+    if found.error is None:
+        return found
+    return Image(found.value, found.error, found.undecided | quality.undecided)
+
+
+def parallelogram(k: int, i: int, sides: int) -> float:
+    """Area of the parallelogram of edges i < k, in units of a rhombus with a right angle."""
+    return sin((k - i) * 2.0 * pi / sides)
+
+
+def weight(k: int, sides: int) -> float:
+    """`BokehExactWeight`: area of the parallelograms of edge k with all edges before it."""
+    return sum(parallelogram(k, i, sides) for i in range(1, k))
+
+
+def mixed(parts: list[tuple[float, Image]], center: Image) -> Image:
+    """Weighted mean of images, not below 0, with the CoC of `center`; weights may be negative, their sum is not."""
+    total = sum(w for w, _ in parts)
+    value = np.maximum(sum(w * part.value for w, part in parts) / total, 0.0)
+    value[..., 3] = center.value[..., 3]
+    if center.error is None:
+        return Image(value)
+    error = sum(abs(w) * part.error for w, part in parts) / total
+    error += 8 * FLOAT_STEP * sum(abs(w) * np.abs(part.value) for w, part in parts) / total
+    error[..., 3] = center.error[..., 3]
+    undecided = np.logical_or.reduce([center.undecided, *(part.undecided for _, part in parts)])
+    return Image(value, error, undecided)
+
+
+def exact_first(blurs: list[Image], sides: int, center: Image) -> list[Image]:
+    """`BokehExactTarget` for all targets: T_k of design and docs/apertures.md, k = 2 .. sides / 2.
+
+    blurs  B_1 .. B_(n-1): the image blurred along each edge of the first pass
+    """
+    targets = []
+    for k in range(2, sides // 2 + 1):
+        targets.append(mixed([(parallelogram(k, i, sides), blurs[i - 1]) for i in range(1, k)], center))
+    return targets
+
+
+def exact_edge(k: int, sides: int, blur: Image, previous: Image | None, earlier: Image | None, center: Image) -> Image:
+    """`BokehExactEdge`: T_(k+1) from the blur along edge k, T_k and T_(k-1)."""
+    step = 2.0 * pi / sides
+    parts = [(sin(step), blur)]
+    if k > 1:
+        parts.append((2.0 * cos(step) * weight(k, sides), previous))
+    if k > 2:
+        parts.append((-weight(k - 1, sides), earlier))
+    return mixed(parts, center)
