@@ -220,36 +220,28 @@ float BokehFilterCoC(float CoC, float imageHeight, float spacing)
 
 // Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
 //   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
-//   maxSamples    an odd number is used whole; of an even one, one is not used
+//
+//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line does, so that the
+//        ^   ^   ^   ^  ^      result has no step where the number of samples has one
+//
 float BokehCells(float lengthInPixels, float spacing, int maxSamples)
 {
     float cells = float(maxSamples);
     if (spacing > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, float(2 * ((maxSamples - 1) / 2) + 1));
+        cells = clamp(lengthInPixels / spacing, 1.0, float(maxSamples));
     }
     return cells;
 }
 
-// Listing 2, adaptive: number of samples for so many cells: whole ones about the middle, a part of one at each end
-int BokehCellCount(float cells, int maxSamples)
-{
-    return min(2 * int(ceil(0.5 * (cells - 1.0))) + 1, maxSamples);
-}
-
-// Listing 2, adaptive: sample i of count
-//
-//      |-|---|---|---|-|     4.2 cells, 5 samples: a cell at an end grows from nothing as the line does, so that the
-//       ^  ^   ^   ^  ^      result has no step where the number of samples has one
-//
+// Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
-vec2 BokehCell(float cells, int i, int count, float phase)
+vec2 BokehCell(float cells, int i, float phase)
 {
-    float middle = float(i) - 0.5 * float(count - 1);
-    float low = max(middle - 0.5, -0.5 * cells);
-    float high = max(min(middle + 0.5, 0.5 * cells), low);
-    return vec2(low + (high - low) * phase, high - low);
+    float low = float(i);
+    float high = min(low + 1.0, cells);
+    return vec2(low + (high - low) * phase - 0.5 * cells, high - low);
 }
 
 // Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
@@ -355,7 +347,7 @@ vec4 BokehLineMean(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec4 segme
 {
     float lengthInPixels = 2.0 * length(segment.zw) * CoC * imageHeight;
     float cells = BokehCells(lengthInPixels, spacing, maxSamples);
-    int count = BokehCellCount(cells, maxSamples);
+    int count = min(int(ceil(cells)), maxSamples);
     float phase = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
     vec2 scale = vec2(CoC / aspectRatio, CoC);
     vec2 middle = uv + segment.xy * scale;
@@ -368,7 +360,7 @@ vec4 BokehLineMean(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec4 segme
         {
             break;
         }
-        vec2 cell = BokehCell(cells, i, count, phase);
+        vec2 cell = BokehCell(cells, i, phase);
         vec2 sampleCoords = middle + cellLength * cell.x;
         vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
         float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;

@@ -237,36 +237,28 @@ float BokehFilterCoC(float CoC, float imageHeight, float spacing)
 
 // Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
 //   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
-//   maxSamples    an odd number is used whole; of an even one, one is not used
+//
+//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line does, so that the
+//        ^   ^   ^   ^  ^      result has no step where the number of samples has one
+//
 float BokehCells(float lengthInPixels, float spacing, int maxSamples)
 {
     float cells = float(maxSamples);
     if (spacing > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, float(2 * ((maxSamples - 1) / 2) + 1));
+        cells = clamp(lengthInPixels / spacing, 1.0, float(maxSamples));
     }
     return cells;
 }
 
-// Listing 2, adaptive: number of samples for so many cells: whole ones about the middle, a part of one at each end
-int BokehCellCount(float cells, int maxSamples)
-{
-    return min(2 * int(ceil(0.5 * (cells - 1.0))) + 1, maxSamples);
-}
-
-// Listing 2, adaptive: sample i of count
-//
-//      |-|---|---|---|-|     4.2 cells, 5 samples: a cell at an end grows from nothing as the line does, so that the
-//       ^  ^   ^   ^  ^      result has no step where the number of samples has one
-//
+// Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
-float2 BokehCell(float cells, int i, int count, float phase)
+float2 BokehCell(float cells, int i, float phase)
 {
-    float middle = float(i) - 0.5 * float(count - 1);
-    float low = max(middle - 0.5, -0.5 * cells);
-    float high = max(min(middle + 0.5, 0.5 * cells), low);
-    return float2(low + (high - low) * phase, high - low);
+    float low = float(i);
+    float high = min(low + 1.0, cells);
+    return float2(low + (high - low) * phase - 0.5 * cells, high - low);
 }
 
 // Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
@@ -372,7 +364,7 @@ float4 BokehLineMean(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 
 {
     float lengthInPixels = 2.0 * length(segment.zw) * CoC * imageHeight;
     float cells = BokehCells(lengthInPixels, spacing, maxSamples);
-    int count = BokehCellCount(cells, maxSamples);
+    int count = min(int(ceil(cells)), maxSamples);
     float phase = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
     float2 scale = float2(CoC / aspectRatio, CoC);
     float2 middle = uv + segment.xy * scale;
@@ -385,7 +377,7 @@ float4 BokehLineMean(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 
         {
             break;
         }
-        float2 cell = BokehCell(cells, i, count, phase);
+        float2 cell = BokehCell(cells, i, phase);
         float2 sampleCoords = middle + cellLength * cell.x;
         float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
         float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;

@@ -186,36 +186,28 @@ fn BokehFilterCoC(CoC: f32, imageHeight: f32, spacing: f32) -> f32
 
 // Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
 //   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
-//   maxSamples    an odd number is used whole; of an even one, one is not used
+//
+//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line does, so that the
+//        ^   ^   ^   ^  ^      result has no step where the number of samples has one
+//
 fn BokehCells(lengthInPixels: f32, spacing: f32, maxSamples: i32) -> f32
 {
     var cells: f32 = f32(maxSamples);
     if (spacing > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, f32(2 * ((maxSamples - 1) / 2) + 1));
+        cells = clamp(lengthInPixels / spacing, 1.0, f32(maxSamples));
     }
     return cells;
 }
 
-// Listing 2, adaptive: number of samples for so many cells: whole ones about the middle, a part of one at each end
-fn BokehCellCount(cells: f32, maxSamples: i32) -> i32
-{
-    return min(2 * i32(ceil(0.5 * (cells - 1.0))) + 1, maxSamples);
-}
-
-// Listing 2, adaptive: sample i of count
-//
-//      |-|---|---|---|-|     4.2 cells, 5 samples: a cell at an end grows from nothing as the line does, so that the
-//       ^  ^   ^   ^  ^      result has no step where the number of samples has one
-//
+// Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
-fn BokehCell(cells: f32, i: i32, count: i32, phase: f32) -> vec2f
+fn BokehCell(cells: f32, i: i32, phase: f32) -> vec2f
 {
-    let middle: f32 = f32(i) - 0.5 * f32(count - 1);
-    let low: f32 = max(middle - 0.5, -0.5 * cells);
-    let high: f32 = max(min(middle + 0.5, 0.5 * cells), low);
-    return vec2f(low + (high - low) * phase, high - low);
+    let low: f32 = f32(i);
+    let high: f32 = min(low + 1.0, cells);
+    return vec2f(low + (high - low) * phase - 0.5 * cells, high - low);
 }
 
 // Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
@@ -323,7 +315,7 @@ fn BokehLineMean(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSam
 {
     let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * imageHeight;
     let cells: f32 = BokehCells(lengthInPixels, spacing, maxSamples);
-    let count: i32 = BokehCellCount(cells, maxSamples);
+    let count: i32 = min(i32(ceil(cells)), maxSamples);
     let phase: f32 = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
     let scale: vec2f = vec2f(CoC / aspectRatio, CoC);
     let middle: vec2f = uv + segment.xy * scale;
@@ -336,7 +328,7 @@ fn BokehLineMean(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSam
         {
             break;
         }
-        let cell: vec2f = BokehCell(cells, i, count, phase);
+        let cell: vec2f = BokehCell(cells, i, phase);
         let sampleCoords: vec2f = middle + cellLength * cell.x;
         let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
         let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;

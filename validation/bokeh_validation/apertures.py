@@ -108,6 +108,11 @@ def regular_polygon(sides: int) -> np.ndarray:
     return np.array([0.5 * direction(radians(360.0 * k / sides - 90.0)) for k in range(sides)])
 
 
+def even_polygon(sides: int, rotation: float = 0.0) -> np.ndarray:
+    """Corners of the exact method's polygons, inscribed in the CoC, an edge upright at the right, (sides, 2)."""
+    return np.array([0.5 * direction(radians(360.0 * (k + 0.5) / sides + rotation)) for k in range(sides)])
+
+
 def polygon_kernel(sides: int, cells: int = 12) -> np.ndarray:
     """Square lattice inside a regular polygon, point-reflected: 46 offsets for a triangle and 12.
 

@@ -45,9 +45,10 @@ def copied(driver: drivers.Driver, storage: str = "half") -> bool:
     return np.array_equal(output[..., :3], color[..., :3])
 
 
-def wgsl(vertex: str, fragment: str, source: str | None = None) -> CompileResult:
+def wgsl(vertex: str, fragment: str, source: str | None = None, targets: int = 1) -> CompileResult:
     source = source or shaders.wgsl()
-    return tint.build(naga.Stage(source, vertex), naga.Stage(source, fragment), browser.session())
+    stages = naga.Stage(source, vertex), naga.Stage(source, fragment, targets=targets)
+    return tint.build(*stages, browser.session())
 
 
 def running(group: int) -> list[str]:
@@ -188,8 +189,13 @@ class TestCompilers:
     @pytest.mark.parametrize("entry", shaders.ENTRIES)
     def test_depth_and_kernel_need_no_filtering_sampler(self, entry, session):
         """The layout has them unfilterable, as the documents say that they may be."""
-        result = wgsl("BokehFullScreen_VS", entry + "_PS")
+        result = wgsl("BokehFullScreen_VS", entry + "_PS", targets=shaders.targets(entry))
         assert result.ok, result.messages
+
+    def test_tint_misses_a_target(self, session):
+        """A target that the entry does not write is refused: the number of targets is checked."""
+        result = wgsl("BokehFullScreen_VS", "BokehHexagonFirst_PS", targets=3)
+        assert not result.ok and "targets[2]" in result.messages
 
     def test_linear_filter_on_depth(self, session):
         source = shaders.wgsl().replace("BokehDepthSamp, BokehNearestClamp", "BokehDepthSamp, BokehLinearClamp")

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from bokeh_validation import apertures, drivers, methods, metrics, suite
+from bokeh_validation.drivers import base
 from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case, expected
 from bokeh_validation.reference import images, listings, precision
@@ -136,6 +138,58 @@ def test_float_targets(driver):
     assert (off <= wanted.error).all()
     if driver.software:
         assert np.median(off / np.maximum(wanted.value, 1e-3)) < 1e-6
+
+
+def exact_case(aperture: str) -> Case:
+    """Exact polygons: the second pass of the plan writes two to four targets, the third reads them all."""
+    camera = methods.Camera(0.12, 0.05, 4.0, max_coc=0.25)
+    # powers of two: uv is exact in float32, and so is the CoC, which these passes copy
+    return noise_case((64, 32), methods.Settings("exact", aperture, rotation=17.0, camera=camera))
+
+
+@pytest.mark.parametrize("storage", ["half", "float"])
+@pytest.mark.parametrize("aperture", ["hexagon", "octagon", "decagon"])
+def test_several_targets(aperture, storage, driver):
+    """Two, three and four targets of one pass: each is what the reference has in its place."""
+    case = exact_case(aperture)
+    passes, names = case.plan.passes, case.plan.passes[1].outputs
+    output = driver.run(passes, case.textures(), case.size, storage, keep=(*reversed(names), "result"))
+    kind = precision.SOFTWARE if driver.software else precision.GPU
+    wanted = Reference().images(passes, case.textures(), case.size, storage, kind, driver.rounding)
+    for name in (*names, "result"):
+        comparison = metrics.compare(output[name], wanted[name], driver.software)
+        assert comparison.outside == 0, (name, comparison)
+    # or the order would not matter
+    assert metrics.compare(output[names[0]], wanted[names[1]], driver.software).outside > 0
+
+
+def test_targets_are_textures_like_any_other(driver):
+    """Later passes read each of them, one takes the name of an earlier texture, and all can be kept."""
+    case = exact_case("octagon")
+    coc, first = case.plan.passes[:2]
+    names = ("one", "coc", "color")
+    copies = [Pass("BokehConstantCoC", {"ColorSamp": name}, f"copy of {name}") for name in names]
+    keep = [item.output for item in copies] + list(names)
+    output = driver.run([coc, replace(first, output=names), *copies], case.textures(), case.size, keep=keep)
+    plain = driver.run([coc, first], case.textures(), case.size, keep=first.outputs)
+    for name, original in zip(names, first.outputs, strict=True):
+        np.testing.assert_array_equal(output[name], plain[original])
+        np.testing.assert_array_equal(output[f"copy of {name}"][..., :3], output[name][..., :3])
+
+
+def test_number_of_targets():
+    """A pass names as many as its entry writes."""
+    for output in ("one", ("one",), ("one", "two", "three")):
+        with pytest.raises(ValueError, match="BokehHexagonFirst writes 2 targets"):
+            Pass("BokehHexagonFirst", {}, output)
+
+
+def test_more_bytes_a_pixel_than_the_device_writes():
+    """Four half-float targets are what every device of WebGPU has; four of 32 bits are not."""
+    passes = exact_case("decagon").plan.passes
+    base.require_targets(Reference(), passes, "half", 32)
+    with pytest.raises(Unavailable, match="writes 32 bytes a pixel at once; BokehDecagonFirst needs 64"):
+        base.require_targets(Reference(), passes, "float", 32)
 
 
 HOSTILE_COLOR = [np.nan, np.inf, -np.inf, -1.0, 0.0, -0.0, 65504.0, 6e-8, 1.0]

@@ -147,9 +147,22 @@ class TestFxc:
 class TestDirect3D:
     """The runners as servers."""
 
-    def test_a_wrong_job_is_told(self, d3d9):
-        (d3d9.server.folder / "wrong.job").write_text("size 4 4 half4\ndrow 1\n")
-        assert d3d9.server.ask("wrong.job", 20) == (False, "cannot use the line 'drow 1'")
+    @pytest.mark.parametrize(
+        ("line", "words"),
+        [
+            ("drow 1", "cannot use the line 'drow 1'"),
+            ("input 16 0 linear", "no slot 16"),
+            ("input 0 7 linear", "texture 7 is not there"),
+            ("value 32 1.0", "no parameter 32"),
+            ("draw 1", "draw needs size, vertex and pixel before it, and 1 to 4 numbers"),
+        ],
+    )
+    def test_a_wrong_job_is_told(self, line, words, d3d9):
+        (d3d9.server.folder / "wrong.job").write_text(f"size 4 4 half4\n{line}\n")
+        assert d3d9.server.ask("wrong.job", 20) == (False, words)
+        assert copied(d3d9)
+
+    def test_no_job(self, d3d9):
         assert d3d9.server.ask("none.job", 20) == (False, "cannot read none.job")
         assert copied(d3d9)
 
@@ -257,5 +270,8 @@ def test_four_targets_in_one_draw(name, semantic):
         wanted = np.stack([x, y, np.full_like(x, i + 1.0), np.ones_like(x)], axis=-1)
         # uv is interpolated: a few roundings of 2^-24
         np.testing.assert_allclose(pixels, wanted, atol=8 * 2.0**-24)
+    (folder / "five.job").write_text("\n".join([*lines[:3], "draw 0 1 2 3 4"]) + "\n", encoding="ascii")
+    ok, answer = driver.server.ask("five.job", 30.0)
+    assert not ok and "1 to 4 numbers" in answer
     # a draw to one target afterwards must not touch the others
     assert copied(driver)

@@ -44,7 +44,7 @@ def version(device: WGPU | None = None) -> str:
 def build(vertex: Stage, fragment: Stage, device: WGPU) -> CompileResult:
     """Make the modules and a render pipeline of them, with the bindings that the package documents.
 
-    The pipeline is where override constants, bindings, the interface between the stages and targets are checked.
+    The pipeline is where override constants, bindings and the interface between the stages are checked.
     """
     errors = (device.wgpu.GPUError, device.wgpu.GPUPipelineError)
     gpu = device.device

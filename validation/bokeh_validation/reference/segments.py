@@ -5,9 +5,9 @@ off by at most e, the image H texels high, so the line's length l = 2 h c H is o
 its samples at t h c H from its middle, |t| <= 1:
 
   * fixed count, or as many cells as are allowed: t does not depend on c, so a sample is off by |t| h e H.
-  * cells of a given length: the places of whole cells do not depend on c at all. A cell at an end reaches from a place
-    that does not to the end of the line, so its sample at phase p in it moves by p times the end's h e H, and p <= |t|.
-    Its weight, its length in cells, moves by the end's shift in cells.
+  * cells of a given length, counted from the line's beginning: they move with it, by h e H. The last one reaches to
+    the line's end, so its sample is between two places that move by that much. Its weight, its length in cells, is off
+    by as many cells as the line is.
 
 A count that differs because x is a little off adds or drops cells of a length within that error: they are all there,
 with their least and largest weight.
@@ -143,19 +143,18 @@ class Line:
         phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
         # where the jitter's amount depends on the length, that is off too
         open_phase = open_jitter + np.abs(jitter) * 2.0 * self.segment.half_length * error * height / cells
-        most = int(np.ceil(np.max(0.5 * (cells + cells_error - 1.0)))) * 2 + 1
-        count = min(most, quality.max_samples)
+        count = min(int(np.ceil(np.max(cells + cells_error))), quality.max_samples)
         turned = line * height * used
         for i in range(count):
-            center = i - 0.5 * (count - 1)
-            low, weight = _cell(center, cells)
-            _, least = _cell(center, cells - cells_error)
-            _, largest = _cell(center, cells + cells_error)
-            t = 2.0 * (low + weight * phase) / cells
+            low, weight = _cell(i, cells)
+            _, least = _cell(i, cells - cells_error)
+            _, largest = _cell(i, cells + cells_error)
+            t = 2.0 * (low + weight * phase) / cells - 1.0
             slip = open_phase * weight * 2.0 / cells
             reach = self.segment.half[:, None, None] * t
             place = self.segment.middle[:, None, None] + reach
-            moved = np.abs(self.segment.middle)[:, None, None] + np.abs(reach)
+            farthest = np.abs(reach if quality.spacing <= 0.0 else self.segment.half[:, None, None])
+            moved = np.abs(self.segment.middle)[:, None, None] + farthest
             off = moved * error * height + turned + np.abs(self.segment.half)[:, None, None] * slip * used * height
             x, y = place * used * height
             yield Sample(x, y, weight, off[0], off[1], np.maximum(weight - least, largest - weight))
@@ -165,18 +164,16 @@ class Line:
         most = self.quality.max_samples
         if self.quality.spacing <= 0.0:
             return np.full_like(length, most), np.zeros_like(length)
-        odd = 2 * ((most - 1) // 2) + 1
         cells = length / self.quality.spacing
         error = length_error / self.quality.spacing
-        found = np.clip(cells, 1.0, odd)
-        return found, np.maximum(np.clip(cells + error, 1.0, odd) - found, found - np.clip(cells - error, 1.0, odd))
+        found = np.clip(cells, 1.0, most)
+        return found, np.maximum(np.clip(cells + error, 1.0, most) - found, found - np.clip(cells - error, 1.0, most))
 
 
-def _cell(center: float, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`BokehCell`: where the cell about `center` begins, within the line, and how much of it is on the line."""
-    low = np.clip(center - 0.5, -0.5 * cells, 0.5 * cells)
-    high = np.clip(center + 0.5, -0.5 * cells, 0.5 * cells)
-    return low, high - low
+def _cell(i: int, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`BokehCell`: where cell i begins, in cells from the line's beginning, and how much of it is on the line."""
+    low = np.minimum(float(i), cells)
+    return low, np.minimum(i + 1.0, cells) - low
 
 
 def adaptive(

@@ -155,11 +155,11 @@ static void clear_inputs(Draw *next)
 
 static int do_draw(const char *numbers, Texture *textures, const Texture *size, Draw *next)
 {
-    int number[MAX_TARGETS];
-    int count = sscanf(numbers, "%d %d %d %d", &number[0], &number[1], &number[2], &number[3]);
+    int number[MAX_TARGETS + 1]; /* with room for one too many */
+    int count = sscanf(numbers, "%d %d %d %d %d", &number[0], &number[1], &number[2], &number[3], &number[4]);
     Texture *targets[MAX_TARGETS];
-    if (count < 1 || !next->vertex || !next->pixel || !size->width)
-        return problem("draw needs size, vertex and pixel before it, and a number");
+    if (count < 1 || count > MAX_TARGETS || !next->vertex || !next->pixel || !size->width)
+        return problem("draw needs size, vertex and pixel before it, and 1 to %d numbers", MAX_TARGETS);
     for (int i = 0; i < count; i++) {
         Texture target = *size;
         if (!is_texture(textures, number[i], 0) || !make_target(&target))

@@ -1,0 +1,550 @@
+"""The rule of decomposition.py: parallelograms, passes, light, orientation; the command and the document about it."""
+
+import json
+import re
+import shlex
+from itertools import combinations
+
+import numpy as np
+import pytest
+from conftest import load
+from PIL import Image
+from test_render import refused, run
+
+from bokeh_validation import apertures, decomposition, methods, paths, sheet
+from bokeh_validation.decomposition import Decomposition, decompose
+from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.errors import UserError
+from bokeh_validation.patterns import impulse
+from bokeh_validation.patterns.model import depth_of, pixel_center
+from bokeh_validation.reference import polygons
+
+REGULAR = range(3, 13)
+# No two sides parallel, and parallel sides of several kinds
+PENTAGON = "-0.35,-0.3 0.1,-0.45 0.45,-0.1 0.3,0.4 -0.3,0.35"
+SHAPES = {
+    "pentagon": PENTAGON,
+    "trapezoid": "-0.2,-0.3 0.25,-0.3 0.4,0.3 -0.4,0.3",
+    "kite": "0,-0.5 0.3,-0.1 0,0.45 -0.3,-0.1",
+    "cut square": "-0.4,-0.4 0.4,-0.4 0.4,0.2 0.2,0.4 -0.4,0.4",
+    "unevenly cut square": "-0.4,-0.4 0.4,-0.4 0.4,0.1 0.2,0.4 -0.4,0.4",
+    "uneven hexagon in pairs": "-0.45,-0.1 -0.2,-0.4 0.3,-0.4 0.45,0.1 0.2,0.4 -0.3,0.4",
+    "needle": "-0.5,0 0.1,-0.02 0.5,0.01 0.2,0.03",
+    "off the pixel": "0.1,0.1 0.5,0.15 0.3,0.5",
+}
+
+
+def closed_form(n: int) -> float:
+    """Light kept by a regular polygon, docs/apertures.md."""
+    if n % 2:
+        return n * np.sin(2 * np.pi / n) / (8 * np.cos(np.pi / 2 / n) ** 3)
+    return n / 4 * (np.sin if n % 4 else np.tan)(np.pi / n)
+
+
+def random_polygon(seed: int) -> np.ndarray:
+    """Convex, up to 12 corners, squeezed and off the pixel; with `seed` % 3 == 0 cut to pairs of parallel sides."""
+    random = np.random.default_rng(seed)
+    angles = np.sort(random.uniform(0.0, 2 * np.pi, random.integers(3, 13)))
+    # equal places on a circle would be one corner, and gaps of half a turn would leave the rest of it thin
+    angles = np.sort((angles + 0.5 * np.linspace(0.0, 2 * np.pi, len(angles), endpoint=False)) / 1.5)
+    polygon = 0.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1) * [1.0, random.uniform(0.4, 1.0)]
+    polygon = apertures.rotated(polygon, random.uniform(0.0, 360.0))
+    if seed % 3 == 0:
+        for turn in random.uniform(0.0, 180.0, 2):
+            polygon = polygons.clip_convex(polygon, apertures.rotated(strip_corners(random.uniform(0.2, 0.4)), turn))
+    return polygon + random.uniform(-0.1, 0.1, 2)
+
+
+def strip_corners(half: float) -> np.ndarray:
+    """A long rectangle."""
+    return np.array([[-2.0, -half], [2.0, -half], [2.0, half], [-2.0, half]])
+
+
+def shapes() -> dict[str, np.ndarray]:
+    """Every polygon of these tests by name."""
+    named = {name: sheet.parsed(text) for name, text in SHAPES.items()}
+    named |= {f"{n} sides": apertures.regular_polygon(n) for n in (*REGULAR, 16, 22)}
+    return named | {f"random {seed}": random_polygon(seed) for seed in range(40)}
+
+
+@pytest.fixture(params=shapes())
+def polygon(request) -> np.ndarray:
+    """Each polygon in turn."""
+    return shapes()[request.param]
+
+
+def assert_same_shape(shape: Decomposition, polygon: np.ndarray, tolerance: float) -> None:
+    """The parallelograms have exactly the polygon in common: all hold its corners, and each side bounds one of them."""
+    polygon = polygon if polygons.signed_area(polygon) > 0 else polygon[::-1]
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    outward = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
+    reach = (polygon * outward).sum(axis=1)
+    assert (polygon @ outward.T <= reach + 1e-9).all(), "the test's own normals"
+    parts = np.array([(part.corners @ outward.T).max(axis=0) for part in shape.parts])
+    np.testing.assert_allclose(parts.min(axis=0), reach, atol=tolerance)
+    for part in shape.parts:
+        corners = part.corners if polygons.signed_area(part.corners) > 0 else part.corners[::-1]
+        edges = np.roll(corners, -1, axis=0) - corners
+        normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
+        assert (polygon @ normals.T <= (corners * normals).sum(axis=1) + 1e-9).all()
+
+
+def test_parallelograms_have_the_polygon_in_common(polygon):
+    """For each polygon, exactly; and within the tolerance where sides or chords are made equal."""
+    assert_same_shape(decompose(polygon, 0.0), polygon, 1e-5)
+    assert_same_shape(decompose(polygon), polygon, 2 * decomposition.TOLERANCE)
+
+
+@pytest.mark.parametrize("rotation", [0.0, 17.3, 90.0, 181.0, -45.0])
+def test_rotation(rotation):
+    """Turned passes make the turned polygon; the first corner is straight up at 0, and turns to the right."""
+    for n in REGULAR:
+        turned = decompose(apertures.regular_polygon(n), 0.0).rotated(rotation)
+        angles = np.radians(rotation - 90.0 + 360.0 * np.arange(n) / n)
+        wanted = 0.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        np.testing.assert_allclose(turned.polygon, wanted, atol=1e-12)
+        assert_same_shape(turned, wanted, 1e-9)
+        assert_lines_make_parts(turned)
+
+
+def assert_lines_make_parts(shape: Decomposition) -> None:
+    """Each parallelogram is the reflection of what its two lines sample, and min has all of them in the end."""
+    for part in shape.parts:
+        first, second = shape.lines[part.first], shape.lines[part.second]
+        assert first.reads is None and first.combines is None and second.reads == part.first < part.second
+        half = [0.5 * line.length * apertures.direction(np.radians(line.angle)) for line in (first, second)]
+        middle = -np.array(first.center) - np.array(second.center)
+        lines = middle + np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) @ np.array(half)
+        gaps = np.linalg.norm(lines[:, None] - part.corners[None], axis=2)
+        assert gaps.min(axis=1).max() < 1e-9 and gaps.min(axis=0).max() < 1e-9
+        assert part.area == pytest.approx(abs(polygons.signed_area(lines)))
+    finished = [part.second for part in shape.parts]
+    assert [shape.lines[index].combines for index in finished] == [None, *finished[:-1]]
+    assert sorted(finished + list({part.first for part in shape.parts})) == list(range(len(shape.lines)))
+    assert finished[-1] == len(shape.lines) - 1
+
+
+def test_lines_make_the_parallelograms(polygon):
+    """Angles, lengths and centres; a line that is shared is one line with one angle, length and centre."""
+    shape = decompose(polygon)
+    assert_lines_make_parts(shape)
+    assert shape.shared == len(shape.parts) - len({part.first for part in shape.parts})
+    for part in shape.parts:
+        assert shape.lines[part.first].center == (0.0, 0.0)
+
+
+def test_numbers(polygon):
+    """Passes, parallelograms and light within what docs/apertures.md proves."""
+    shape = decompose(polygon, 0.0)
+    p, sides = len(shape.directions), len(shape.polygon)
+    assert p <= len(shape.lines) <= p + p % 2
+    assert (p + 1) // 2 <= len(shape.parts) < p
+    # on the polygon min is 1 / (largest area), so its sum is the area over that
+    assert shape.light == pytest.approx(abs(polygons.signed_area(polygon)) / max(part.area for part in shape.parts))
+    assert shape.light <= shape.bound + 1e-9
+    if p == sides:
+        assert len(shape.lines) == p and shape.light == pytest.approx(shape.bound)
+
+
+@pytest.mark.parametrize("n", REGULAR)
+def test_regular(n):
+    """As few parallelograms and passes as there can be, and the closed forms of the light."""
+    shape = decompose(apertures.regular_polygon(n))
+    p = n if n % 2 else n // 2
+    assert len(shape.directions) == len(shape.lines) == p
+    assert len(shape.parts) == (p + 1) // 2 and shape.shared == p % 2
+    assert shape.light == pytest.approx(closed_form(n)) == pytest.approx(shape.bound)
+    assert max(part.area for part in shape.parts) == pytest.approx(min(part.area for part in shape.parts))
+
+
+def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
+    """Smallest parallelogram around a polygon with one side along `side`, by trying 20000 directions of the other."""
+    along = side / np.linalg.norm(side)
+    across = np.array([-along[1], along[0]])
+    width = np.ptp(polygon @ across)
+    slopes = np.tan(np.linspace(-1.5, 1.5, 20001))
+    shadows = (polygon @ along)[:, None] - (polygon @ across)[:, None] * slopes
+    return width * np.ptp(shadows, axis=0).min()
+
+
+def test_bound_holds_for_every_parallelogram(polygon):
+    """Any direction of the other side, not only those of the polygon: none is smaller than the bound says."""
+    shape = decompose(polygon, 0.0)
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    largest = max(least_area(polygon, side) for side in sides)
+    # the angles tried are 0.00015 apart; the shadow of a corner 1 away moves by that over cos^2
+    assert abs(polygons.signed_area(polygon)) / largest == pytest.approx(shape.bound, rel=5e-3)
+
+
+def brute_force(found: list[decomposition.Strip]) -> tuple[int, float]:
+    """Fewest passes and their smallest largest area, from all sets of pairs that have every direction."""
+    p = len(found)
+    pairs = [(i, j) for i in range(p) for j in range(p) if i != j]
+    best = (2 * p, np.inf)
+    for count in range((p + 1) // 2, p + 1):
+        for chosen in combinations(pairs, count):
+            if {i for pair in chosen for i in pair} == set(range(p)):
+                best = min(best, cost(found, chosen))
+    return best
+
+
+def cost(found: list[decomposition.Strip], chosen: tuple[tuple[int, int], ...]) -> tuple[int, float]:
+    """Passes and largest area of pairs (hub, leaf); leaves share their hub's line where they can have equal chords."""
+    passes, largest = 0, 0.0
+    for hub in {i for i, _ in chosen}:
+        chords = {leaf: decomposition.chord(found[leaf], found[hub]) for h, leaf in chosen if h == hub}
+        fixed = {round(chords[leaf], 9) for leaf in chords if not found[leaf].free}
+        # one line for each chord that cannot be changed; a free leaf takes the next longer one, or one of its own
+        longest = max(fixed, default=0.0)
+        own = any(chord > longest + 1e-9 for leaf, chord in chords.items() if found[leaf].free)
+        passes += len(chords) + len(fixed) + own
+        largest = max(largest, max(chords.values()) * found[hub].width)
+    return passes, largest
+
+
+@pytest.mark.parametrize("name", [*SHAPES, *(f"random {seed}" for seed in range(0, 40, 3)), "6 sides", "8 sides"])
+def test_search_finds_the_best(name):
+    """Against all sets of pairs, up to four directions."""
+    shape = decompose(shapes()[name], 0.0)
+    found = decomposition.strips(shape.polygon, 0.0)
+    if len(found) > 4:
+        pytest.skip("too many to try")
+    passes, largest = brute_force(found)
+    assert len(shape.lines) == passes
+    assert max(part.area for part in shape.parts) == pytest.approx(largest)
+
+
+def test_examples():
+    """What the document says of single shapes."""
+    passes = {name: len(decompose(sheet.parsed(text), 0.0).lines) for name, text in SHAPES.items()}
+    assert passes["cut square"] == 3 and passes["unevenly cut square"] == 4
+    assert passes["uneven hexagon in pairs"] == 4
+    random = np.random.default_rng(5)
+    for _ in range(20):
+        triangle = decompose(apertures.regular_polygon(3) + random.uniform(-0.2, 0.2, (3, 2)), 0.0)
+        assert len(triangle.lines) == 3 and triangle.light == pytest.approx(0.5)
+
+
+# ------------------------------------------------------------------------------------------------- the paper's shapes
+
+
+def test_hexagon_of_the_paper():
+    """The rule's hexagon is the paper's: the same passes in the same order, and its light."""
+    shape = decompose(apertures.regular_polygon(6))
+    plan = methods.paper(methods.Settings("paper", "hexagon"), (64, 64))
+    own = methods.paper_polygon(shape, methods.Settings(), (64, 64))
+    for line, item, mine in zip(shape.lines, plan.passes[1:], own.passes[1:], strict=True):
+        assert np.radians(line.angle) == pytest.approx(item.parameters["BokehAngle"])
+        assert line.length == pytest.approx(1.0) and line.center == (0.0, 0.0)
+        assert dict(item.inputs) == dict(mine.inputs) and item.output == mine.output
+    assert shape.light == pytest.approx(impulse.light_kept("hexagon")) == pytest.approx(0.75)
+
+
+def test_octagon_of_the_paper():
+    """Turned by 22.5 degrees and larger, since its squares have the CoC as their side; the same lines."""
+    larger = apertures.rotated(apertures.regular_polygon(8), 22.5) / np.cos(np.pi / 8)
+    shape = decompose(larger)
+    plan = methods.paper(methods.Settings("paper", "octagon"), (64, 64))
+    own = methods.paper_polygon(shape, methods.Settings(), (64, 64))
+    for line, item, mine in zip(shape.lines, plan.passes[1:], own.passes[1:], strict=True):
+        assert np.radians(line.angle) == pytest.approx(item.parameters["BokehAngle"])
+        assert line.length == pytest.approx(1.0) and line.center == (0.0, 0.0)
+        assert dict(item.inputs) == dict(mine.inputs) and item.output == mine.output
+    assert shape.light == pytest.approx(impulse.light_kept("octagon")) == pytest.approx(0.828, abs=5e-4)
+
+
+@pytest.mark.parametrize("aperture", apertures.APERTURES)
+def test_passes_of_the_paper_are_untouched(aperture):
+    """No line of the fixed shapes got a length or a centre."""
+    for item in methods.paper(methods.Settings("paper", aperture), (64, 48)).passes:
+        values = item.values()
+        line = [values[f"BokehLine{name}"] for name in ("Length", "CenterX", "CenterY")]
+        assert line == [1.0, 0.0, 0.0] and not item.entry.startswith("BokehAdaptive")
+
+
+# --------------------------------------------------------------------------------------------------------------- raster
+
+SIZE = (130, 120)
+COC = 60.0
+CENTER = (65, 60)
+
+
+def shifted(image: np.ndarray, x: float, y: float) -> np.ndarray:
+    """What every pixel sees at (x, y) from itself, bilinear; the borders are dark."""
+    column, row = int(np.floor(x)), int(np.floor(y))
+    fx, fy = x - column, y - row
+    total = np.zeros_like(image)
+    for dx, dy, share in ((0, 0, (1 - fx) * (1 - fy)), (1, 0, fx * (1 - fy)), (0, 1, (1 - fx) * fy), (1, 1, fx * fy)):
+        total += share * np.roll(image, (-row - dy, -column - dx), axis=(0, 1))
+    return total
+
+
+def simulated(shape: Decomposition) -> tuple[list[np.ndarray], np.ndarray]:
+    """The passes as plain sums of shifted images, from nothing but the parameters of the shaders.
+
+    Returns the blur of each parallelogram and the last pass, (H, W).
+    """
+    start = np.zeros(SIZE[::-1])
+    start[CENTER[1], CENTER[0]] = 1.0
+    blurs: list[np.ndarray] = []
+    results: list[np.ndarray] = []
+    for line in shape.lines:
+        values = line.parameters()
+        end = 0.5 * values["BokehLineLength"] * apertures.direction(values["BokehAngle"])
+        middle = np.array([values["BokehLineCenterX"], values["BokehLineCenterY"]])
+        count = int(np.ceil(2 * line.length * COC))
+        places = COC * (middle + ((2 * np.arange(count) + 1) / count - 1)[:, None] * end)
+        source = start if line.reads is None else results[line.reads]
+        blurred = sum(shifted(source, *place) for place in places) / count
+        results.append(blurred if line.combines is None else np.minimum(blurred, results[line.combines]))
+        if line.reads is not None:
+            blurs.append(blurred)
+    return blurs, results[-1]
+
+
+def compare(seen: np.ndarray, polygon: np.ndarray, center: tuple[int, int]) -> tuple[float, float]:
+    """Overlap over union of what is seen and a polygon in pixels, and the least that half a pixel allows."""
+    truth = polygons.coverage(polygon, seen.shape[::-1], pixel_center(*center))
+    edge, area = 0.5 * polygons.perimeter(polygon), abs(polygons.signed_area(polygon))
+    seen = np.clip(seen, 0.0, 1.0)
+    return np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum(), (area - edge) / (area + edge)
+
+
+@pytest.mark.parametrize(
+    "name", ["3 sides", "5 sides", "6 sides", "7 sides", "8 sides", *SHAPES, "random 3", "random 4"]
+)
+def test_raster(name):
+    """One bright pixel becomes the polygon as it was given, not its reflection, as bright as the largest area says."""
+    polygon = shapes()[name]
+    shape = decompose(polygon)
+    blurs, result = simulated(shape)
+    ripple = 0.0
+    for part, blur in zip(shape.parts, blurs, strict=True):
+        # a mean, since the light of a single pixel ripples by a sixth where both lines slant
+        middle = part.corners.mean(axis=0)
+        inner = polygons.coverage(COC * (middle + 0.8 * (part.corners - middle)), SIZE, pixel_center(*CENTER)) == 1.0
+        if inner.any() and name != "needle":
+            assert blur[inner].mean() * part.area * COC**2 == pytest.approx(1.0, abs=0.01)
+            ripple = max(ripple, blur[inner].std() / blur[inner].mean())
+    plateau = 1.0 / max(part.area for part in shape.parts) / COC**2
+    overlap, least = compare(result / plateau, COC * polygon, CENTER)
+    assert overlap >= least
+    if name in ("3 sides", "off the pixel"):
+        assert compare(result / plateau, -COC * polygon, CENTER)[0] < 0.7 * least
+    edge = 0.5 * COC * polygons.perimeter(polygon)
+    assert result.sum() == pytest.approx(shape.light, abs=edge * plateau + ripple * shape.light)
+
+
+def test_triangle_points_up():
+    """Rows get wider downwards."""
+    _, seen = simulated(decompose(apertures.regular_polygon(3)))
+    widths = (seen > 0.5 * seen.max()).sum(axis=1)
+    lit = np.flatnonzero(widths)
+    assert widths[lit[3]] < 0.2 * widths[lit[-3]]
+    assert CENTER[1] - lit[0] == pytest.approx(0.5 * COC, abs=3) and lit[-1] - CENTER[1] == pytest.approx(
+        0.25 * COC, abs=2
+    )
+
+
+@pytest.mark.parametrize("aperture", apertures.POLYGONS)
+def test_naive_kernel(aperture):
+    """A lattice in the reflected polygon, as dense as the octagon's, that does not move the picture."""
+    polygon = apertures.regular_polygon(apertures.POLYGONS[aperture])
+    for samples in (7, 13, 30):
+        table = apertures.kernel(aperture, samples)
+        np.testing.assert_allclose(table.mean(axis=0), 0.0, atol=1e-12)
+        area, cell = abs(polygons.signed_area(polygon)), 1.0 / (samples - 1)
+        assert len(table) * cell**2 == pytest.approx(area, abs=0.5 * cell * polygons.perimeter(polygon))
+        # every offset, seen from the other side, is in the polygon but for the shift of the mean
+        sides = np.roll(polygon, -1, axis=0) - polygon
+        outward = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
+        assert (-table @ outward.T <= (polygon * outward).sum(axis=1) + 0.5 * cell).all()
+    turned = apertures.kernel(aperture, 13, 30.0)
+    np.testing.assert_allclose(turned, apertures.rotated(apertures.kernel(aperture, 13), 30.0))
+
+
+# -------------------------------------------------------------------------------------------------------------- drivers
+
+
+def highlight(driver, method: str, aperture: str, samples: int, rotation: float, squeeze: float) -> np.ndarray:
+    """Green channel of one bright pixel through a driver, (H, W)."""
+    size = impulse.SIZE
+    camera = methods.Camera(max_coc=1.0)
+    settings = methods.Settings(method, aperture, samples, rotation, camera, coc=impulse.COC / size[1], squeeze=squeeze)
+    plan = methods.plan(settings, size)
+    textures = {"color": impulse.impulse_image(), "depth": depth_of(size, 10.0), **plan.tables}
+    return driver.run(plan.passes, textures, size)["result"][..., 1].astype(np.float64) - impulse.AMBIENT
+
+
+@pytest.mark.parametrize("squeeze", [1.0, 0.6])
+@pytest.mark.parametrize("rotation", [0.0, 10.0])
+@pytest.mark.parametrize("aperture", apertures.POLYGONS)
+@pytest.mark.parametrize("name", ["reference", "osmesa", "wgpu", "dxc"])
+def test_highlight_on_a_driver(name, aperture, rotation, squeeze):
+    """The shaders draw the polygon as the command draws it: upright, turned, squeezed."""
+    driver = Reference() if name == "reference" else load(name)
+    shape = decompose(apertures.regular_polygon(apertures.POLYGONS[aperture])).rotated(rotation)
+    polygon = impulse.COC * shape.polygon * [squeeze, 1.0]
+    largest = max(part.area for part in shape.parts) * squeeze * impulse.COC**2
+    seen = highlight(driver, "paper", aperture, impulse.SAMPLES, rotation, squeeze)
+    overlap, least = compare(seen * largest / impulse.PEAK, polygon, impulse.CENTER)
+    assert overlap >= least
+    assert overlap > compare(seen * largest / impulse.PEAK, -polygon, impulse.CENTER)[0] + 0.02
+    edge = 0.5 * polygons.perimeter(polygon)
+    assert seen.sum() / impulse.PEAK == pytest.approx(shape.light, abs=edge / largest)
+
+
+@pytest.mark.parametrize("aperture", apertures.POLYGONS)
+@pytest.mark.parametrize("name", ["reference", "osmesa"])
+def test_naive_highlight_on_a_driver(name, aperture):
+    """The naive gather's polygon the same way up: two offsets a pixel make a plateau."""
+    driver = Reference() if name == "reference" else load(name)
+    polygon = impulse.COC * apertures.regular_polygon(apertures.POLYGONS[aperture])
+    seen = highlight(driver, "naive", aperture, impulse.SAMPLES, 0.0, 1.0)
+    overlap, least = compare(seen * abs(polygons.signed_area(polygon)) / impulse.PEAK, polygon, impulse.CENTER)
+    assert overlap >= least
+
+
+# ------------------------------------------------------------------------------------------------------------ bad input
+
+
+def test_polygons_are_tidied():
+    """Any winding; repeated corners and corners on a side are left out; rounded sides are parallel."""
+    square = np.array([[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]])
+    untidy = [[-0.3, -0.3], [0, -0.3], [0.1, -0.3], [0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3], [-0.3, 0.0]]
+    for corners in (np.array(untidy), np.array(untidy)[::-1], square[::-1]):
+        tidy = decomposition.checked(corners)
+        assert len(tidy) == 4 and polygons.signed_area(tidy) == pytest.approx(0.36)
+        assert {tuple(c) for c in tidy} == {tuple(c) for c in square}
+    np.testing.assert_array_equal(decomposition.checked(square[::-1])[0], square[3])
+    rounded = (apertures.rotated(apertures.regular_polygon(8), 11.0) + [0.0123, 0.0087]).round(3)
+    assert len(decompose(rounded).lines) == 4 and len(decompose(rounded, 0.0).lines) == 8
+    rounded = (apertures.rotated(apertures.regular_polygon(6), 11.0) + [0.0123, 0.0087]).round(3)
+    assert len(decompose(rounded).lines) == 3
+
+
+BAD_POLYGONS = {
+    "0,0 0.1,0": "2 corners",
+    "0,0 0.1,0 nan,0.2": "corner 3 is not a finite number",
+    "0,0 0.1,0 0.2,inf": "corner 3 is not a finite number",
+    "0,0 0.1,0 0.2,0": "on one line",
+    "0.1,0.1 0.1,0.1 0.1,0.1": "on one line",
+    "0,0 0.4,0 0.1,0.1 0,0.4": "not convex at corner 3",
+    "0,0.4 0.1,0.1 0.4,0 0,0": "not convex at corner 2",
+    "-0.3,-0.3 0.3,0.3 0.3,-0.3 -0.3,0.3": "not convex at corner",
+    "0,-0.5 0.294,0.405 -0.476,-0.155 0.476,-0.155 -0.294,0.405": "sides cross",
+    "0,0 120,0 60,90": "corner 2 is farther out than 2",
+    "0,0 0.4,0 0.2,0.001": "thinner than 0.01",
+    "": "0 corners",
+    "0,0 1,0 1": "corner 3 is '1'",
+    "0,0 1,0,2 1,1": "corner 2 is '1,0,2'",
+    "0,0 1,x 1,1": "corner 2 is '1,x'",
+    " ".join(f"{0.5 * np.cos(a):.4f},{0.5 * np.sin(a):.4f}" for a in np.arange(13) / 13 * 2 * np.pi): "13 directions",
+}
+
+
+@pytest.mark.parametrize("text", BAD_POLYGONS)
+def test_bad_polygon(text):
+    """One line that names the corner."""
+    with pytest.raises(UserError) as caught:
+        decompose(sheet.parsed(text))
+    assert BAD_POLYGONS[text] in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ([], ["--sides", "--vertices"]),
+        (["--sides", "3", "--vertices", PENTAGON], ["--sides", "--vertices"]),
+        (["--sides", "2"], ["--sides 2", "3 to 12"]),
+        (["--sides", "13"], ["--sides 13"]),
+        (["--sides", "26"], ["--sides 26", "24"]),
+        (["--sides", "many"], ["--sides"]),
+        (["--vertices", "0,0 1,0 half"], ["--vertices: corner 3", "'half'"]),
+        (["--vertices", "0,0 0.4,0 0.1,0.1 0,0.4"], ["not convex at corner 3"]),
+        (["--sides", "3", "--rotation", "nan"], ["--rotation nan"]),
+        (["--sides", "3", "--squeeze", "0"], ["--squeeze 0", "0.1 to 10"]),
+        (["--sides", "3", "--squeeze", "nan"], ["--squeeze nan"]),
+        (["--sides", "3", "--output", "/no/such/folder/x.png"], ["/no/such/folder"]),
+        (["--sides", "3", "--output", "."], ["folder"]),
+        (["--sides", "3", "--output", "a.png", "--json", "/no/such/folder/x.json"], ["/no/such/folder"]),
+    ],
+    ids=lambda value: " ".join(value),
+)
+def test_bad_option(options, words, tmp_path):
+    """One line, exit code 2, no file."""
+    refused(run("aperture", *options, cwd=tmp_path), words)
+    assert not list(tmp_path.iterdir())
+
+
+# ------------------------------------------------------------------------------------------------- command and document
+
+
+def test_command_writes_what_it_says(tmp_path):
+    """Table, JSON and picture of the same passes, into a folder with a space."""
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    options = ["--vertices", PENTAGON, "--rotation", "20", "--squeeze", "0.75"]
+    done = run("aperture", *options, "--output", "pic ture.png", "--json", "pass es.json", cwd=folder)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert sorted(path.name for path in folder.iterdir()) == ["pass es.json", "pic ture.png"]
+    shape = decompose(sheet.parsed(PENTAGON)).rotated(20.0)
+    first, header, *rows, last = done.stdout.splitlines()
+    assert first == sheet.summary(shape) and last == "in every pass: BokehSqueeze 0.75, BokehUseMax 0"
+    assert header.split()[3:7] == ["BokehAngle", "BokehLineLength", "BokehLineCenterX", "BokehLineCenterY"]
+    data = json.loads((folder / "pass es.json").read_text())
+    assert len(rows) == len(data["passes"]) == len(shape.lines)
+    for row, item, line in zip(rows, data["passes"], shape.lines, strict=True):
+        np.testing.assert_allclose([float(word) for word in row.split()[3:7]], [*line.parameters().values()], atol=1e-6)
+        assert item["parameters"] == {**line.parameters(), "BokehSqueeze": 0.75}
+        assert item["reads"] == (None if line.reads is None else line.reads + 1)
+    np.testing.assert_allclose(data["polygon"], shape.polygon)
+    assert data["light"] == shape.light
+    picture = np.asarray(Image.open(folder / "pic ture.png").convert("RGB"))
+    assert picture.shape[1] == 4 * sheet.PANEL and picture.std() > 10
+
+
+def test_picture_is_the_right_way_up():
+    """The triangle's first panel: grey, narrow above, wide below."""
+    panel = sheet.picture(sheet.sheet(3, None))[: sheet.PANEL, : sheet.PANEL]
+    widths = (panel == sheet.SHAPE).all(axis=-1).sum(axis=1)
+    lit = np.flatnonzero(widths)
+    assert widths[lit[5]] < 0.3 * widths[lit[-5]]
+
+
+DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
+COMMANDS = re.findall(r"validation/run (aperture .*? --output docs/images/\w+\.png)", DOCUMENT)
+
+
+def test_table_of_the_document():
+    """docs/apertures.md says what the code computes, for 3 to 12 sides."""
+    rows = re.findall(r"^\| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d\.\d+) \|$", DOCUMENT, re.MULTILINE)
+    assert [int(row[0]) for row in rows] == list(REGULAR)
+    for row in rows:
+        shape = decompose(apertures.regular_polygon(int(row[0])))
+        numbers = (len(shape.directions), len(shape.parts), len(shape.lines), shape.shared)
+        assert row[1:] == (*map(str, numbers), f"{shape.light:.3f}")
+
+
+def test_output_of_the_document():
+    """The table that the document shows is the command's."""
+    done = run("aperture", "--sides", "3")
+    assert done.returncode == 0 and f"```\n{done.stdout}```" in DOCUMENT
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_pictures_of_the_document(command, tmp_path):
+    """Each picture is what the command beside it draws, and small."""
+    words = shlex.split(command)
+    picture = paths.ROOT / words[-1]
+    assert picture.stat().st_size < 150_000
+    done = run(*words[:-1], tmp_path / "picture.png")
+    assert done.returncode == 0, done.stderr
+    drawn, kept = (np.asarray(Image.open(path)).astype(int) for path in (tmp_path / "picture.png", picture))
+    assert drawn.shape == kept.shape and np.abs(drawn - kept).max() <= 2
+
+
+def test_every_picture_has_its_command():
+    """None is left over."""
+    drawn = {shlex.split(command)[-1] for command in COMMANDS}
+    assert drawn == {f"docs/images/{path.name}" for path in (paths.ROOT / "docs/images").glob("apertures_*.png")}
