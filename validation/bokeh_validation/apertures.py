@@ -10,9 +10,9 @@ import numpy as np
 
 APERTURES = ("square", "diamond", "hexagon", "octagon", "star")
 # Regular polygons that decomposition.py makes: number of sides, inscribed in the CoC, first corner straight up
-POLYGONS = {"triangle": 3, "pentagon": 5, "heptagon": 7}
+POLYGONS = {"triangle": 3, "pentagon": 5, "heptagon": 7, "decagon": 10}
 NAMES = (*APERTURES, *POLYGONS)
-METHODS = ("paper", "naive")
+METHODS = ("paper", "naive", "exact")
 
 
 @dataclass(frozen=True)

@@ -192,11 +192,30 @@ def render(
     target: Annotated[
         Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
     ],
-    method: Annotated[str, typer.Option(help="naive or paper.")] = "paper",
+    method: Annotated[
+        str, typer.Option(help="exact (polygons with an even number of sides), paper or naive.")
+    ] = "paper",
     aperture: Annotated[
-        str, typer.Option(help="square, diamond, hexagon, octagon, star, triangle, pentagon or heptagon.")
+        str,
+        typer.Option(
+            help="square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
+        ),
     ] = "hexagon",
-    samples: Annotated[int, typer.Option(help="Samples on a line, 2 or more.")] = 13,
+    samples: Annotated[
+        int | None, typer.Option(help="Samples on a line, 2 or more. Default: 13; exact: as close to each other.")
+    ] = None,
+    spacing: Annotated[
+        float, typer.Option(help="Pixels between samples: as many as the CoC needs. 0: a fixed number, --samples.")
+    ] = 0.0,
+    max_samples: Annotated[int, typer.Option(help="Samples on a line at most, with --spacing.")] = 65,
+    jitter: Annotated[
+        float, typer.Option(help="Noise on the samples' places, 0 to 1, where they are more than a pixel apart.")
+    ] = 0.0,
+    frame: Annotated[int, typer.Option(help="Number of the frame; the noise is another in each.")] = 0,
+    squeeze: Annotated[float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
+    targets: Annotated[
+        bool, typer.Option("--mrt/--no-mrt", help="exact: write several targets in the first pass.")
+    ] = True,
     rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
     aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
     focal_length: Annotated[float, typer.Option(help="Metres.")] = 0.05,
@@ -216,7 +235,22 @@ def render(
     from bokeh_validation import render as rendering
 
     camera = methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc)
-    settings = methods.Settings(method, aperture, samples, rotation, camera, coc, coc_blur, leak_fix)
+    settings = methods.Settings(
+        method,
+        aperture,
+        samples,
+        rotation,
+        camera,
+        coc,
+        coc_blur,
+        leak_fix,
+        spacing=spacing,
+        max_samples=max_samples,
+        jitter=jitter,
+        frame=frame,
+        squeeze=squeeze,
+        targets=targets,
+    )
     if coc is not None and coc > max_coc:
         raise UserError(
             f"--coc {coc:g}: more than --max-coc {max_coc:g}, which would clamp it. Raise --max-coc as well."

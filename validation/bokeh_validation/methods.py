@@ -239,6 +239,20 @@ def kernel_texture(table: np.ndarray) -> np.ndarray:
     return texture
 
 
+def fetches(passes: tuple[Pass, ...]) -> int:
+    """Colour fetches a pixel of all filter passes: samples of every line, the pixel itself, other textures read."""
+    total = 0
+    for item in passes:
+        stem = item.entry.removeprefix("Bokeh")
+        if stem in ("CoCMap", "ConstantCoC", "Debug"):
+            continue
+        sides = EXACT.get(stem.removesuffix("First").removesuffix("Second").lower())
+        lines = sides // 2 - 1 if sides else 1
+        others = len(item.inputs) - 2 if stem not in ("NaiveGather",) and not sides else 0
+        total += 1 + others + lines * (item.samples**2 if stem == "NaiveGrid" else item.samples)
+    return total
+
+
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
     """The passes of `settings.method`."""
     return {"paper": paper, "exact": exact, "naive": naive, "naive-grid": naive_grid}[settings.method](settings, size)

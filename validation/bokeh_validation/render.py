@@ -34,8 +34,12 @@ def check(settings: methods.Settings) -> None:
     camera = settings.camera
     _one_of("--method", settings.method, apertures.METHODS)
     _one_of("--aperture", settings.aperture, apertures.NAMES)
-    if not 2 <= settings.samples <= MAX_SAMPLES:
-        raise UserError(f"--samples {settings.samples}: a line has two ends. Give 2 to {MAX_SAMPLES}.")
+    if settings.method == "exact" and settings.aperture not in methods.EXACT:
+        raise UserError(
+            f"--aperture {settings.aperture}: exact makes {', '.join(methods.EXACT)} only. Give --method paper."
+        )
+    _check_samples(settings)
+    _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")
     _number("--aperture-diameter", camera.aperture_diameter, "m", lambda v: v >= 0, "0 or more")
     _number("--focal-length", camera.focal_length, "m", lambda v: v > 0, "more than 0")
@@ -53,14 +57,32 @@ def check(settings: methods.Settings) -> None:
         _check_kernel(settings)
 
 
+def _check_samples(settings: methods.Settings) -> None:
+    if settings.samples is not None and not 2 <= settings.samples <= MAX_SAMPLES:
+        raise UserError(f"--samples {settings.samples}: a line has two ends. Give 2 to {MAX_SAMPLES}.")
+    if not 2 <= settings.max_samples <= MAX_SAMPLES:
+        raise UserError(f"--max-samples {settings.max_samples}: not allowed. Give 2 to {MAX_SAMPLES}.")
+    _number("--spacing", settings.spacing, "pixels", lambda v: v >= 0, "0 (a fixed number of samples) or more")
+    _number("--jitter", settings.jitter, "", lambda v: 0 <= v <= 1, "0 to 1")
+    if settings.frame < 0:
+        raise UserError(f"--frame {settings.frame}: not allowed. Give 0 or more.")
+    if settings.spacing > 0 and settings.method == "naive":
+        raise UserError(f"--spacing {settings.spacing:g}: naive has a table of samples. Give --method exact or paper.")
+    if settings.spacing > 0 and settings.samples is not None:
+        raise UserError(
+            f"--samples {settings.samples}: --spacing {settings.spacing:g} sets the number. Give one of them, and "
+            f"--max-samples for the most."
+        )
+
+
 def _check_kernel(settings: methods.Settings) -> None:
     # the square's table has the most offsets for a sample count, so it bounds the others before they are made
     if (
-        settings.samples**2 > MAX_KERNEL
-        and len(apertures.kernel(settings.aperture, min(settings.samples, 128))) > MAX_KERNEL
+        settings.count**2 > MAX_KERNEL
+        and len(apertures.kernel(settings.aperture, min(settings.count, 128))) > MAX_KERNEL
     ):
         raise UserError(
-            f"--samples {settings.samples}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} "
+            f"--samples {settings.count}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} "
             f"offsets. Give fewer, or --method paper."
         )
 

@@ -14,7 +14,7 @@ from bokeh_validation.reference import polygons
 
 # Twelve directions at most: 24 sides where they come in parallel pairs
 MAX_SIDES = 2 * decomposition.MAX_DIRECTIONS
-SQUEEZE = (0.1, 10.0)
+MAX_SQUEEZE = 16.0
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ def sheet(sides: int | None, vertices: str | None, rotation: float = 0.0, squeez
         raise UserError("aperture: give either --sides or --vertices.")
     if not math.isfinite(rotation):
         raise UserError(f"--rotation {rotation:g} degrees: not allowed. Give any finite number.")
-    if not SQUEEZE[0] <= squeeze <= SQUEEZE[1]:
-        raise UserError(f"--squeeze {squeeze:g}: not allowed. Give {SQUEEZE[0]:g} to {SQUEEZE[1]:g}, 1 is round.")
+    if not 0.0 < squeeze <= MAX_SQUEEZE:
+        raise UserError(f"--squeeze {squeeze:g}: not allowed. Give more than 0, at most {MAX_SQUEEZE:g}.")
     if vertices is not None:
         return Sheet(decomposition.decompose(parsed(vertices)).rotated(rotation), squeeze)
     if not 3 <= sides <= MAX_SIDES or (sides % 2 and sides > decomposition.MAX_DIRECTIONS):

@@ -202,13 +202,14 @@ def cost(found: list[decomposition.Strip], chosen: tuple[tuple[int, int], ...]) 
     return passes, largest
 
 
-@pytest.mark.parametrize("name", [*SHAPES, *(f"random {seed}" for seed in range(0, 40, 3)), "6 sides", "8 sides"])
+FEW = [name for name, polygon in shapes().items() if len(decompose(polygon, 0.0).directions) <= 4]
+
+
+@pytest.mark.parametrize("name", FEW)
 def test_search_finds_the_best(name):
-    """Against all sets of pairs, up to four directions."""
+    """Against all sets of pairs, for polygons of up to four directions."""
     shape = decompose(shapes()[name], 0.0)
     found = decomposition.strips(shape.polygon, 0.0)
-    if len(found) > 4:
-        pytest.skip("too many to try")
     passes, largest = brute_force(found)
     assert len(shape.lines) == passes
     assert max(part.area for part in shape.parts) == pytest.approx(largest)
@@ -389,7 +390,8 @@ def test_highlight_on_a_driver(name, aperture, rotation, squeeze):
     seen = highlight(driver, "paper", aperture, impulse.SAMPLES, rotation, squeeze)
     overlap, least = compare(seen * largest / impulse.PEAK, polygon, impulse.CENTER)
     assert overlap >= least
-    assert overlap > compare(seen * largest / impulse.PEAK, -polygon, impulse.CENTER)[0] + 0.02
+    if apertures.POLYGONS[aperture] % 2:
+        assert overlap > compare(seen * largest / impulse.PEAK, -polygon, impulse.CENTER)[0] + 0.02
     edge = 0.5 * polygons.perimeter(polygon)
     assert seen.sum() / impulse.PEAK == pytest.approx(shape.light, abs=edge / largest)
 
@@ -463,7 +465,7 @@ def test_bad_polygon(text):
         (["--vertices", "0,0 1,0 half"], ["--vertices: corner 3", "'half'"]),
         (["--vertices", "0,0 0.4,0 0.1,0.1 0,0.4"], ["not convex at corner 3"]),
         (["--sides", "3", "--rotation", "nan"], ["--rotation nan"]),
-        (["--sides", "3", "--squeeze", "0"], ["--squeeze 0", "0.1 to 10"]),
+        (["--sides", "3", "--squeeze", "0"], ["--squeeze 0", "at most 16"]),
         (["--sides", "3", "--squeeze", "nan"], ["--squeeze nan"]),
         (["--sides", "3", "--output", "/no/such/folder/x.png"], ["/no/such/folder"]),
         (["--sides", "3", "--output", "."], ["folder"]),

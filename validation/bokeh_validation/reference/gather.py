@@ -195,7 +195,8 @@ class _Bound:
         open_weight = np.maximum(highest - leak, leak - lowest) * most + leak * item.open_weight
 
         counted = (most > 0.0) & np.ones_like(leak, bool)
-        self.samples += np.where(counted[..., None], (leak * item.weight + open_weight)[..., None] * error, 0.0)
+        error[~counted] = 0.0
+        self.samples += (leak * item.weight + open_weight)[..., None] * error
         self.open_samples += open_weight[..., None] * np.abs(sample - self.center)
         self.open_weight += open_weight
         self.largest = np.where(counted[..., None], np.maximum(self.largest, np.abs(sample)), self.largest)

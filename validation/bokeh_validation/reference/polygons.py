@@ -50,20 +50,25 @@ def corner_angles(polygon: np.ndarray) -> np.ndarray:
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
+def inside(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Which places are in a convex polygon or on its edge, bool in the shape of x and y."""
+    polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
+    found = np.ones(np.broadcast(x, y).shape, bool)
+    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        edge = end - start
+        found &= edge[0] * (y - start[1]) - edge[1] * (x - start[0]) >= 0
+    return found
+
+
 def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, float]) -> np.ndarray:
     """Share of each pixel that a convex polygon covers, (H, W), from SUBPIXELS^2 points a pixel.
 
     center  where the polygon's origin is, in pixels from the image's corner (pixel centres at .5)
     """
     width, height = size
-    polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
     x = (np.arange(width * SUBPIXELS) + 0.5) / SUBPIXELS - center[0]
     y = ((np.arange(height * SUBPIXELS) + 0.5) / SUBPIXELS - center[1])[:, None]
-    inside = np.ones((len(y), len(x)), bool)
-    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        edge = end - start
-        inside &= edge[0] * (y - start[1]) - edge[1] * (x - start[0]) >= 0
-    return inside.reshape(height, SUBPIXELS, width, SUBPIXELS).mean(axis=(1, 3))
+    return inside(polygon, x, y).reshape(height, SUBPIXELS, width, SUBPIXELS).mean(axis=(1, 3))
 
 
 def moment_phase(weights: np.ndarray, center: tuple[float, float], folds: int) -> float:
