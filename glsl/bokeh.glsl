@@ -574,34 +574,36 @@ mat4 BokehExactFirst(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float si
     {
         float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
         vec2 axis = vec2(cos(rotation), sin(rotation));
-        vec4 B2 = centerPixel;
-        vec4 B3 = centerPixel;
-        vec4 B4 = centerPixel;
         vec4 B1 = BokehLineMean(ColorSamp, DepthSamp, uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
             imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        vec4 T2 = vec4(B1.rgb, centerPixel.a);
+        vec4 B2 = centerPixel;
+        vec4 B3 = centerPixel;
+        vec4 T3 = centerPixel;
+        vec4 T4 = centerPixel;
+        vec4 T5 = centerPixel;
         if (sides > 5.0)
         {
             B2 = BokehLineMean(ColorSamp, DepthSamp, uv,
                 BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 7.0)
         {
             B3 = BokehLineMean(ColorSamp, DepthSamp, uv,
                 BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 9.0)
         {
-            B4 = BokehLineMean(ColorSamp, DepthSamp, uv,
+            vec4 B4 = BokehLineMean(ColorSamp, DepthSamp, uv,
                 BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         }
-        vec4 T2 = BokehExactTarget(2.0, sides, B1, B2, B3, B4, centerPixel.a);
-        vec4 T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B4, centerPixel.a);
-        vec4 T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B4, centerPixel.a);
-        vec4 T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         result = mat4(T2, T3, T4, T5);
     }
     return result;

@@ -592,34 +592,36 @@ float4x4 BokehExactFirst(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), flo
     {
         float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
         float2 axis = float2(cos(rotation), sin(rotation));
-        float4 B2 = centerPixel;
-        float4 B3 = centerPixel;
-        float4 B4 = centerPixel;
         float4 B1 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
             imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        float4 T2 = float4(B1.rgb, centerPixel.a);
+        float4 B2 = centerPixel;
+        float4 B3 = centerPixel;
+        float4 T3 = centerPixel;
+        float4 T4 = centerPixel;
+        float4 T5 = centerPixel;
         if (sides > 5.0)
         {
             B2 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
                 BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 7.0)
         {
             B3 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
                 BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 9.0)
         {
-            B4 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
+            float4 B4 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
                 BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         }
-        float4 T2 = BokehExactTarget(2.0, sides, B1, B2, B3, B4, centerPixel.a);
-        float4 T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B4, centerPixel.a);
-        float4 T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B4, centerPixel.a);
-        float4 T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         result = float4x4(T2, T3, T4, T5);
     }
     return result;

@@ -546,34 +546,36 @@ fn BokehExactFirst(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthS
     {
         let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
         let axis: vec2f = vec2f(cos(rotation), sin(rotation));
-        var B2: vec4f = centerPixel;
-        var B3: vec4f = centerPixel;
-        var B4: vec4f = centerPixel;
         let B1: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
             imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+        let T2: vec4f = vec4f(B1.rgb, centerPixel.a);
+        var B2: vec4f = centerPixel;
+        var B3: vec4f = centerPixel;
+        var T3: vec4f = centerPixel;
+        var T4: vec4f = centerPixel;
+        var T5: vec4f = centerPixel;
         if (sides > 5.0)
         {
             B2 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
                 BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 7.0)
         {
             B3 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
                 BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B3, centerPixel.a);
         }
         if (sides > 9.0)
         {
-            B4 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
+            let B4: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
                 BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
                 imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         }
-        let T2: vec4f = BokehExactTarget(2.0, sides, B1, B2, B3, B4, centerPixel.a);
-        let T3: vec4f = BokehExactTarget(3.0, sides, B1, B2, B3, B4, centerPixel.a);
-        let T4: vec4f = BokehExactTarget(4.0, sides, B1, B2, B3, B4, centerPixel.a);
-        let T5: vec4f = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
         result = mat4x4f(T2, T3, T4, T5);
     }
     return result;

@@ -212,7 +212,9 @@ def render(
         float, typer.Option(help="Noise on the samples' places, 0 to 1, where they are more than a pixel apart.")
     ] = 0.0,
     frame: Annotated[int, typer.Option(help="Number of the frame; the noise is another in each.")] = 0,
-    squeeze: Annotated[float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
+    squeeze: Annotated[
+        float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")
+    ] = 1.0,
     targets: Annotated[
         bool, typer.Option("--mrt/--no-mrt", help="exact: write several targets in the first pass.")
     ] = True,
@@ -267,23 +269,47 @@ def aperture(
     ] = None,
     rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
     squeeze: Annotated[float, typer.Option(help="Width of the bokeh over its height, as BokehSqueeze.")] = 1.0,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="The two passes of the exact method: 4, 6, 8, 10 sides.")
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.png", help="Draw it.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the passes here as well.")] = None,
 ) -> None:
-    """The line passes that make a polygon with min, and how much light they keep (docs/apertures.md)."""
-    from bokeh_validation import exr, pictures, sheet
+    """The line passes that make a polygon with min, or the exact ones (docs/apertures.md)."""
+    from bokeh_validation import exr, pictures, sheet, tiling
 
-    page = sheet.sheet(sides, vertices, rotation, squeeze)
+    if exact:
+        module, page = tiling, tiling.tiling(sides, vertices, rotation, squeeze)
+    else:
+        module, page = sheet, sheet.sheet(sides, vertices, rotation, squeeze)
     for path in (output, json_file):
         if path is not None:
             exr.check_writable(path)
     if output is not None:
-        pictures.write_png(output, sheet.picture(page))
+        pictures.write_png(output, module.picture(page))
     if json_file is not None:
-        text = json.dumps(sheet.as_json(page), indent=1)
+        text = json.dumps(module.as_json(page), indent=1)
         exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
-    for line in (sheet.summary(page.shape), *sheet.table(page)):
-        console.print(line, markup=False, highlight=False)
+    for line in (module.summary(page), *module.table(page)):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+@app.command()
+def shapes(driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None, adapter: AdapterOption = None) -> None:
+    """The table of docs/apertures.md: every shape by every method, measured on a driver."""
+    from bokeh_validation import quality
+    from bokeh_validation import render as rendering
+
+    used = rendering.pick_driver(driver, adapter)
+    bar, step = _progress("shapes", len(quality.SHAPES))
+    rows = []
+    with bar:
+        for method, aperture in quality.SHAPES:
+            rows.append(quality.shape(used, method, aperture))
+            step(f"{method} {aperture}")
+    for line in quality.markdown(rows):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+    console.print(f"CoC {quality.COC:g} pixels, {used.name} ({used.adapter})", markup=False, highlight=False)
 
 
 @app.command()

@@ -60,8 +60,9 @@ def parsed(text: str) -> np.ndarray:
     return np.array(corners).reshape(-1, 2)
 
 
-def summary(shape: Decomposition) -> str:
+def summary(sheet: Sheet) -> str:
     """One line."""
+    shape = sheet.shape
     parts, passes = _count(len(shape.parts), "parallelogram"), _count(len(shape.lines), "pass", "passes")
     return (
         f"{len(shape.polygon)} sides in {len(shape.directions)} directions: {parts}, {passes}, "
@@ -86,16 +87,21 @@ def table(sheet: Sheet) -> list[str]:
         values = [f"{value:.6f}" for value in line.parameters().values()]
         textures = [_source(line.reads, "CoC map"), _source(line.combines, "")]
         rows.append([str(number), entry(line), f"{line.angle:.2f}", *values, *textures])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    numbers = range(2, 3 + len(names))
-    lines = [
-        "  ".join(
-            cell.rjust(width) if i in numbers else cell.ljust(width) for i, (cell, width) in enumerate(pairs)
-        ).rstrip()
-        for pairs in (zip(row, widths, strict=True) for row in rows)
-    ]
+    lines = columns(rows, numbers=range(2, 3 + len(names)))
     same = [f"BokehSqueeze {sheet.squeeze:g}"] + (["BokehUseMax 0"] if len(sheet.shape.parts) > 1 else [])
     return [*lines, f"in every pass: {', '.join(same)}"]
+
+
+def columns(rows: list[list[str]], numbers: range) -> list[str]:
+    """Cells as aligned lines; the columns in `numbers` to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if i in numbers else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
 
 
 def _source(index: int | None, otherwise: str) -> str:
@@ -141,7 +147,7 @@ INK, FAINT, SHAPE = (40, 40, 40), (190, 190, 190), (205, 205, 205)
 COLORS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233))
 
 
-class _Canvas:
+class Canvas:
     """Panels in rows; places in CoC from a panel's middle, in pixels of the finished picture, y down."""
 
     def __init__(self, panels: int, reach: float):
@@ -193,23 +199,23 @@ def picture(sheet: Sheet) -> np.ndarray:
     corners = [part.corners * squeeze for part in shape.parts]
     circle = np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]]) * squeeze
     reach = max(float(np.abs(points).max()) for points in (circle, *corners))
-    canvas = _Canvas(1 + len(corners), reach)
+    canvas = Canvas(1 + len(corners), reach)
     outline = shape.polygon * squeeze
     canvas.polygon(0, outline, SHAPE)
     canvas.path(0, circle, FAINT, 1)
     for index, points in enumerate(corners):
-        canvas.path(0, points, _color(index), 2)
+        canvas.path(0, points, color(index), 2)
     canvas.path(0, outline, INK, 2)
-    _caption(canvas, 0, f"min keeps {shape.light:.3f} of the light\n{len(shape.lines)} passes")
+    caption(canvas, 0, f"min keeps {shape.light:.3f} of the light\n{len(shape.lines)} passes")
     for index, (part, points) in enumerate(zip(shape.parts, corners, strict=True)):
-        _panel(canvas, index + 1, sheet, part, points, outline, circle, _color(index))
+        _panel(canvas, index + 1, sheet, part, points, outline, circle, color(index))
     return canvas.finished()
 
 
-def _panel(canvas: _Canvas, panel: int, sheet: Sheet, part, points, outline, circle, color) -> None:
+def _panel(canvas: Canvas, panel: int, sheet: Sheet, part, points, outline, circle, color) -> None:
     squeeze = np.array([sheet.squeeze, 1.0])
-    canvas.polygon(panel, points, _lighter(color))
-    canvas.polygon(panel, polygons.clip_convex(outline, points), tuple(int(0.55 * c + 90) for c in _lighter(color)))
+    canvas.polygon(panel, points, lighter(color))
+    canvas.polygon(panel, polygons.clip_convex(outline, points), tuple(int(0.55 * c + 90) for c in lighter(color)))
     canvas.path(panel, circle, FAINT, 1)
     canvas.path(panel, outline, INK, 1)
     canvas.path(panel, points, color, 2)
@@ -224,7 +230,7 @@ def _panel(canvas: _Canvas, panel: int, sheet: Sheet, part, points, outline, cir
         end = (0.8 * half - np.array(line.center)) * squeeze
         along = half * squeeze / np.linalg.norm(half * squeeze)
         canvas.text(panel, end, str(number + 1), INK, 15, shift=(-11 * along[1], 11 * along[0]))
-    _caption(canvas, panel, "\n".join(_described(sheet, part)))
+    caption(canvas, panel, "\n".join(_described(sheet, part)))
 
 
 def _described(sheet: Sheet, part) -> Iterator[str]:
@@ -234,13 +240,16 @@ def _described(sheet: Sheet, part) -> Iterator[str]:
     yield f"pass {part.second + 1}: {second.angle:.4g}° · {second.length:.3f}{ending}"
 
 
-def _caption(canvas: _Canvas, panel: int, text: str) -> None:
+def caption(canvas: Canvas, panel: int, text: str) -> None:
+    """Two lines under a panel."""
     canvas.text(panel, np.zeros(2), text, INK, 14, shift=(0.0, 0.5 * PANEL + 0.45 * CAPTION))
 
 
-def _color(index: int) -> tuple[int, int, int]:
+def color(index: int) -> tuple[int, int, int]:
+    """One of six that can be told apart."""
     return COLORS[index % len(COLORS)]
 
 
-def _lighter(color: tuple[int, int, int]) -> tuple[int, int, int]:
-    return tuple(255 - round(0.22 * (255 - c)) for c in color)
+def lighter(paint: tuple[int, int, int]) -> tuple[int, int, int]:
+    """For areas."""
+    return tuple(255 - round(0.22 * (255 - c)) for c in paint)

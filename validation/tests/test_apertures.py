@@ -491,8 +491,9 @@ def test_command_writes_what_it_says(tmp_path):
     assert done.returncode == 0 and done.stderr == "", done.stderr
     assert sorted(path.name for path in folder.iterdir()) == ["pass es.json", "pic ture.png"]
     shape = decompose(sheet.parsed(PENTAGON)).rotated(20.0)
+    page = sheet.Sheet(shape, 0.75)
     first, header, *rows, last = done.stdout.splitlines()
-    assert first == sheet.summary(shape) and last == "in every pass: BokehSqueeze 0.75, BokehUseMax 0"
+    assert first == sheet.summary(page) and last == "in every pass: BokehSqueeze 0.75, BokehUseMax 0"
     assert header.split()[3:7] == ["BokehAngle", "BokehLineLength", "BokehLineCenterX", "BokehLineCenterY"]
     data = json.loads((folder / "pass es.json").read_text())
     assert len(rows) == len(data["passes"]) == len(shape.lines)

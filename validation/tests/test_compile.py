@@ -153,7 +153,8 @@ class TestShaders:
         assert found == wanted
 
     def test_time(self, whole):
-        assert whole.seconds < 60
+        """Half a second a program, on two cores that are busy otherwise too."""
+        assert whole.seconds < 0.5 * len(ROWS)
 
 
 class TestCompilersNotice:

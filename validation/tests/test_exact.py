@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import load
+from test_drivers import compared, noise_case
 
 from bokeh_validation import apertures, methods, metrics, quality, suite
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.patterns import exact
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import polygons, segments
-from tests.conftest import load
-from tests.test_drivers import compared, noise_case
 
 EXACT = tuple(methods.EXACT)
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)

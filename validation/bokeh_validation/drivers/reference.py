@@ -8,7 +8,7 @@ from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, storage_type
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference import listings, segments
-from bokeh_validation.reference.gather import Leakage, Table, gather
+from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.precision import Precision
 
@@ -87,9 +87,7 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
     if item.entry.endswith("Second"):
         return [filters.exact_second(SIDES[item.entry.removesuffix("Second")])]
     table = Table(_offsets(item, values, textures, size), size[1])
-    filtered = gather(
-        filters.color, filters.depth, table, filters.leakage, values["BokehBlurCoC"] > 0.5, precision
-    )
+    filtered = gather(filters.color, filters.depth, table, filters.leakage, values["BokehBlurCoC"] > 0.5, precision)
     return [filters.combined(filtered)]
 
 
@@ -112,6 +110,10 @@ class _Filters:
         """The texture in a slot."""
         return self.live[self.item.inputs[name]]
 
+    def center(self, name: str) -> Image:
+        """The texture in a slot, read at each pixel's centre."""
+        return at_center(self.slot(name), self.precision)
+
     def line(self, segment: segments.Segment, image: Image, blur_coc: bool = True) -> Image:
         """Mean of an image along a segment, around the pixels of ColorSamp."""
         return segments.adaptive(
@@ -129,21 +131,19 @@ class _Filters:
         """`BokehAdaptive`."""
         values = self.values
         middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
-        segment = segments.line_segment(
-            values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"]
-        )
+        segment = segments.line_segment(values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"])
         return self.line(segment, self.color, values["BokehBlurCoC"] > 0.5)
 
     def combined(self, image: Image) -> Image:
         """Listing 4, where the pass has a second image."""
         if "ColorSampB" not in self.item.inputs:
             return image
-        return listings.combine(image, self.slot("ColorSampB"), self.values["BokehUseMax"] > 0.5)
+        return listings.combine(image, self.center("ColorSampB"), self.values["BokehUseMax"] > 0.5)
 
     def exact_first(self, sides: int) -> list[Image]:
         """First pass of the exact method."""
         blurs = [self.edge(k, sides, self.color, False) for k in range(1, sides // 2)]
-        return segments.exact_first(blurs, sides, self.color)
+        return segments.exact_first(blurs, sides, self.center("ColorSamp"))
 
     def exact_second(self, sides: int) -> Image:
         """Second pass: ColorSamp, ColorSampB and so on hold the targets of the first."""
@@ -151,14 +151,15 @@ class _Filters:
         parts = []
         for k in range(2, sides // 2 + 1):
             parts.append((segments.weight(k, sides), self.edge(k, sides, self.slot(slots[k - 2]), True)))
-        return segments.mixed(parts, self.color)
+        return segments.mixed(parts, self.center("ColorSamp"))
 
     def exact_edge(self) -> Image:
         """One target of the first pass from the two before it."""
         k, sides = round(self.values["BokehEdge"]), round(self.values["BokehSides"])
-        previous = self.slot("ColorSampB") if k > 1 else None
-        earlier = self.slot("ColorSampC") if k > 2 else None
-        return segments.exact_edge(k, sides, self.edge(k, sides, self.color, False), previous, earlier, self.color)
+        previous = self.center("ColorSampB") if k > 1 else None
+        earlier = self.center("ColorSampC") if k > 2 else None
+        blur = self.edge(k, sides, self.color, False)
+        return segments.exact_edge(k, sides, blur, previous, earlier, self.center("ColorSamp"))
 
 
 def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: tuple[int, int]) -> np.ndarray:

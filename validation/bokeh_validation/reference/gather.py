@@ -96,7 +96,7 @@ def gather(
     center  the pixels in the middle: their CoC scales the pattern and is compared; default: `image`
     """
     depth = np.asarray(depth, np.float64)
-    middle = image if center is None else center
+    middle = at_center(image if center is None else center, precision)
     fields = _error_fields(image) if precision else None
 
     def band(start: int) -> Image:
@@ -109,6 +109,17 @@ def gather(
     if precision is None:
         return Image(value)
     return Image(value, np.concatenate([b.error for b in bands]), np.concatenate([b.undecided for b in bands]))
+
+
+def at_center(image: Image, precision: Precision | None) -> Image:
+    """An image read at each pixel's own centre through a linear filter: uv is rounded there as anywhere."""
+    if precision is None:
+        return image
+    width, height = image.size
+    across, down = sampling.slopes(image.value)
+    error = image.error + precision.filter * np.abs(image.value)
+    error += precision.place(width) * across + precision.place(height) * down
+    return Image(image.value, error, image.undecided)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ d is the sum of four parts:
   * the direction of the line: Vulkan and WebGPU let sin and cos be off by 2^-11, so the end of a line, half a CoC away,
     by 2^-12 CoC; a grid has two lines. (SwiftShader's are off by 0.0002, Mesa's by less than a float32 rounding.)
 
+The centre pixel is read through the same filter, so its colour and its CoC are off by b too.
+
 The weighted mean M = sum(w s) / sum(w) of N samples then satisfies, with w' = w + dw and s' = s + ds,
 
     M' - M = [ sum(w' ds) + sum(dw (s - M)) ] / sum(w')

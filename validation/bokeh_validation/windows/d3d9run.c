@@ -120,9 +120,10 @@ static int draw(const Draw *what, const Texture *textures, Texture *const *targe
 {
     D3DCAPS9 caps;
     TRY(IDirect3DDevice9_GetDeviceCaps(device, &caps));
-    if (num_targets > (int)caps.NumSimultaneousRTs)
-        return problem("%d targets, but the device has %lu at once", num_targets, (unsigned long)caps.NumSimultaneousRTs);
-    for (int i = 1; i < (int)caps.NumSimultaneousRTs; i++) /* those of the draw before may have another size */
+    int most = (int)caps.NumSimultaneousRTs;
+    if (num_targets > most)
+        return problem("%d targets, but the device has %d at once", num_targets, most);
+    for (int i = 1; i < most; i++) /* those of the draw before may have another size */
         TRY(IDirect3DDevice9_SetRenderTarget(device, i, NULL));
     for (int i = 0; i < num_targets; i++)
         if (!set_target(i, targets[i]))
