@@ -29,9 +29,9 @@ def brute_table(corners: np.ndarray, cells: int = BRUTE_CELLS) -> np.ndarray:
     return -apertures.lattice_kernel(cells, lambda x, y: polygons.inside(corners, x, y))
 
 
-def brute_force(driver: Driver, case: Case) -> np.ndarray:
-    """The polygon of a case gathered by the naive pass with BRUTE_CELLS samples across, (H, W, 4)."""
-    table = brute_table(outline(case.settings))
+def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
+    """The polygon of a case gathered by the naive pass with `cells` samples across, (H, W, 4)."""
+    table = brute_table(outline(case.settings), cells)
     coc = case.plan.passes[0]
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)

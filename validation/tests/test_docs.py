@@ -5,16 +5,16 @@ import re
 import pytest
 
 from bokeh_validation import passes, paths, shaders
-from bokeh_validation.compilers import dxc, glslang, naga
+from bokeh_validation.compilers import dxc, fxc, glslang, naga
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def snippet(language: str) -> str:
-    """The one fenced block of a language in the README."""
+def snippets(language: str, count: int = 1) -> list[str]:
+    """The fenced blocks of a language in the README."""
     found = re.findall(rf"^```{language}\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-    assert len(found) == 1, f"{len(found)} blocks of {language}"
-    return found[0]
+    assert len(found) == count, f"{len(found)} blocks of {language}"
+    return found
 
 
 def library(language: str) -> str:
@@ -23,21 +23,29 @@ def library(language: str) -> str:
 
 
 @pytest.mark.parametrize("profile", ["330", "300es"])
-def test_readme_glsl_compiles(profile):
-    """Pasted as the README says."""
-    result = glslang.parse(f"{shaders.GLSL_VERSIONS[profile]}\n{library('glsl')}{snippet('glsl')}", "frag")
+@pytest.mark.parametrize("index", [0, 1])
+def test_readme_glsl_compiles(profile, index):
+    """Pasted as the README says, first and second pass."""
+    shown = snippets("glsl", 2)[index]
+    result = glslang.parse(f"{shaders.GLSL_VERSIONS[profile]}\n{library('glsl')}{shown}", "frag")
     assert result.ok, result.messages
 
 
-def test_readme_hlsl_compiles():
-    """Shader model 6 by DXC."""
-    result = dxc.build(f"#define BOKEH_HLSL_SM 6\n{library('hlsl')}{snippet('hlsl')}", "frag", "main")
+@pytest.mark.parametrize("entry", ["first", "second"])
+def test_readme_hlsl_compiles(entry):
+    """Shader model 6 by DXC; 3, 4 and 5 by Microsoft's compiler."""
+    (shown,) = snippets("hlsl")
+    result = dxc.build(f"#define BOKEH_HLSL_SM 6\n{library('hlsl')}{shown}", "frag", entry)
     assert result.ok, result.messages
+    (old,) = snippets("hlsl3")
+    assert fxc.bytecode(library("hlsl") + old, "ps_3_0", entry)
+    for model in (4, 5):
+        assert fxc.bytecode(f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{shown}", f"ps_{model}_0", entry)
 
 
 def test_readme_wgsl_compiles():
     """By naga, which raises what it has against a module."""
-    naga.driver().device.create_shader_module(code=library("wgsl") + snippet("wgsl"))
+    naga.driver().device.create_shader_module(code=library("wgsl") + snippets("wgsl")[0])
 
 
 def test_readme_links_exist():

@@ -52,7 +52,7 @@ def test_street_in_a_folder_with_spaces(tmp_path):
     with OpenEXR.File(str(folder / "out put.exr"), separate_channels=True) as file:
         channels = {name: np.asarray(c.pixels) for name, c in file.channels().items()}
     assert sorted(channels) == list("ABGR") and all(c.dtype == np.float16 for c in channels.values())
-    case = suite.scene_case(suite.SCENES[0], "paper", "hexagon")
+    case = suite.scene_case(suite.SCENES[0], "exact", "hexagon")
     wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"]
     np.testing.assert_allclose(channels["G"].astype(float), wanted[..., 1].astype(float), rtol=0.02, atol=0.002)
     np.testing.assert_allclose(channels["A"].astype(float), wanted[..., 3].astype(float), rtol=0.02, atol=1e-5)
@@ -76,15 +76,25 @@ def test_every_option_reaches_the_shader(tmp_path):
     base = methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15)
     changes = {
         "--method naive": methods.Settings("naive", "hexagon", camera=base),
-        "--aperture star": methods.Settings("paper", "star", camera=base),
-        "--samples 5": methods.Settings("paper", "hexagon", 5, camera=base),
-        "--rotation 20": methods.Settings("paper", "hexagon", 13, 20.0, base),
-        "--no-coc-blur": methods.Settings("paper", "hexagon", camera=base, blur_coc=False),
-        "--no-leak-fix": methods.Settings("paper", "hexagon", camera=base, leak_fix=False),
-        "--sensor-height 0.05": methods.Settings("paper", "hexagon", camera=methods.Camera(0.15, 0.05, 5, 0.05, 0.15)),
-        "--coc 0.03": methods.Settings("paper", "hexagon", camera=base, coc=0.03),
+        "--method paper": methods.Settings("paper", "hexagon", camera=base),
+        "--method paper --aperture star": methods.Settings("paper", "star", camera=base),
+        "--method paper --aperture pentagon": methods.Settings("paper", "pentagon", camera=base),
+        "--method paper --no-coc-blur": methods.Settings("paper", "hexagon", camera=base, blur_coc=False),
+        "--method paper --spacing 2": methods.Settings("paper", "hexagon", camera=base, spacing=2.0),
+        "--aperture decagon": methods.Settings("exact", "decagon", camera=base),
+        "--samples 5": methods.Settings("exact", "hexagon", 5, camera=base),
+        "--rotation 20": methods.Settings("exact", "hexagon", 7, 20.0, base),
+        "--no-leak-fix": methods.Settings("exact", "hexagon", camera=base, leak_fix=False),
+        "--sensor-height 0.05": methods.Settings("exact", "hexagon", camera=methods.Camera(0.15, 0.05, 5, 0.05, 0.15)),
+        "--coc 0.03": methods.Settings("exact", "hexagon", camera=base, coc=0.03),
+        "--squeeze 0.5": methods.Settings("exact", "hexagon", camera=base, squeeze=0.5),
+        "--spacing 1": methods.Settings("exact", "hexagon", camera=base, spacing=1.0),
+        "--spacing 1 --max-samples 4": methods.Settings("exact", "hexagon", camera=base, spacing=1.0, max_samples=4),
+        "--spacing 1 --max-samples 4 --jitter 1 --frame 3": methods.Settings(
+            "exact", "hexagon", camera=base, spacing=1.0, max_samples=4, jitter=1.0, frame=3
+        ),
     }
-    plain = methods.plan(methods.Settings("paper", "hexagon", camera=base), scene.size)
+    plain = methods.plan(methods.Settings("exact", "hexagon", camera=base), scene.size)
     textures = {"color": scene.color, "depth": scene.depth}
     before = Reference().run(plain.passes, textures, scene.size)["result"].astype(float)
     for option, settings in changes.items():
@@ -170,6 +180,15 @@ def test_bad_file(kind, tmp_path):
         (["--samples", "200", "--method", "naive"], ["--samples 200", "8192"]),
         (["--aperture", "circle"], ["--aperture circle", "hexagon"]),
         (["--method", "fast"], ["--method fast", "paper"]),
+        (["--aperture", "star"], ["--aperture star", "exact", "--method paper"]),
+        (["--spacing", "-1"], ["--spacing -1", "0 (a fixed number of samples) or more"]),
+        (["--spacing", "nan"], ["--spacing nan"]),
+        (["--spacing", "1", "--samples", "5"], ["--samples 5", "--max-samples"]),
+        (["--spacing", "1", "--method", "naive"], ["--spacing 1", "naive"]),
+        (["--max-samples", "1"], ["--max-samples 1", "2 to"]),
+        (["--jitter", "2"], ["--jitter 2", "0 to 1"]),
+        (["--frame", "-1"], ["--frame -1"]),
+        (["--squeeze", "0"], ["--squeeze 0", "more than 0"]),
         (["--rotation", "inf"], ["--rotation inf"]),
         (["--driver", "d3d12"], ["--driver d3d12", "osmesa"]),
         (["--driver", "egl", "--adapter", "no such card"], ["no such card"]),

@@ -137,13 +137,13 @@ def _scaled(pixels: np.ndarray) -> np.ndarray:
 
 
 def _scene_strips(results: list[SceneResult]) -> list[dict]:
-    groups: dict[tuple[str, str], list[SceneResult]] = {}
+    groups: dict[tuple[str, str, str], list[SceneResult]] = {}
     for result in results:
-        groups.setdefault((result.scene.name, result.aperture), []).append(result)
+        groups.setdefault((result.scene.name, result.method, result.aperture), []).append(result)
     strips = []
-    for (scene, aperture), group in groups.items():
+    for (scene, method, aperture), group in groups.items():
         case = group[0].result.case
-        strip = _strip(f"{scene}, {aperture}", "result", [(r.driver, _tone_mapped(r.result)) for r in group])
+        strip = _strip(f"{scene}, {method} {aperture}", "result", [(r.driver, _tone_mapped(r.result)) for r in group])
         untouched = pictures.data_uri(pictures.display(case.color, tone_map=True))
         lens = pictures.data_uri(pictures.display(_lens(group[0]), tone_map=True))
         strips.append(
@@ -151,7 +151,7 @@ def _scene_strips(results: list[SceneResult]) -> list[dict]:
                 "strip": strip,
                 "untouched": untouched,
                 "lens": lens,
-                "distances": [(r.driver, r.psnr, r.flip) for r in group],
+                "distances": [(r.driver, r.psnr, r.flip, r.psnr_brute) for r in group],
                 "untouched_distance": (group[0].psnr_untouched, group[0].flip_untouched),
             }
         )
