@@ -154,6 +154,44 @@ float BokehSafeDepth(float S2)
     return safe;
 }
 
+// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
+//   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
+//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar
+float BokehDepthFromWindow(float depth, float zNear, float zFar)
+{
+    return zNear * zFar / (zFar - depth * (zFar - zNear));
+}
+
+// Depth: reversed window depth, 1 (near) .. 0 (far), of a perspective camera to metres
+float BokehDepthFromReversed(float depth, float zNear, float zFar)
+{
+    return zNear * zFar / (zNear + depth * (zFar - zNear));
+}
+
+// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
+float BokehDepthFromInfinite(float depth, float zNear)
+{
+    return zNear / max(depth, zNear / BOKEH_MAX_DEPTH);
+}
+
+// Depth: depth of clip space, -1 (near) .. 1 (far), z / w in OpenGL, to metres
+float BokehDepthFromClip(float depth, float zNear, float zFar)
+{
+    return 2.0 * zNear * zFar / (zFar + zNear - depth * (zFar - zNear));
+}
+
+// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres; give 1 - depth where it is reversed
+float BokehDepthFromOrthographic(float depth, float zNear, float zFar)
+{
+    return zNear + depth * (zFar - zNear);
+}
+
+// Depth: a fraction of the far plane's distance to metres, as Listing 1 has it
+float BokehDepthFromFraction(float depth, float zFar)
+{
+    return depth * zFar;
+}
+
 // Listing 1: colour as it is, CoC beside it in alpha
 //   color         linear HDR colour; its alpha is not used
 //   CoC           fraction of the image height

@@ -120,6 +120,44 @@ fn BokehSafeDepth(S2: f32) -> f32
     return safe;
 }
 
+// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
+//   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
+//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar
+fn BokehDepthFromWindow(depth: f32, zNear: f32, zFar: f32) -> f32
+{
+    return zNear * zFar / (zFar - depth * (zFar - zNear));
+}
+
+// Depth: reversed window depth, 1 (near) .. 0 (far), of a perspective camera to metres
+fn BokehDepthFromReversed(depth: f32, zNear: f32, zFar: f32) -> f32
+{
+    return zNear * zFar / (zNear + depth * (zFar - zNear));
+}
+
+// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
+fn BokehDepthFromInfinite(depth: f32, zNear: f32) -> f32
+{
+    return zNear / max(depth, zNear / BOKEH_MAX_DEPTH);
+}
+
+// Depth: depth of clip space, -1 (near) .. 1 (far), z / w in OpenGL, to metres
+fn BokehDepthFromClip(depth: f32, zNear: f32, zFar: f32) -> f32
+{
+    return 2.0 * zNear * zFar / (zFar + zNear - depth * (zFar - zNear));
+}
+
+// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres; give 1 - depth where it is reversed
+fn BokehDepthFromOrthographic(depth: f32, zNear: f32, zFar: f32) -> f32
+{
+    return zNear + depth * (zFar - zNear);
+}
+
+// Depth: a fraction of the far plane's distance to metres, as Listing 1 has it
+fn BokehDepthFromFraction(depth: f32, zFar: f32) -> f32
+{
+    return depth * zFar;
+}
+
 // Listing 1: colour as it is, CoC beside it in alpha
 //   color         linear HDR colour; its alpha is not used
 //   CoC           fraction of the image height

@@ -1,5 +1,6 @@
 """The exact polygons and the adaptive line: the tiling, light, quality, cost, smoothness and noise."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,13 +8,14 @@ import pytest
 from conftest import load
 from test_drivers import compared, noise_case
 
-from bokeh_validation import apertures, methods, metrics, quality, suite
+from bokeh_validation import apertures, methods, metrics, paths, quality, suite
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.patterns import exact
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import polygons, segments
 
 EXACT = tuple(methods.EXACT)
+DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
 
 
@@ -176,6 +178,23 @@ def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     }
     assert len(quality.brute_table(apertures.even_polygon(methods.EXACT[aperture]))) >= 900
     assert found["exact"] - found["paper"] >= better[aperture == "octagon"], found
+    told = re.search(rf"^\| {scene} \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \|", DOCUMENT, re.MULTILINE)
+    # a driver that rounds the stores differently is a few hundredths of a decibel away
+    assert [float(number) for number in told.groups()] == pytest.approx([found["paper"], found["exact"]], abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("method", "aperture"),
+    [("exact", "hexagon"), ("exact", "decagon"), ("paper", "hexagon"), ("paper", "star"), ("naive", "octagon")],
+)
+def test_table_of_shapes(method, aperture):
+    """docs/apertures.md says what `validation/run shapes` measures, to a step of its last digit and a half."""
+    (row,) = re.findall(rf"^\| {aperture} \| {method} \| (.*) \|$", DOCUMENT, re.MULTILINE)
+    told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
+    found = quality.shape(load("egl"), method, aperture)
+    assert told[:3] == [found.passes, found.targets, found.fetches]
+    assert told[3] == pytest.approx(found.light, abs=0.0015)
+    assert told[4:] == pytest.approx([100 * found.error, 100 * found.sum_off], abs=1.5)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
