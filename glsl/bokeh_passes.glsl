@@ -4,6 +4,7 @@
 // A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, this file.
 //
 //   #define BOKEH_PASS ...       reads                                  writes
+//   BOKEH_LINEAR_DEPTH           DepthSamp (any convention)             depth in metres, to an R32F target
 //   BOKEH_COC_MAP                ColorSamp, DepthSamp                   colour, CoC in alpha
 //   BOKEH_CONSTANT_COC           ColorSamp                              colour, the same CoC everywhere
 //   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp                   one line of the filter
@@ -28,29 +29,30 @@
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below (docs/inputs.md has the
 //   table with units and offsets). Set 0: the block at binding 0, the six textures in their order at 1 to 6.
 
-#define BOKEH_COC_MAP 1
-#define BOKEH_CONSTANT_COC 2
-#define BOKEH_DEPTH_OF_FIELD 3
-#define BOKEH_DEPTH_OF_FIELD_FINAL 4
-#define BOKEH_ADAPTIVE 5
-#define BOKEH_ADAPTIVE_FINAL 6
-#define BOKEH_NAIVE_GATHER 7
-#define BOKEH_NAIVE_GRID 8
-#define BOKEH_SQUARE_FIRST 9
-#define BOKEH_SQUARE_SECOND 10
-#define BOKEH_HEXAGON_FIRST 11
-#define BOKEH_HEXAGON_SECOND 12
-#define BOKEH_OCTAGON_FIRST 13
-#define BOKEH_OCTAGON_SECOND 14
-#define BOKEH_DECAGON_FIRST 15
-#define BOKEH_DECAGON_SECOND 16
-#define BOKEH_EXACT_EDGE 17
-#define BOKEH_DEBUG 18
-#define BOKEH_FULL_SCREEN 19
+#define BOKEH_LINEAR_DEPTH 1
+#define BOKEH_COC_MAP 2
+#define BOKEH_CONSTANT_COC 3
+#define BOKEH_DEPTH_OF_FIELD 4
+#define BOKEH_DEPTH_OF_FIELD_FINAL 5
+#define BOKEH_ADAPTIVE 6
+#define BOKEH_ADAPTIVE_FINAL 7
+#define BOKEH_NAIVE_GATHER 8
+#define BOKEH_NAIVE_GRID 9
+#define BOKEH_SQUARE_FIRST 10
+#define BOKEH_SQUARE_SECOND 11
+#define BOKEH_HEXAGON_FIRST 12
+#define BOKEH_HEXAGON_SECOND 13
+#define BOKEH_OCTAGON_FIRST 14
+#define BOKEH_OCTAGON_SECOND 15
+#define BOKEH_DECAGON_FIRST 16
+#define BOKEH_DECAGON_SECOND 17
+#define BOKEH_EXACT_EDGE 18
+#define BOKEH_DEBUG 19
+#define BOKEH_FULL_SCREEN 20
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
-#elif BOKEH_PASS < BOKEH_COC_MAP || BOKEH_PASS > BOKEH_FULL_SCREEN
+#elif BOKEH_PASS < BOKEH_LINEAR_DEPTH || BOKEH_PASS > BOKEH_FULL_SCREEN
 #error BOKEH_PASS is none of the names in the table at the top of this file
 #endif
 
@@ -135,6 +137,9 @@ BOKEH_PARAMETER(float, BokehJitter)
 BOKEH_PARAMETER(float, BokehFrame)
 BOKEH_PARAMETER(float, BokehSides)
 BOKEH_PARAMETER(float, BokehEdge)
+BOKEH_PARAMETER(float, BokehDepthKind)
+BOKEH_PARAMETER(float, BokehNear)
+BOKEH_PARAMETER(float, BokehFar)
 
 #ifdef VULKAN
 };
@@ -156,7 +161,16 @@ layout(location = 3) out vec4 BokehResultD;
 // fragment shaders
 // ---------------------------------------------------------------------------------------------------------------------
 
-#if BOKEH_PASS == BOKEH_COC_MAP
+#if BOKEH_PASS == BOKEH_LINEAR_DEPTH
+
+void main()
+{
+    float depth = BokehFetchNearest(BokehDepthSamp, BokehUV).r;
+    float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
+    BokehResult = vec4(S2, S2, S2, 1.0);
+}
+
+#elif BOKEH_PASS == BOKEH_COC_MAP
 
 void main()
 {

@@ -209,6 +209,43 @@ float BokehDepthFromFraction(float depth, float zFar)
     return depth * zFar;
 }
 
+// Depth: any of the above to metres, for one pass that makes depth linear
+//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
+//                 6 orthographic reversed, 7 fraction of zFar
+float BokehLinearDepth(float depth, float kind, float zNear, float zFar)
+{
+    float S2 = depth;
+    if (kind > 6.5)
+    {
+        S2 = BokehDepthFromFraction(depth, zFar);
+    }
+    else if (kind > 5.5)
+    {
+        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
+    }
+    else if (kind > 4.5)
+    {
+        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
+    }
+    else if (kind > 3.5)
+    {
+        S2 = BokehDepthFromClip(depth, zNear, zFar);
+    }
+    else if (kind > 2.5)
+    {
+        S2 = BokehDepthFromInfinite(depth, zNear);
+    }
+    else if (kind > 1.5)
+    {
+        S2 = BokehDepthFromReversed(depth, zNear, zFar);
+    }
+    else if (kind > 0.5)
+    {
+        S2 = BokehDepthFromWindow(depth, zNear, zFar);
+    }
+    return S2;
+}
+
 // Listing 1: colour as it is, CoC beside it in alpha
 //   color         linear HDR colour; its alpha is not used
 //   CoC           fraction of the image height

@@ -4,6 +4,7 @@
 // Put this file after bokeh.hlsl, or define BOKEH_INCLUDE to have it included.
 //
 //   pass                       reads                                    writes
+//   BokehLinearDepth_PS        DepthSamp (any convention)               depth in metres, to an R32F target
 //   BokehCoCMap_PS             ColorSamp, DepthSamp                     colour, CoC in alpha
 //   BokehConstantCoC_PS        ColorSamp                                colour, the same CoC everywhere
 //   BokehDepthOfField_PS       ColorSamp, DepthSamp                     one line of the filter
@@ -103,6 +104,9 @@ BOKEH_PARAMETER(float, BokehJitter, 21)
 BOKEH_PARAMETER(float, BokehFrame, 22)
 BOKEH_PARAMETER(float, BokehSides, 23)
 BOKEH_PARAMETER(float, BokehEdge, 24)
+BOKEH_PARAMETER(float, BokehDepthKind, 25)
+BOKEH_PARAMETER(float, BokehNear, 26)
+BOKEH_PARAMETER(float, BokehFar, 27)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -151,6 +155,13 @@ void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position
 // ---------------------------------------------------------------------------------------------------------------------
 // pixel shaders
 // ---------------------------------------------------------------------------------------------------------------------
+
+float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    float depth = BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r;
+    float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
+    return float4(S2, S2, S2, 1.0);
+}
 
 float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {

@@ -3,6 +3,7 @@
 // Ready-made passes on bokeh.wgsl, WGSL. Version 0.1.0. Put this file after bokeh.wgsl; the two are one module.
 //
 //   pass                       reads                                    writes
+//   BokehLinearDepth_PS        DepthSamp (any convention)               depth in metres, to an R32F target
 //   BokehCoCMap_PS             ColorSamp, DepthSamp                     colour, CoC in alpha
 //   BokehConstantCoC_PS        ColorSamp                                colour, the same CoC everywhere
 //   BokehDepthOfField_PS       ColorSamp, DepthSamp                     one line of the filter
@@ -58,6 +59,9 @@ struct BokehParameters
     BokehFrame: f32,
     BokehSides: f32,
     BokehEdge: f32,
+    BokehDepthKind: f32,
+    BokehNear: f32,
+    BokehFar: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -90,6 +94,14 @@ struct BokehVertex
 // ---------------------------------------------------------------------------------------------------------------------
 // fragment shaders
 // ---------------------------------------------------------------------------------------------------------------------
+
+@fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let depth: f32 = BokehFetchNearest(BokehDepthSamp, BokehNearestClamp, input.uv).r;
+    let S2: f32 = BokehLinearDepth(depth, bokehParameters.BokehDepthKind, bokehParameters.BokehNear,
+        bokehParameters.BokehFar);
+    return vec4f(S2, S2, S2, 1.0);
+}
 
 @fragment fn BokehCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {

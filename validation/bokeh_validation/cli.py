@@ -396,6 +396,46 @@ def report(
     console.print(f"Report: {path}")
 
 
+@app.command()
+def engines(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,
+) -> None:
+    """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
+    from bokeh_validation import engines as samples
+
+    for name in names or []:
+        if name not in samples.ENGINES:
+            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(samples.ENGINES)}.")
+    chosen = names or [name for name, engine in samples.ENGINES.items() if everything or not engine.slow]
+    bar, step = _progress("engine", len(chosen))
+    passed = True
+    with bar:
+        for name in chosen:
+            passed &= _print_engine(name)
+            step(name)
+    raise typer.Exit(0 if passed else EXIT_FAILED)
+
+
+def _print_engine(name: str) -> bool:
+    from bokeh_validation import engines as samples
+    from bokeh_validation.errors import Unavailable
+
+    try:
+        capture = samples.run(name)
+    except Unavailable as error:
+        console.print(f"[yellow]not run[/] {name}: {error}")
+        return not os.environ.get("CI")
+    except (RuntimeError, samples.Broken) as error:
+        console.print(f"[red]FAILED[/] {name}: {error}", highlight=False)
+        return False
+    console.print(f"{name}: {capture.engine} on {capture.device}", highlight=False)
+    for shot in capture.shots:
+        state = "[green]ok[/]" if shot.comparison.ok else "[red]FAILED[/]"
+        console.print(f"  {shot.name}: {shot.comparison} {state}", highlight=False)
+    return capture.ok
+
+
 # ---------------------------------------------------------------------------------------------------------------- steps
 
 

@@ -244,7 +244,7 @@ def fetches(passes: tuple[Pass, ...]) -> int:
     total = 0
     for item in passes:
         stem = item.entry.removeprefix("Bokeh")
-        if stem in ("CoCMap", "ConstantCoC", "Debug"):
+        if stem in ("LinearDepth", "CoCMap", "ConstantCoC", "Debug"):
             continue
         sides = EXACT.get(stem.removesuffix("First").removesuffix("Second").lower())
         lines = sides // 2 - 1 if sides else 1

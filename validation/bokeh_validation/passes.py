@@ -33,6 +33,9 @@ PARAMETERS: dict[str, float] = {
     "BokehFrame": 0.0,
     "BokehSides": 6.0,
     "BokehEdge": 1.0,
+    "BokehDepthKind": 0.0,
+    "BokehNear": 0.1,
+    "BokehFar": 1000.0,
 }
 
 # Texture slots in the order of their bindings.
@@ -63,6 +66,8 @@ class Pass:
     output      name of the texture it writes; a tuple of names where it writes several targets at once
     parameters  those that differ from PARAMETERS
     samples     BOKEH_NUM_SAMPLES
+    sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program of the harness in place of the package's; its
+                entry is named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
 
     Raises ValueError where the entry writes another number of targets.
     """
@@ -72,9 +77,10 @@ class Pass:
     output: str | tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
     samples: int = 13
+    sources: Mapping[str, str] | None = None
 
     def __post_init__(self):
-        if len(self.outputs) != shaders.targets(self.entry):
+        if self.sources is None and len(self.outputs) != shaders.targets(self.entry):
             raise ValueError(f"{self.entry} writes {shaders.targets(self.entry)} targets, not {self.outputs}")
 
     @property

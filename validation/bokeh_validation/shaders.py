@@ -8,6 +8,7 @@ from bokeh_validation import paths
 
 # Entry points by their stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
 ENTRIES = (
+    "BokehLinearDepth",
     "BokehCoCMap",
     "BokehConstantCoC",
     "BokehDepthOfField",

@@ -72,6 +72,10 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
             values["BokehMaxCoC"],
         )
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
+    if item.entry == "BokehLinearDepth":
+        depth = textures[item.inputs["DepthSamp"]].astype(np.float64)
+        metres = listings.linear_depth(depth, round(values["BokehDepthKind"]), values["BokehNear"], values["BokehFar"])
+        return [Image(np.stack([metres, metres, metres, np.ones_like(metres)], axis=-1))]
     if item.entry == "BokehConstantCoC":
         coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]

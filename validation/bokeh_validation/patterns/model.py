@@ -114,6 +114,8 @@ class ProbeResult:
         return all(c.ok for c in self.checks) and all(c.ok for r in self.cases for c in r.comparisons.values())
 
 
+# Scenes are 20 MB each; the oldest go when there are more than fit.
+KEPT_BYTES = 400e6
 _expected: dict[tuple, dict[str, Image]] = {}
 
 
@@ -125,7 +127,13 @@ def expected(case: Case, software: bool, rounding: str) -> dict[str, Image]:
         images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
         # what nobody looks at is not kept: a scene's passes are a hundred megabytes
         _expected[key] = {name: images[name] for name in case.keep}
+        while len(_expected) > 1 and sum(map(_bytes, _expected.values())) > KEPT_BYTES:
+            del _expected[next(iter(_expected))]
     return _expected[key]
+
+
+def _bytes(images: Mapping[str, Image]) -> int:
+    return sum(image.value.nbytes + image.error.nbytes + image.undecided.nbytes for image in images.values())
 
 
 def run(probe: Probe, driver: Driver) -> ProbeResult:

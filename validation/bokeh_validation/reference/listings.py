@@ -34,6 +34,48 @@ def safe_depth(depth: np.ndarray) -> np.ndarray:
     return np.where(depth > MIN_DEPTH, np.minimum(depth, MAX_DEPTH), MIN_DEPTH)
 
 
+# What a depth buffer holds: name -> BokehDepthKind
+DEPTH_KINDS = {
+    "metres": 0,
+    "window": 1,
+    "reversed": 2,
+    "infinite": 3,
+    "clip": 4,
+    "orthographic": 5,
+    "orthographic reversed": 6,
+    "fraction": 7,
+}
+
+
+def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
+    """Depth of a convention (a value of DEPTH_KINDS) to metres along the view axis."""
+    with np.errstate(divide="ignore"):
+        return {
+            0: lambda: depth,
+            1: lambda: near * far / (far - depth * (far - near)),
+            2: lambda: near * far / (near + depth * (far - near)),
+            3: lambda: near / np.maximum(depth, near / MAX_DEPTH),
+            4: lambda: 2.0 * near * far / (far + near - depth * (far - near)),
+            5: lambda: near + depth * (far - near),
+            6: lambda: near + (1.0 - depth) * (far - near),
+            7: lambda: depth * far,
+        }[kind]()
+
+
+def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
+    """The other way round: what a depth buffer of a convention holds for a distance, float64."""
+    return {
+        0: lambda: metres,
+        1: lambda: far * (metres - near) / (metres * (far - near)),
+        2: lambda: near * (far - metres) / (metres * (far - near)),
+        3: lambda: near / metres,
+        4: lambda: (far + near - 2.0 * near * far / metres) / (far - near),
+        5: lambda: (metres - near) / (far - near),
+        6: lambda: 1.0 - (metres - near) / (far - near),
+        7: lambda: metres / far,
+    }[kind]()
+
+
 def coc_map(color: np.ndarray, coc: np.ndarray | float, with_error: bool = False) -> Image:
     """Listing 1: colour beside a CoC that was computed already, (H, W) or one number."""
     value = np.empty((*color.shape[:2], 4))

@@ -1,0 +1,118 @@
+"""Inputs as engines have them: every depth convention and format gives the same depth and the same CoC."""
+
+import numpy as np
+import pytest
+
+from bokeh_validation import methods
+from bokeh_validation.passes import Pass
+from bokeh_validation.reference import listings
+
+NEAR, FAR = 0.1, 200.0
+CAMERA = methods.Camera(0.05, 0.05, 5.0, max_coc=1.0)
+# float32: seven operations of the formulas at 2^-24 each, a division counts for 2.5 (Vulkan's allowance)
+ROUNDINGS = 12 * 2.0**-24
+# Formats: largest distance of a stored number from the wanted one
+FORMATS = {
+    "32 bit float": lambda d: 2.0**-24 * np.abs(d),
+    "24 bit": lambda d: np.full_like(d, 0.5 / (2**24 - 1)),
+    "16 bit": lambda d: np.full_like(d, 0.5 / (2**16 - 1)),
+}
+
+
+def quantised(depth: np.ndarray, name: str) -> np.ndarray:
+    """Depth 0 .. 1 or -1 .. 1 in a depth format, as float32 again, as a shader reads it."""
+    if name == "32 bit float":
+        return depth.astype(np.float32)
+    steps = {"24 bit": 2**24 - 1, "16 bit": 2**16 - 1}[name]
+    return (np.rint(depth * steps) / steps).astype(np.float32)
+
+
+def distances() -> np.ndarray:
+    """A scene's depths, (24, 40) metres, from just behind the near plane to just before the far one."""
+    return np.geomspace(NEAR * 1.01, FAR * 0.99, 24 * 40).reshape(24, 40)
+
+
+def slope(metres: np.ndarray, kind: int) -> np.ndarray:
+    """Metres for each unit of what the buffer holds, at a distance: the formulas' derivatives."""
+    perspective = metres**2 * (FAR - NEAR) / (NEAR * FAR)
+    return {
+        0: np.ones_like(metres),
+        1: perspective,
+        2: perspective,
+        3: metres**2 / NEAR,
+        4: perspective / 2,
+        5: np.full_like(metres, FAR - NEAR),
+        6: np.full_like(metres, FAR - NEAR),
+        7: np.full_like(metres, FAR),
+    }[kind]
+
+
+def linearised(driver, depth: np.ndarray, kind: int) -> np.ndarray:
+    """BokehLinearDepth on a driver, (H, W) float32."""
+    parameters = {"BokehDepthKind": float(kind), "BokehNear": NEAR, "BokehFar": FAR}
+    item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "linear", parameters)
+    size = (depth.shape[1], depth.shape[0])
+    return driver.run([item], {"depth": depth}, size, "float", keep=("linear",))["linear"][..., 0]
+
+
+@pytest.mark.parametrize("kind", listings.DEPTH_KINDS.values(), ids=listings.DEPTH_KINDS)
+def test_formulas_undo_each_other(kind):
+    """What a camera stores comes back as metres, in float64."""
+    metres = distances()
+    stored = listings.stored_depth(metres, kind, NEAR, FAR)
+    np.testing.assert_allclose(listings.linear_depth(stored, kind, NEAR, FAR), metres, rtol=1e-10)
+
+
+# metres and clip depth are not kept in fixed-point formats
+CASES = [
+    pytest.param(kind, name, id=f"{kind_name}, {name}")
+    for kind_name, kind in listings.DEPTH_KINDS.items()
+    for name in FORMATS
+    if name == "32 bit float" or kind not in (0, 4)
+]
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES)
+def test_same_coc_from_every_convention(kind, name, driver):
+    """Depth is off by no more than the format's step times the formula's slope and float32; the CoC by what follows.
+
+    d CoC / d S2 = A f / (S1 - f) S1 / S2^2 / sensor height.
+    """
+    metres = distances()
+    wanted = listings.stored_depth(metres, kind, NEAR, FAR)
+    stored = quantised(wanted, name)
+    found = linearised(driver, stored, kind).astype(np.float64)
+    # 2^-24 of 1 enters where a formula subtracts from far or from 1
+    step = FORMATS[name](wanted) + 2.0**-24 * np.maximum(np.abs(wanted), 1.0 if kind in (1, 4, 6) else 0.0) * 3
+    allowed = slope(metres, kind) * step + ROUNDINGS * metres
+    # the slope is that at the wanted distance: where a step moves far, the curve is steeper on the way
+    allowed *= np.where(kind in (5, 6, 7, 0), 1.0, 1.0 / np.maximum(1.0 - allowed / metres, 1e-9))
+    assert (np.abs(found - metres) <= allowed).all()
+    if name == "16 bit" and kind != 5:
+        return  # a perspective buffer of 16 bits says nothing of far distances: its step there is tens of metres
+
+    def coc(depth: np.ndarray) -> np.ndarray:
+        camera = CAMERA
+        return listings.circle_of_confusion(
+            depth,
+            camera.aperture_diameter,
+            camera.focal_length,
+            camera.focus_distance,
+            camera.sensor_height,
+            camera.max_coc,
+        )
+
+    magnification = CAMERA.focal_length / (CAMERA.focus_distance - CAMERA.focal_length)
+    per_metre = CAMERA.aperture_diameter * magnification * CAMERA.focus_distance / CAMERA.sensor_height
+    nearest = metres - allowed
+    assert (np.abs(coc(found) - coc(metres)) <= per_metre * allowed / (metres * nearest) + 1e-7).all()
+
+
+def test_ends_of_the_range(driver):
+    """The near plane, the far plane and infinity, exactly at the ends of what a buffer can hold."""
+    for kind, near_value, far_value in ((1, 0.0, 1.0), (2, 1.0, 0.0), (4, -1.0, 1.0), (5, 0.0, 1.0), (6, 1.0, 0.0)):
+        ends = linearised(driver, np.array([[near_value, far_value]], np.float32), kind)[0]
+        # far - 1 (far - near) leaves near with the rounding of far: 2^-24 far / near of it
+        np.testing.assert_allclose(ends, [NEAR, FAR], rtol=4 * 2.0**-24 * FAR / NEAR)
+    sky = linearised(driver, np.array([[0.0, 1.0]], np.float32), 3)[0]
+    np.testing.assert_allclose(sky, [listings.MAX_DEPTH, NEAR], rtol=1e-6)
