@@ -39,8 +39,13 @@ def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1)
     return Case(f"noise {size}", settings, color, depth)
 
 
-@pytest.mark.parametrize("aperture", apertures.APERTURES)
-@pytest.mark.parametrize("method", apertures.METHODS)
+SHAPES = [
+    *((method, aperture) for method in ("paper", "naive") for aperture in apertures.APERTURES),
+    *(("exact", aperture) for aperture in methods.EXACT),
+]
+
+
+@pytest.mark.parametrize(("method", "aperture"), SHAPES)
 @pytest.mark.parametrize("scene", suite.SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
     """Both ray-traced scenes, each method and aperture: within the interval, and languages close to each other."""

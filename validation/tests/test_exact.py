@@ -132,16 +132,6 @@ def test_adaptive_paper_on_noise(aperture, changes, driver):
     assert comparison.outside == 0, comparison
 
 
-@pytest.mark.parametrize("aperture", EXACT)
-@pytest.mark.parametrize("scene", suite.SCENES, ids=lambda s: s.name)
-def test_scenes(scene, aperture, all_drivers):
-    """Both ray-traced scenes: the bounds in steps on Mesa, the interval everywhere."""
-    case = suite.scene_case(scene, "exact", aperture)
-    for driver in all_drivers:
-        _, comparison = compared(driver, case)
-        assert comparison.ok, f"{driver.name}: {comparison}"
-
-
 def float_outputs(driver, case: Case) -> np.ndarray:
     """The result on float32 targets; several targets of them may be more than a device takes at once."""
     for targets in (True, False):
