@@ -85,15 +85,15 @@ fn BokehFetchNearest(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> ve
 //   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f
+//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
 fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
 {
-    let magnification: f32 = f / (S1 - f);
+    let magnification: f32 = f / max(S1 - f, BOKEH_MIN_DEPTH);
     let c: f32 = A * magnification * (abs(S2 - S1) / S2);
-    return clamp(c / sensorHeight, 0.0, MaxCoC);
+    return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
 }
 
 // Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float

@@ -11,6 +11,11 @@ REAL = tuple(name for name in drivers.NAMES if name != "reference")
 _loaded: dict[str, object] = {}
 
 
+def pytest_addoption(parser):
+    """validation/test --all: the slow engine samples too, whether their files changed or not."""
+    parser.addoption("--all", action="store_true", help="run the slow engine samples too (Bevy builds for minutes)")
+
+
 def load(name: str) -> drivers.Driver:
     """A driver, or the end of the test."""
     if name not in _loaded:

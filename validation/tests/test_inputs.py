@@ -116,3 +116,42 @@ def test_ends_of_the_range(driver):
         np.testing.assert_allclose(ends, [NEAR, FAR], rtol=4 * 2.0**-24 * FAR / NEAR)
     sky = linearised(driver, np.array([[0.0, 1.0]], np.float32), 3)[0]
     np.testing.assert_allclose(sky, [listings.MAX_DEPTH, NEAR], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        methods.Camera(0.05, 0.05, 0.05, max_coc=0.2),  # focus at the focal length
+        methods.Camera(0.05, 0.05, 0.01, max_coc=0.2),  # and before it
+        methods.Camera(0.05, 0.05, 1e9, max_coc=0.2),  # at infinity
+        methods.Camera(0.05, 0.05, 0.1, max_coc=0.2),  # at the near plane
+        methods.Camera(0.0, 0.05, 5.0, max_coc=0.2),  # a pinhole
+        methods.Camera(0.05, 0.0, 5.0, max_coc=0.2),  # no lens
+        methods.Camera(0.05, 0.05, 5.0, sensor_height=0.0, max_coc=0.2),
+        methods.Camera(0.05, 0.05, 5.0, max_coc=0.0),
+        methods.Camera(0.05, 0.05, 5.0, max_coc=1.0),
+        methods.Camera(1e6, 1.0, 1.0000001, max_coc=1.0),
+    ],
+    ids=str,
+)
+def test_camera_at_its_limits(camera, driver):
+    """Every camera gives a CoC that is finite and within 0 .. MaxCoC, the one that the documents tell."""
+    depth = np.array([[0.05, 0.1, 1.0, 5.0, 100.0, 1e9, np.inf, 0.0, -1.0, np.nan]], np.float32)
+    color = np.ones((1, depth.shape[1], 4), np.float16)
+    item = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", camera.parameters())
+    textures = {"color": color, "depth": depth}
+    coc = driver.run([item], textures, (depth.shape[1], 1), "float", keep=("coc",))["coc"][0, :, 3]
+    assert np.isfinite(coc).all() and coc.min() >= 0.0 and coc.max() <= camera.max_coc
+    wanted = listings.circle_of_confusion(
+        listings.safe_depth(depth[0].astype(np.float64)),
+        camera.aperture_diameter,
+        camera.focal_length,
+        # the difference from the focal length is taken of float32 numbers
+        float(np.float32(camera.focus_distance)),
+        camera.sensor_height,
+        camera.max_coc,
+    )
+    # S1 - f and S2 - S1 lose what they have in common: 2^-24 of the larger, over the difference
+    lost = 2.0**-23 * camera.focus_distance / max(abs(camera.focus_distance - camera.focal_length), 1e-6)
+    near = np.abs(depth[0] - camera.focus_distance) < 1e-6 * camera.focus_distance
+    np.testing.assert_allclose(coc[~near], wanted[~near], rtol=1e-5 + min(lost, 1.0), atol=1e-7)

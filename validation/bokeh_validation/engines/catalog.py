@@ -23,6 +23,14 @@ class Engine:
     module: str
     slow: bool = False
 
+    def load(self):
+        """Its module."""
+        return importlib.import_module(f"bokeh_validation.engines.{self.module}")
+
+    def changed(self) -> bool:
+        """Whether a slow sample's files differ from those that it last passed with, here."""
+        return self.load().changed()
+
 
 ENGINES = {
     engine.name: engine
@@ -46,10 +54,9 @@ def folder(engine: Engine) -> Path:
 def run(name: str) -> Capture:
     """Build, run and compare one sample. Raises errors.Unavailable, RuntimeError with what the engine said, Broken."""
     engine = ENGINES[name]
-    module = importlib.import_module(f"bokeh_validation.engines.{engine.module}")
     target = folder(engine)
     # what an earlier run left must not pass for this one's
     shutil.rmtree(target, ignore_errors=True)
     paths.ensured(target)
-    module.run(engine.name, target)
+    engine.load().run(engine.name, target)
     return read(target)

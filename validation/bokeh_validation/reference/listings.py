@@ -18,10 +18,13 @@ COC_ROUNDINGS = 16
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
-    """Section 4.1: CoC diameter of a thin lens, fraction of the image height, 0 .. max_coc. All lengths in metres."""
-    magnification = focal_length / (focus_distance - focal_length)
+    """Section 4.1: CoC diameter of a thin lens, fraction of the image height, 0 .. max_coc. All lengths in metres.
+
+    A focus distance at or before the focal length, where no lens can focus, counts as MIN_DEPTH behind it.
+    """
+    magnification = focal_length / max(focus_distance - focal_length, MIN_DEPTH)
     c = aperture_diameter * magnification * np.abs(depth - focus_distance) / depth
-    return np.clip(c / sensor_height, 0.0, max_coc)
+    return np.clip(c / max(sensor_height, MIN_DEPTH), 0.0, max_coc)
 
 
 def safe_color(color: np.ndarray) -> np.ndarray:

