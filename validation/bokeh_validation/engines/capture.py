@@ -89,7 +89,8 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     found = {}
     for rounding in ("zero", "nearest"):
         wanted = expected(case, software, rounding)["result"]
-        found[rounding] = (metrics.compare(result, wanted, software), wanted)
+        # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
+        found[rounding] = (metrics.compare(result, wanted, False), wanted)
     nearer = min(found, key=lambda name: (found[name][0].outside, -found[name][0].close))
     comparison, wanted = found[nearer]
     return Shot(shot["name"], case, result, wanted, comparison, nearer)

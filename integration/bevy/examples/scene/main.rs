@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+
+//! Lamps before and behind a tower of blocks that is in focus. `cargo run --example scene -- FOLDER` draws it without a
+//! window and leaves picture.png, debug.png and what the shaders read and wrote in the folder.
+
+mod capture;
+
+use bevy::{
+    app::ScheduleRunnerPlugin, core_pipeline::tonemapping::Tonemapping, prelude::*, render::RenderPlugin,
+    window::ExitCondition,
+};
+use bokeh_bevy::{Bokeh, BokehPlugin, view_depth};
+use capture::CapturePlugin;
+use std::time::Duration;
+
+/// What the camera focuses on.
+#[derive(Component)]
+struct Subject;
+
+fn main() -> AppExit {
+    let no_window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+    let all_shaders_first = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
+    let mut app = App::new();
+    app.add_plugins(DefaultPlugins.set(no_window).set(all_shaders_first))
+        .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
+        .add_plugins(BokehPlugin::default())
+        .add_systems(Startup, setup)
+        .add_systems(PostUpdate, focus_on_subject.after(TransformSystems::Propagate));
+    app.add_plugins(CapturePlugin { folder: std::env::args_os().nth(1).unwrap_or(".".into()).into() });
+    app.run()
+}
+
+fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+    commands.spawn((
+        Camera3d::default(),
+        Camera { clear_color: Color::linear_rgb(0.006, 0.01, 0.03).into(), ..default() },
+        // What a lens of 50 mm sees on a sensor that is 24 mm high
+        Projection::from(PerspectiveProjection { fov: 2.0 * (0.012_f32 / 0.05).atan(), ..default() }),
+        Tonemapping::AcesFitted,
+        Transform::from_xyz(0.0, 1.5, 0.0).looking_at(Vec3::new(0.0, 1.2, -6.0), Vec3::Y),
+        // An aperture larger than life, for a small picture
+        Bokeh { aperture_diameter: 0.25, focal_length: 0.05, ..default() },
+    ));
+    commands.spawn((
+        DirectionalLight { illuminance: 5000.0, color: Color::srgb(0.85, 0.9, 1.0), ..default() },
+        Transform::default().looking_to(Vec3::new(-0.5, -0.7, -1.0), Vec3::Y),
+    ));
+
+    // The tower, 6 m away: four blocks, each turned a little more
+    let block = meshes.add(Cuboid::from_length(0.55));
+    for (level, color) in [0xE0_5A_3C_u32, 0xF0_C0_50, 0x4C_A0_90, 0xEC_E8_DC].into_iter().enumerate() {
+        let mut block = commands.spawn((
+            Mesh3d(block.clone()),
+            MeshMaterial3d(materials.add(Color::srgb_u8((color >> 16) as u8, (color >> 8) as u8, color as u8))),
+            Transform::from_xyz(0.0, 0.275 + 0.55 * level as f32, -6.0)
+                .with_rotation(Quat::from_rotation_y(0.3 + 0.5 * level as f32)),
+        ));
+        if level == 2 {
+            block.insert(Subject);
+        }
+    }
+
+    // Brighter than white: what bokeh is made of
+    let lamp = meshes.add(Sphere::new(1.0));
+    let mut spawn_lamp = |place: Vec3, radius: f32, color: LinearRgba| {
+        commands.spawn((
+            Mesh3d(lamp.clone()),
+            MeshMaterial3d(materials.add(StandardMaterial { base_color: color.into(), unlit: true, ..default() })),
+            Transform::from_translation(place).with_scale(Vec3::splat(radius)),
+        ));
+    };
+    let amber = LinearRgba::rgb(24.0, 11.0, 3.0);
+    let colors =
+        [amber, LinearRgba::rgb(5.0, 12.0, 22.0), LinearRgba::rgb(22.0, 4.0, 6.0), LinearRgba::rgb(6.0, 18.0, 8.0)];
+    for index in 0..20 {
+        let (step, distance) = (index as f32, 18.0 + 1.2 * index as f32);
+        let x = 0.33 * distance * (2.4 * step).sin();
+        let y = 1.5 + distance * (0.01 + 0.15 * (0.382 * step).fract());
+        spawn_lamp(Vec3::new(x, y, -distance), 0.004 * distance, colors[index % colors.len()]);
+    }
+    for x in [-0.62, 0.68] {
+        spawn_lamp(Vec3::new(x, 1.7, -2.2), 0.012, amber);
+    }
+
+    // The floor, in tiles of 1 m
+    let tile = meshes.add(Plane3d::default().mesh().size(1.0, 1.0));
+    let shades = [0.30, 0.05].map(|grey| {
+        materials.add(StandardMaterial {
+            base_color: Color::linear_rgb(grey, grey, grey),
+            perceptual_roughness: 0.9,
+            ..default()
+        })
+    });
+    for x in -12..12_i32 {
+        for z in 1..40_i32 {
+            commands.spawn((
+                Mesh3d(tile.clone()),
+                MeshMaterial3d(shades[(x + z).rem_euclid(2) as usize].clone()),
+                Transform::from_xyz(x as f32 + 0.5, 0.0, -z as f32),
+            ));
+        }
+    }
+}
+
+/// Keep the subject in focus wherever it and the camera go.
+fn focus_on_subject(subject: Single<&GlobalTransform, With<Subject>>, camera: Single<(&GlobalTransform, &mut Bokeh)>) {
+    let (transform, mut bokeh) = camera.into_inner();
+    bokeh.focus_distance = view_depth(transform, subject.translation());
+}
