@@ -13,6 +13,8 @@ packages=(python3-venv glslang-tools glslc libmojoshader-dev spirv-tools spirv-c
     libosmesa6 libgl1-mesa-dri libegl1 libgl1 libatomic1 wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth)
 # Ubuntu has Chromium as a snap; there google-chrome will do, or what $BOKEH_CHROMIUM names
 if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then packages+=(chromium); fi
+# Node.js from elsewhere brings its own npm, which the system's would not go with
+command -v npm >/dev/null || packages+=(npm)
 
 say() {
     printf 'set-up: %s\n' "$*" >&2

@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 # The second-level headings of every guide, in this order
@@ -78,7 +79,7 @@ def section(readme: Path, heading: str) -> str:
     text = readme.read_text(encoding="utf-8")
     # no heading is looked for inside code
     marks = _FENCE.sub(lambda found: "".join("\n" if c == "\n" else " " for c in found[0]), text)
-    found = re.search(rf"^(#+) {re.escape(heading)}\s*$", marks, re.MULTILINE)
+    found = re.search(rf"^(#+) {re.escape(heading)}[ \t]*$", marks, re.MULTILINE)
     assert found, f"{readme}: no heading {heading!r}"
     end = re.search(rf"^#{{1,{len(found[1])}}} ", marks[found.end() :], re.MULTILINE)
     return text[found.end() : found.end() + end.start() if end else len(text)]
@@ -111,6 +112,14 @@ def assert_picture(path: Path) -> None:
     assert path.stat().st_size < PICTURE_BYTES, f"{path}: {path.stat().st_size} bytes"
     with Image.open(path) as picture:
         assert picture.format == "PNG" and min(picture.size) >= 100, f"{path}: {picture.format} {picture.size}"
+
+
+def assert_same_picture(drawn: Path, shown: Path) -> None:
+    """A picture drawn again is the one that a guide shows, but for rounding: half a step of 255 on average."""
+    with Image.open(drawn) as a, Image.open(shown) as b:
+        assert a.size == b.size, f"{shown}: {b.size}, now {a.size}"
+        off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()
+    assert off < 0.5, f"{shown} is not what the sample draws: {off:.2f} of 255 off on average"
 
 
 def assert_guide(folder: Path) -> None:

@@ -12,6 +12,7 @@ import shutil
 import signal
 import tempfile
 import threading
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, TimeoutError
 from contextlib import contextmanager
 from functools import partial
@@ -46,8 +47,12 @@ class Session:
     version  of Chromium
     """
 
-    def __init__(self, hardware: bool = False):
-        """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start."""
+    def __init__(self, hardware: bool = False, open_page: Callable | None = None, flags: Sequence[str] = ()):
+        """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start.
+
+        open_page   of Playwright's browser: opens a page that has window.bokeh, and returns it. Default: that of page/
+        flags       more of the command line
+        """
         path = chromium.find()
         self.version = ""
         self._process = 0
@@ -55,7 +60,7 @@ class Session:
         self._jobs: queue.SimpleQueue = queue.SimpleQueue()
         self._lock = threading.Lock()
         started: Future = Future()
-        work = partial(self._work, path, hardware, started)
+        work = partial(self._work, path, [*chromium.flags(hardware), *flags], open_page or _open_page, started)
         # a daemon, or a browser that does not answer would keep Python from ending
         self._thread = threading.Thread(target=work, name="chromium", daemon=True)
         self._thread.start()
@@ -121,7 +126,7 @@ class Session:
         except ProcessLookupError:
             pass
 
-    def _work(self, path: str, hardware: bool, started: Future) -> None:
+    def _work(self, path: str, flags: list[str], open_page: Callable, started: Future) -> None:
         """The browser's thread: start it, answer jobs until there is a None, end it."""
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
@@ -132,7 +137,7 @@ class Session:
                     executable_path=path,
                     headless=True,
                     chromium_sandbox=chromium.sandboxed(),
-                    args=chromium.flags(hardware),
+                    args=flags,
                     # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
                     env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
                     timeout=START_LIMIT * 1000,
@@ -142,7 +147,7 @@ class Session:
                     self.version = browser.version
                     if int(self.version.split(".")[0]) < chromium.OLDEST:
                         raise Unavailable(f"{path} is Chromium {self.version}; it has to be {chromium.OLDEST} or later")
-                    page = _open_page(browser)
+                    page = open_page(browser)
                     started.set_result(None)
                     self._answer(page)
                 finally:

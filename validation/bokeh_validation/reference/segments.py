@@ -134,7 +134,8 @@ class Line:
         used = filter_coc(coc, height, quality.spacing)
         # the fade between half a pixel and one is steeper than the CoC itself: its slope is 4 c H - 1 <= 3
         steeper = 3.0 if quality.spacing > 0.0 else 1.0
-        error = steeper * coc_error + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
+        # no CoC is off by more than 1, also where the pass before left it open
+        error = steeper * np.minimum(coc_error, 1.0) + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
         length = 2.0 * self.segment.half_length * used * height
         cells, cells_error = self._cells(length, 2.0 * self.segment.half_length * error * height)
         jitter, open_jitter = (

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Files that the tests of this repository read: not part of the effect, leave it out of your program.
+ * validation/bokeh_validation/engines/capture.py describes them.
+ */
+#ifndef CAPTURE_H
+#define CAPTURE_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Wine's Direct3D gives its adapter the name of a card that it is not */
+#include "../../validation/bokeh_validation/windows/renderer.h"
+#include "scene.h"
+
+typedef struct {
+    const char *name, *method, *aperture;
+    float focus_distance;
+} CapturedShot;
+
+static FILE *open_file(const char *folder, const char *name)
+{
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "wb");
+    if (!file) {
+        fprintf(stderr, "cannot write %s\n", path);
+        exit(1);
+    }
+    return file;
+}
+
+static void write_file(const char *folder, const char *name, const void *bytes, size_t size)
+{
+    FILE *file = open_file(folder, name);
+    fwrite(bytes, 1, size, file);
+    if (fclose(file)) {
+        fprintf(stderr, "cannot write all of %s/%s\n", folder, name);
+        exit(1);
+    }
+}
+
+/* Rows from the upper one on, four bytes a pixel: blue, green, red, nothing. */
+static void write_bmp(const char *folder, const char *name, const void *bytes, int width, int height)
+{
+    const size_t head = 54, size = (size_t)width * height * 4;
+    const unsigned words[13] = {(unsigned)(head + size), 0, 54, 40, (unsigned)width, (unsigned)-height, 1 | 32 << 16};
+    char *whole = (char *)malloc(head + size);
+    memcpy(whole, "BM", 2);
+    memcpy(whole + 2, words, sizeof words);
+    memcpy(whole + head, bytes, size);
+    write_file(folder, name, whole, head + size);
+    free(whole);
+}
+
+static void write_capture(const char *folder, const char *engine, const char *adapter, const CapturedShot *shots,
+                          int num_shots)
+{
+    char device[512];
+    device_name(adapter, device, sizeof device);
+    FILE *file = open_file(folder, "capture.json");
+    fprintf(file, "{\"engine\": \"%s\", \"device\": \"%s\", \"width\": %d, \"height\": %d,\n", engine, device, WIDTH,
+            HEIGHT);
+    fprintf(file, " \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"shots\": [");
+    for (int i = 0; i < num_shots; i++) {
+        const CapturedShot *shot = &shots[i];
+        fprintf(file, "%s\n  {\"name\": \"%s\", \"result\": \"%s.f16\", \"method\": \"%s\", \"aperture\": \"%s\",",
+                i ? "," : "", shot->name, shot->name, shot->method, shot->aperture);
+        if (!strcmp(shot->method, "exact"))
+            fprintf(file, " \"spacing\": 1, \"max_samples\": 33,");
+        fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"
+                " \"sensor_height\": %.9g, \"max_coc\": %.9g}}", APERTURE_DIAMETER, FOCAL_LENGTH, shot->focus_distance,
+                SENSOR_HEIGHT, MAX_COC);
+    }
+    fprintf(file, "]}\n");
+    if (fclose(file)) {
+        fprintf(stderr, "cannot write all of %s/capture.json\n", folder);
+        exit(1);
+    }
+}
+
+#endif

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: MIT
+//
+// The package's passes as they are, for shader model 3.
+
+#define BOKEH_HLSL_SM 3
+#include "../../hlsl/bokeh.hlsl"
+#include "../../hlsl/bokeh_passes.hlsl"

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What both Direct3D samples draw: lights before and behind a ball on a chequered floor, as triangles, and the camera.
+ * Metres; +y is up, the camera looks along +z.
+ */
+#ifndef SCENE_H
+#define SCENE_H
+
+#include <math.h>
+
+#define WIDTH 320
+#define HEIGHT 240
+
+/* of a ball */
+#define RINGS 12
+#define SEGMENTS 24
+
+enum { MAX_BALLS = 18, MAX_VERTICES = MAX_BALLS * RINGS * SEGMENTS * 6 + 12 };
+
+static const float PI = 3.14159265f;
+static const float APERTURE_DIAMETER = 0.085f, FOCAL_LENGTH = 0.085f, SENSOR_HEIGHT = 0.024f, MAX_COC = 0.1f;
+static const float Z_NEAR = 0.5f, Z_FAR = 50.0f;
+static const float SUBJECT[3] = {-0.06f, 0.19f, 3.0f}; /* middle of the ball that is in focus */
+
+typedef struct {
+    float place[3];
+    float radiance[3]; /* linear, what the surface sends out; a light has much more than 1 */
+    float pattern;     /* 1: chequered */
+} Vertex;
+
+/* The corners of two triangles that make a quad. */
+static const int QUAD[6][2] = {{0, 0}, {0, 1}, {1, 0}, {1, 0}, {0, 1}, {1, 1}};
+
+static Vertex vertices[MAX_VERTICES];
+static int num_vertices;
+
+/* The scene's shader constants, five registers. */
+typedef struct {
+    float eye[4], right[4], up[4], forward[4];
+    float lens[4]; /* xy: view space to clip space; zw: window depth is z + w / depth */
+} Camera;
+
+static float dot3(const float a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* A camera at (0, 0.55, 0) that looks down a little, with the field of view of the lens. */
+static Camera make_camera(void)
+{
+    const float c = cosf(0.1f), s = sinf(0.1f), y = 2.0f * FOCAL_LENGTH / SENSOR_HEIGHT;
+    Camera camera = {
+        {0, 0.55f, 0, 0}, {1, 0, 0, 0}, {0, c, s, 0}, {0, -s, c, 0},
+        {y * HEIGHT / WIDTH, y, Z_FAR / (Z_FAR - Z_NEAR), -Z_NEAR * Z_FAR / (Z_FAR - Z_NEAR)},
+    };
+    return camera;
+}
+
+/* Depth of a place along the view axis, metres: what BokehFocusDistance is to be when that place is to be in focus. */
+static float view_depth(const Camera *camera, const float place[3])
+{
+    const float way[3] = {place[0] - camera->eye[0], place[1] - camera->eye[1], place[2] - camera->eye[2]};
+    return dot3(way, camera->forward);
+}
+
+static void add_vertex(float x, float y, float z, const float radiance[3], float brightness, float pattern)
+{
+    const Vertex vertex = {
+        {x, y, z}, {radiance[0] * brightness, radiance[1] * brightness, radiance[2] * brightness}, pattern,
+    };
+    vertices[num_vertices++] = vertex;
+}
+
+/* A point of a ball: `ring` from pole to pole, `segment` around. */
+static void add_ball_vertex(const float middle[3], float radius, const float radiance[3], int lit, int ring,
+                            int segment)
+{
+    const float down = PI * ring / RINGS, around = 2.0f * PI * segment / SEGMENTS;
+    const float normal[3] = {sinf(down) * cosf(around), cosf(down), sinf(down) * sinf(around)};
+    const float sun[3] = {-0.5f, 0.7f, -0.5f};
+    const float brightness = lit ? 0.25f + 0.75f * fmaxf(dot3(normal, sun), 0.0f) : 1.0f;
+    add_vertex(middle[0] + radius * normal[0], middle[1] + radius * normal[1], middle[2] + radius * normal[2], radiance,
+               brightness, (float)lit);
+}
+
+/* A ball: lit and chequered, or a light of its own. */
+static void add_ball(const float middle[3], float radius, const float radiance[3], int lit)
+{
+    for (int ring = 0; ring < RINGS; ring++)
+        for (int segment = 0; segment < SEGMENTS; segment++)
+            for (int i = 0; i < 6; i++)
+                add_ball_vertex(middle, radius, radiance, lit, ring + QUAD[i][0], segment + QUAD[i][1]);
+}
+
+static void make_scene(void)
+{
+    static const float FLOOR[3] = {0.22f, 0.2f, 0.18f}, WALL[3] = {0.05f, 0.07f, 0.12f}, RED[3] = {0.9f, 0.2f, 0.12f};
+    static const float LIGHTS[4][3] = {{28, 16, 6}, {8, 16, 28}, {24, 8, 12}, {12, 26, 12}};
+    for (int i = 0; i < 6; i++)
+        add_vertex(-6.0f + 12.0f * QUAD[i][0], 0, 0.6f + 13.4f * QUAD[i][1], FLOOR, 1, 1);
+    for (int i = 0; i < 6; i++)
+        add_vertex(-6.0f + 12.0f * QUAD[i][0], 6.0f * QUAD[i][1], 14.0f, WALL, 1, 1);
+    add_ball(SUBJECT, 0.19f, RED, 1);
+    for (int i = 0; i < 14; i++) { /* behind the focus */
+        const float z = 5.0f + 0.6f * i, x = z * 0.155f * sinf(2.4f * i), y = 0.5f + z * 0.03f * cosf(1.7f * i);
+        const float middle[3] = {x, y, z};
+        add_ball(middle, 0.004f * z, LIGHTS[i % 4], 0);
+    }
+    for (int i = 0; i < 3; i++) { /* before it */
+        const float middle[3] = {-0.21f + 0.17f * i, 0.51f + 0.03f * (i % 2), 1.5f};
+        add_ball(middle, 0.008f, LIGHTS[(i + 2) % 4], 0);
+    }
+}
+
+#endif

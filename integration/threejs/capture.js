@@ -1,0 +1,194 @@
+// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+
+import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
+
+const WIDTH = 320;
+const HEIGHT = 240;
+const SHAPES = { hexagon: 6, octagon: 8 };
+
+// How each sample is asked.
+//   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
+//   read(frame)                   its pixels, first row in memory first: { color, depth, result }
+//   picture(frame)                what a canvas shows, a PNG
+//   reversed()                    a renderer with a reversed depth buffer
+const samples = {
+  async webgl() {
+    const { WebGLRenderer } = await import('three');
+    const sample = await import('./webgl.js');
+    const gl = sample.renderer.getContext();
+    const names = gl.getExtension('WEBGL_debug_renderer_info');
+    const pixels = (renderer, target, Type, channels) => {
+      const { width, height } = target;
+      const into = new Type(width * height * channels);
+      renderer.readRenderTargetPixels(target, 0, 0, width, height, into);
+      return into;
+    };
+    return {
+      ...sample,
+      engine: 'three.js WebGLRenderer',
+      device: gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER),
+      draw(options, [width, height], { camera = sample.camera, renderer = sample.renderer, mode = 0 } = {}) {
+        const { composer, bokeh } = sample.addBokeh(renderer, sample.scene, camera, options);
+        composer.setSize(width, height);
+        bokeh.focusOn(sample.subject.position);
+        bokeh.uniforms.debugMode.value = mode;
+        composer.render();
+        return { composer, bokeh, renderer };
+      },
+      read({ composer, bokeh, renderer }) {
+        // the buffers were swapped twice: behind the bokeh and behind the output
+        const color = pixels(renderer, composer.readBuffer, Uint16Array, 4);
+        const result = pixels(renderer, composer.writeBuffer, Uint16Array, 4);
+        return { color, depth: pixels(renderer, bokeh.depth, Float32Array, 1), result };
+      },
+      picture: ({ renderer }) => new Promise((done) => renderer.domElement.toBlob(done)),
+      reversed: () => new WebGLRenderer({ reversedDepthBuffer: true }),
+    };
+  },
+
+  async webgpu() {
+    const { RenderTarget, WebGPURenderer } = await import('three/webgpu');
+    const sample = await import('./webgpu.js');
+    const { vendor, architecture, description } = sample.renderer.backend.device.adapterInfo;
+    const pixels = (renderer, target) => {
+      return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height);
+    };
+    return {
+      ...sample,
+      engine: 'three.js WebGPURenderer',
+      device: [vendor, architecture, description].filter(Boolean).join(' '),
+      draw(options, size, { camera = sample.camera, renderer = sample.renderer, mode = 0 } = {}) {
+        const { pipeline, bokeh } = sample.addBokeh(renderer, sample.scene, camera, options);
+        const target = new RenderTarget(...size); // a canvas cannot be read back
+        renderer.setSize(...size);
+        renderer.setRenderTarget(target);
+        bokeh.focusOn(sample.subject.position);
+        bokeh.uniforms.debugMode.value = mode;
+        pipeline.render();
+        renderer.setRenderTarget(null);
+        return { bokeh, renderer, target };
+      },
+      async read({ bokeh, renderer }) {
+        const color = await pixels(renderer, bokeh.scenePass.renderTarget);
+        const result = await pixels(renderer, bokeh.result);
+        return { color, depth: await pixels(renderer, bokeh.depth), result };
+      },
+      async picture({ renderer, target }) {
+        const shown = new Uint8ClampedArray((await pixels(renderer, target)).buffer);
+        const canvas = new OffscreenCanvas(target.width, target.height);
+        canvas.getContext('2d').putImageData(new ImageData(shown, target.width, target.height), 0, 0);
+        return canvas.convertToBlob();
+      },
+      async reversed() {
+        const renderer = new WebGPURenderer({ reversedDepthBuffer: true });
+        await renderer.init();
+        return renderer;
+      },
+    };
+  },
+};
+
+const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
+
+// { data: what capture.json holds, files: name -> base64 } of 'webgl' or 'webgpu'
+export async function capture(kind) {
+  const sample = await samples[kind]();
+  const { engine, device } = sample;
+  const data = { engine: `${engine} r${REVISION}`, device, width: WIDTH, height: HEIGHT, shots: [] };
+  const picture = await sample.picture(sample.draw({}, [2 * WIDTH, 2 * HEIGHT]));
+  const files = { 'picture.png': base64(await picture.bytes()) };
+  for (const method of ['exact', 'paper']) {
+    for (const [aperture, sides] of Object.entries(SHAPES)) {
+      const name = `${method}-${aperture}`;
+      const frame = sample.draw({ method, sides, opaque: false }, [WIDTH, HEIGHT]);
+      const shot = { name, method, aperture, max_samples: 33, ...settings(frame.bokeh.uniforms) };
+      for (const [what, array] of Object.entries(await sample.read(frame))) {
+        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+        files[shot[what]] = base64(array);
+      }
+      data.shots.push(shot);
+    }
+  }
+  return { data, files };
+}
+
+// What the shaders got, which is float32.
+function settings(uniforms) {
+  const value = (name) => Math.fround(uniforms[name].value);
+  return {
+    spacing: value('spacing'),
+    camera: {
+      aperture_diameter: value('apertureDiameter'),
+      focal_length: value('focalLength'),
+      focus_distance: value('focusDistance'),
+      sensor_height: value('sensorHeight'),
+      max_coc: value('maxCoC'),
+    },
+  };
+}
+
+// Depth in metres as the passes read it, and as a ray finds it, at some pixels, by every kind of camera and buffer:
+// [{ name, drawn: [...], met: [...] }]
+export async function depths(kind) {
+  const sample = await samples[kind]();
+  const orthographic = new OrthographicCamera(-3.2, 3.2, 2.4, -2.4, 0.1, 100);
+  orthographic.position.copy(sample.camera.position);
+  orthographic.quaternion.copy(sample.camera.quaternion);
+  const found = [];
+  for (const [buffer, renderer] of Object.entries({ usual: sample.renderer, reversed: await sample.reversed() })) {
+    const cameras = { perspective: sample.camera.clone(), orthographic: orthographic.clone() };
+    for (const [view, camera] of Object.entries(cameras)) {
+      const { depth } = await sample.read(sample.draw({}, [WIDTH, HEIGHT], { camera, renderer }));
+      found.push({ name: `${view}, ${buffer}`, ...probed(sample, camera, depth, kind === 'webgl') });
+    }
+  }
+  return found;
+}
+
+function probed({ scene }, camera, depth, bottomUp) {
+  const drawn = [];
+  const met = [];
+  const caster = new Raycaster();
+  for (let y = 5; y < HEIGHT; y += 10) {
+    for (let x = 5; x < WIDTH; x += 10) {
+      const row = bottomUp ? HEIGHT - 1 - y : y;
+      caster.setFromCamera(new Vector2((2 * x + 1) / WIDTH - 1, 1 - (2 * y + 1) / HEIGHT), camera);
+      const [hit] = caster.intersectObjects(scene.children);
+      if (!hit) continue;
+      drawn.push(depth[row * WIDTH + x]);
+      met.push(-camera.worldToLocal(hit.point.clone()).z);
+    }
+  }
+  return { drawn, met };
+}
+
+// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
+export async function views(kind) {
+  const sample = await samples[kind]();
+  const found = { views: {} };
+  for (const mode of [0, 1, 2, 3]) {
+    const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { mode });
+    const { depth, result } = await sample.read(frame);
+    const { focusDistance, maxCoC } = frame.bokeh.uniforms;
+    Object.assign(found, { focus: focusDistance.value, maxCoC: maxCoC.value, depth: base64(depth) });
+    if (mode === 0) found.coc = base64(result);
+    else found.views[mode] = base64(result);
+  }
+  return found;
+}
+
+// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode
+// after a key.
+export async function interaction(kind) {
+  const { renderer, camera, scene, bokeh } = await samples[kind]();
+  const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');
+  const [x, y] = box.position.clone().project(camera).toArray();
+  const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
+  const before = bokeh.uniforms.focusDistance.value;
+  const place = { clientX: left + ((1 + x) / 2) * width, clientY: top + ((1 - y) / 2) * height };
+  renderer.domElement.dispatchEvent(new MouseEvent('click', place));
+  dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
+  const { focusDistance, debugMode } = bokeh.uniforms;
+  const depth = -camera.worldToLocal(box.position.clone()).z;
+  return { before, after: focusDistance.value, box: depth, mode: debugMode.value };
+}

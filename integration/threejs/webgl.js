@@ -1,0 +1,54 @@
+// The sample for WebGLRenderer.
+
+import { ACESFilmicToneMapping, DepthTexture, FloatType, HalfFloatType, Raycaster, Vector2 } from 'three';
+import { WebGLRenderer, WebGLRenderTarget } from 'three';
+import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
+import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
+import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
+import { PolygonBokehPass } from './PolygonBokehPass.js';
+import { makeScene } from './scene.js';
+
+const WIDTH = 640;
+const HEIGHT = 480;
+const library = await (await fetch('../../glsl/bokeh.glsl')).text();
+
+// { composer, bokeh }: the scene with depth of field. `options` are those of PolygonBokehPass.
+export function addBokeh(renderer, scene, camera, options) {
+  const depthTexture = new DepthTexture(1, 1, FloatType);
+  const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
+  const composer = new EffectComposer(renderer, target);
+  const bokeh = new PolygonBokehPass(library, camera, options);
+  bokeh.uniforms.apertureDiameter.value = 0.25; // metres: a dollhouse lens, for a strong blur
+  composer.addPass(new RenderPass(scene, camera));
+  composer.addPass(bokeh);
+  composer.addPass(new OutputPass()); // tone mapping and sRGB, last
+  return { composer, bokeh };
+}
+
+export const renderer = new WebGLRenderer();
+renderer.toneMapping = ACESFilmicToneMapping;
+renderer.setSize(WIDTH, HEIGHT);
+document.body.append(renderer.domElement);
+
+export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
+export const { composer, bokeh } = addBokeh(renderer, scene, camera);
+composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
+
+bokeh.focusOn(subject.position);
+composer.render();
+
+// A click focuses on what is there.
+renderer.domElement.addEventListener('click', (event) => {
+  const pixel = new Vector2((2 * event.offsetX) / WIDTH - 1, 1 - (2 * event.offsetY) / HEIGHT);
+  const caster = new Raycaster();
+  caster.setFromCamera(pixel, camera);
+  const [hit] = caster.intersectObjects(scene.children);
+  if (hit) bokeh.focusOn(hit.point);
+  composer.render();
+});
+
+// Keys 0 to 3 choose the debug view.
+addEventListener('keydown', ({ key }) => {
+  if ('0123'.includes(key)) bokeh.uniforms.debugMode.value = Number(key);
+  composer.render();
+});

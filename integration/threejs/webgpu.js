@@ -1,0 +1,46 @@
+// The sample for WebGPURenderer.
+
+import { ACESFilmicToneMapping, Raycaster, RenderPipeline, Vector2, WebGPURenderer } from 'three/webgpu';
+import { pass } from 'three/tsl';
+import { PolygonBokehNode } from './PolygonBokehNode.js';
+import { makeScene } from './scene.js';
+
+const WIDTH = 640;
+const HEIGHT = 480;
+const library = await (await fetch('../../wgsl/bokeh.wgsl')).text();
+
+// { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
+export function addBokeh(renderer, scene, camera, options) {
+  const bokeh = new PolygonBokehNode(library, pass(scene, camera), options);
+  bokeh.uniforms.apertureDiameter.value = 0.25; // metres: a dollhouse lens, for a strong blur
+  const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
+  return { pipeline, bokeh };
+}
+
+export const renderer = new WebGPURenderer();
+renderer.toneMapping = ACESFilmicToneMapping;
+renderer.setSize(WIDTH, HEIGHT);
+document.body.append(renderer.domElement);
+await renderer.init();
+
+export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
+export const { pipeline, bokeh } = addBokeh(renderer, scene, camera);
+
+bokeh.focusOn(subject.position);
+pipeline.render();
+
+// A click focuses on what is there.
+renderer.domElement.addEventListener('click', (event) => {
+  const pixel = new Vector2((2 * event.offsetX) / WIDTH - 1, 1 - (2 * event.offsetY) / HEIGHT);
+  const caster = new Raycaster();
+  caster.setFromCamera(pixel, camera);
+  const [hit] = caster.intersectObjects(scene.children);
+  if (hit) bokeh.focusOn(hit.point);
+  pipeline.render();
+});
+
+// Keys 0 to 3 choose the debug view.
+addEventListener('keydown', ({ key }) => {
+  if ('0123'.includes(key)) bokeh.uniforms.debugMode.value = Number(key);
+  pipeline.render();
+});
