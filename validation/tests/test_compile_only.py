@@ -1,12 +1,13 @@
 """The Unity and Unreal samples, which cannot run here: compiled against the stand-ins of validation/stubs.
 
-Nothing is run, and a stand-in that is wrong is not found. What two languages of a sample must agree on, names and order,
-no compiler sees; that is compared here.
+Nothing is run, and a stand-in that is wrong is not found. What two languages of a sample must agree on, names and
+order, no compiler sees; that is compared here.
 """
 
 import json
 import os
 import re
+import struct
 from functools import cache
 from pathlib import Path
 
@@ -30,9 +31,10 @@ CSHARP = "apt-get install -y --no-install-recommends mono-mcs"
 CPLUSPLUS = "apt-get install -y --no-install-recommends g++-mingw-w64-x86-64-posix"
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror")
 
-# (compiler, profile without stage) of all compilations of a shader
+# What shaders are compiled to: by fxc, by DXC
 TARGETS = ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")
-UNITY_PASSES = {
+# The passes of both samples, and the targets that each writes
+PASSES = {
     "Depth": 1,
     "CoCMap": 1,
     "HexagonFirst": 2,
@@ -42,7 +44,7 @@ UNITY_PASSES = {
     "Line": 1,
     "LineFinal": 1,
     "Debug": 1,
-}  # and the targets that each writes; Unreal has the same
+}
 
 
 def text(path: Path) -> str:
@@ -106,7 +108,7 @@ def test_unity_shader(target, half):
     """Every pass, whichever type the project's precision makes of `half`."""
     source = f"#define STUB_HALF {half}\n{unity_source()}"
     passes = unity_passes()
-    assert [name for name, _, _ in passes] == list(UNITY_PASSES)
+    assert [name for name, _, _ in passes] == list(PASSES)
     for name, vertex, fragment in passes:
         for entry, stage in ((vertex, "vert"), (fragment, "frag")):
             result = compiled(source, target, entry, stage)
@@ -122,7 +124,7 @@ def test_unity_shader_refuses_texture_arrays():
 @pytest.mark.parametrize("target", TARGETS[1:])
 def test_unreal_shader(target):
     """Every entry point, shader models 5 and 6."""
-    for name in UNITY_PASSES:
+    for name in PASSES:
         result = compiled(unreal_source(), target, f"{name}PS")
         assert result.ok and not result.messages, f"{name}: {result.messages}"
 
@@ -132,10 +134,102 @@ def test_unreal_shader(target):
 def test_shader_mistakes_are_seen(target, source):
     """A name that is misspelled, an argument too few."""
     entry = "LineFragment" if source is unity_source else "LinePS"
-    for right, wrong in ((r"BokehSegment\(_?BokehAngle, ", "BokehSegment("), ("BOKEH_BLEEDING_MULT, true", "Mult, true")):
+    for right, wrong in (
+        (r"BokehSegment\(_?BokehAngle, ", "BokehSegment("),
+        ("BOKEH_BLEEDING_MULT, true", "Mult, true"),
+    ):
         broken, changes = re.subn(right, wrong, source())
-        assert changes == 1
+        assert changes
         assert not compiled(broken, target, entry).ok
+
+
+# What a sample leaves out of the package's own passes: it has no noise, the default leakage test, lines of length 1
+# that are centred, blurs the CoC with the colour, combines by min
+LEFT_OUT = {
+    "BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame)": "0.0",
+    "BokehBleedingBias": "BOKEH_BLEEDING_BIAS",
+    "BokehBleedingMult": "BOKEH_BLEEDING_MULT",
+    "BokehBlurCoC > 0.5": "true",
+    "BokehUseMax > 0.5": "false",
+    "BokehLineLength": "1.0",
+    "BokehLineCenterX": "0.0",
+    "BokehLineCenterY": "0.0",
+}
+# The samples' names for what the package's passes have; alpha is the CoC there
+UNITY_NAMES = {
+    "float4(color.rgb, 1.0)": "color",
+    "_BlitTexture": "BokehColorSamp",
+    "_BokehDepth": "BokehDepthSamp",
+    "_BokehColorB": "BokehColorSampB",
+    "_BokehColorC": "BokehColorSampC",
+    "sampler_LinearClamp": "BokehLinearClamp",
+    "sampler_PointClamp": "BokehNearestClamp",
+    "_Bokeh": "Bokeh",
+}
+UNREAL_NAMES = {
+    "float4(Color.rgb, 0.0)": "Color",
+    "LinePS(SvPosition)": "LinePS(SvPosition, uv)",
+    "float4 SvPosition : SV_POSITION": "float4 SvPosition : SV_POSITION, float2 uv : TEXCOORD0",
+    "ImageUV(SvPosition)": "uv",
+    "AspectRatio()": "BokehAspectRatio",
+    "BokehImageSize.y": "BokehImageHeight",
+    "BokehColorB,": "BokehColorSampB,",
+    "BokehColorC,": "BokehColorSampC,",
+    "BokehColor,": "BokehColorSamp,",
+    "BokehDepth,": "BokehDepthSamp,",
+    "BokehLinear,": "BokehLinearClamp,",
+    "BokehNearest,": "BokehNearestClamp,",
+}
+PACKAGE_ENTRIES = {name: f"Bokeh{name}_PS" for name in list(PASSES)[1:6]}
+PACKAGE_ENTRIES |= {"Line": "BokehAdaptive_PS", "LineFinal": "BokehAdaptiveFinal_PS", "Debug": "BokehDebug_PS"}
+
+
+def replaced(source: str, names: dict[str, str]) -> str:
+    """Each in turn; all must occur."""
+    for before, after in names.items():
+        assert before in source, before
+        source = source.replace(before, after)
+    return source
+
+
+def program(source: str, entry: str) -> bytes:
+    """The instructions of a pixel shader: the chunk of the compiled file that has no names in it."""
+    binary = compiled(source, "ps_5_0", entry)
+    assert binary.ok, f"{entry}: {binary.messages}"
+    (count,) = struct.unpack_from("<I", binary.binary, 28)
+    for offset in struct.unpack_from(f"<{count}I", binary.binary, 32):
+        name, size = struct.unpack_from("<4sI", binary.binary, offset)
+        if name == b"SHEX":
+            return binary.binary[offset + 8 : offset + 8 + size]
+    raise AssertionError("no SHEX chunk")
+
+
+def unity_functions() -> str:
+    """The fragment functions alone, with the package's names for their textures and parameters."""
+    (code,) = re.findall(r"HLSLINCLUDE\n(.*?)ENDHLSL", text(SHADER), re.DOTALL)
+    code = replaced(code[code.index("    // what the two passes") :], UNITY_NAMES)
+    code = re.sub(r"    // Depth: .*?\n    \}\n", "", code, flags=re.DOTALL)
+    return f"struct Varyings {{ float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; }};\n{code}"
+
+
+def unreal_functions() -> str:
+    """The same of the Unreal shader, without the two passes that read the engine's own textures."""
+    code = text(USF)
+    macro = code[code.index("// what the two passes") : code.index("// 0 .. 1 over the view")]
+    return replaced(macro + code[code.index("void HexagonFirstPS") :], UNREAL_NAMES)
+
+
+@pytest.mark.parametrize("functions", [unity_functions, unreal_functions])
+def test_passes_are_those_of_the_package(functions):
+    """The same instructions as the package's own passes, which the suite runs: no argument is in another's place."""
+    head, bodies = text(paths.passes("hlsl")).split("// pixel shaders\n")
+    model = f"#define BOKEH_HLSL_SM 5\n#define BOKEH_NUM_SAMPLES 33\n{text(paths.library('hlsl'))}{head}"
+    package = model + replaced("// pixel shaders\n" + bodies, LEFT_OUT)
+    sample = model + functions()
+    names = list(PACKAGE_ENTRIES) if functions is unity_functions else list(PACKAGE_ENTRIES)[1:]
+    suffix = "Fragment" if functions is unity_functions else "PS"
+    for name in names:
+        assert program(sample, name + suffix) == program(package, PACKAGE_ENTRIES[name]), name
 
 
 @pytest.mark.parametrize("source", [unity_source, unreal_source])
@@ -297,14 +391,14 @@ def test_unreal_parameters_are_the_shader_s():
 
 def test_unreal_entries_are_the_shader_s():
     shaders = re.findall(r"^BOKEH_SHADER\((\w+)\);", text(EXTENSION), re.MULTILINE)
-    assert shaders == list(UNITY_PASSES)
+    assert shaders == list(PASSES)
     assert re.findall(r"^\w+ (\w+)PS\(", text(USF), re.MULTILINE) == shaders
 
 
 @pytest.mark.parametrize("path", [SHADER, USF])
 def test_targets(path):
     """Passes with several targets write as many as are bound: two for the hexagon, three for the octagon."""
-    for name, count in UNITY_PASSES.items():
+    for name, count in PASSES.items():
         (signature,) = re.findall(rf"\b\w+ {name}(?:Fragment|PS)\((.*?)\n\s*\{{", text(path), re.DOTALL)
         assert len(re.findall(r"SV_Target", signature)) == count, name
 

@@ -1,0 +1,277 @@
+// Stand-ins for the classes of Unity 6 (6000.0) and URP 17 that integration/unity uses: signatures after the public
+// API, bodies that do nothing. Parameters that Unity takes by `in` are by value here, which a caller writes alike.
+
+using System;
+using UnityEngine.Experimental.Rendering;
+using UnityEngine.Rendering.RenderGraphModule;
+
+namespace UnityEngine
+{
+    public class Object
+    {
+        public string name { get; set; }
+        public static implicit operator bool(Object exists) { return exists != null; }
+        public static bool operator ==(Object x, Object y) { return ReferenceEquals(x, y); }
+        public static bool operator !=(Object x, Object y) { return !ReferenceEquals(x, y); }
+        public override bool Equals(object other) { return ReferenceEquals(this, other); }
+        public override int GetHashCode() { return 0; }
+    }
+
+    public class ScriptableObject : Object { }
+
+    public class Component : Object
+    {
+        public Transform transform { get { return null; } }
+        public T GetComponent<T>() { return default(T); }
+        public bool TryGetComponent<T>(out T component) { component = default(T); return false; }
+    }
+
+    public class Behaviour : Component { }
+
+    public class MonoBehaviour : Behaviour { }
+
+    public class Transform : Component
+    {
+        public Vector3 position { get; set; }
+        public Vector3 forward { get; set; }
+    }
+
+    public enum CameraType { Game = 1, SceneView = 2, Preview = 4, VR = 8, Reflection = 16 }
+
+    public sealed class Camera : Behaviour
+    {
+        public Ray ScreenPointToRay(Vector3 pos) { return default(Ray); }
+    }
+
+    public struct Ray { }
+
+    public struct RaycastHit
+    {
+        public Vector3 point { get; set; }
+    }
+
+    public static class Physics
+    {
+        public static bool Raycast(Ray ray, out RaycastHit hitInfo) { hitInfo = default(RaycastHit); return false; }
+    }
+
+    public struct Vector2
+    {
+        public float x, y;
+        public static implicit operator Vector3(Vector2 v) { return default(Vector3); }
+    }
+
+    public struct Vector3
+    {
+        public float x, y, z;
+        public static Vector3 operator -(Vector3 a, Vector3 b) { return a; }
+        public static float Dot(Vector3 lhs, Vector3 rhs) { return 0; }
+    }
+
+    public struct Vector4
+    {
+        public Vector4(float x, float y, float z, float w) { }
+    }
+
+    public struct Matrix4x4
+    {
+        public static Matrix4x4 identity { get { return default(Matrix4x4); } }
+    }
+
+    public struct Mathf
+    {
+        public const float Deg2Rad = 0.0174532924f;
+    }
+
+    public class Texture : Object { }
+
+    public class RenderTexture : Texture { }
+
+    public sealed class Shader : Object
+    {
+        public static Shader Find(string name) { return null; }
+        public static int PropertyToID(string name) { return 0; }
+    }
+
+    public class Material : Object { }
+
+    public sealed class MaterialPropertyBlock
+    {
+        public void Clear() { }
+        public void SetFloat(int nameID, float value) { }
+        public void SetVector(int nameID, Vector4 value) { }
+        public void SetTexture(int nameID, Texture value) { }
+        public void SetTexture(int nameID, RenderTexture value, Rendering.RenderTextureSubElement element) { }
+    }
+
+    public enum MeshTopology { Triangles, Quads = 2, Lines, LineStrip, Points }
+    public enum FilterMode { Point, Bilinear, Trilinear }
+    public enum TextureWrapMode { Repeat, Clamp, Mirror, MirrorOnce }
+
+    [AttributeUsage(AttributeTargets.Class, AllowMultiple = true)]
+    public sealed class RequireComponent : Attribute
+    {
+        public RequireComponent(Type requiredComponent) { }
+    }
+
+    [AttributeUsage(AttributeTargets.Field)]
+    public sealed class SerializeField : Attribute { }
+
+    [AttributeUsage(AttributeTargets.Field, AllowMultiple = true)]
+    public class HeaderAttribute : Attribute
+    {
+        public HeaderAttribute(string header) { }
+    }
+
+    [AttributeUsage(AttributeTargets.Field)]
+    public class TooltipAttribute : Attribute
+    {
+        public TooltipAttribute(string tooltip) { }
+    }
+
+    [AttributeUsage(AttributeTargets.Field)]
+    public sealed class RangeAttribute : Attribute
+    {
+        public RangeAttribute(float min, float max) { }
+    }
+}
+
+namespace UnityEngine.Experimental.Rendering
+{
+    public enum GraphicsFormat { None, R16G16B16A16_SFloat = 48, R32_SFloat = 49 }
+}
+
+namespace UnityEngine.Rendering
+{
+    public enum RenderTextureSubElement { Color, Depth, Stencil, Default }
+    public enum MSAASamples { None = 1, MSAA2x = 2, MSAA4x = 4, MSAA8x = 8 }
+
+    public static class CoreUtils
+    {
+        public static Material CreateEngineMaterial(Shader shader) { return null; }
+        public static void Destroy(UnityEngine.Object obj) { }
+    }
+
+    public class ContextContainer
+    {
+        public T Get<T>() where T : ContextItem, new() { return null; }
+    }
+
+    public abstract class ContextItem { }
+
+    public class RasterCommandBuffer
+    {
+        public void DrawProcedural(Matrix4x4 matrix, Material material, int shaderPass, MeshTopology topology,
+            int vertexCount, int instanceCount, MaterialPropertyBlock properties) { }
+    }
+}
+
+namespace UnityEngine.Rendering.RenderGraphModule
+{
+    [Flags]
+    public enum AccessFlags { None = 0, Read = 1, Write = 2, Discard = 4, WriteAll = 6, ReadWrite = 3 }
+
+    public struct TextureHandle
+    {
+        public bool IsValid() { return false; }
+        public static implicit operator Texture(TextureHandle texture) { return null; }
+        public static implicit operator RenderTexture(TextureHandle texture) { return null; }
+    }
+
+    public struct TextureDesc
+    {
+        public int width;
+        public int height;
+        public GraphicsFormat colorFormat;
+        public FilterMode filterMode;
+        public TextureWrapMode wrapMode;
+        public MSAASamples msaaSamples;
+        public bool clearBuffer;
+        public string name;
+    }
+
+    public struct RasterGraphContext
+    {
+        public RasterCommandBuffer cmd;
+    }
+
+    public delegate void BaseRenderFunc<PassData, ContextType>(PassData data, ContextType renderGraphContext)
+        where PassData : class, new();
+
+    public interface IBaseRenderGraphBuilder : IDisposable
+    {
+        void UseTexture(TextureHandle input, AccessFlags flags = AccessFlags.Read);
+    }
+
+    public interface IRasterRenderGraphBuilder : IBaseRenderGraphBuilder
+    {
+        void SetRenderAttachment(TextureHandle tex, int index, AccessFlags flags = AccessFlags.Write);
+        void SetRenderFunc<PassData>(BaseRenderFunc<PassData, RasterGraphContext> renderFunc)
+            where PassData : class, new();
+    }
+
+    public class RenderGraph
+    {
+        public TextureDesc GetTextureDesc(TextureHandle texture) { return default(TextureDesc); }
+        public TextureHandle CreateTexture(TextureDesc desc) { return default(TextureHandle); }
+        public IRasterRenderGraphBuilder AddRasterRenderPass<PassData>(string passName, out PassData passData)
+            where PassData : class, new()
+        {
+            passData = null;
+            return null;
+        }
+    }
+}
+
+namespace UnityEngine.Rendering.Universal
+{
+    public enum RenderPassEvent
+    {
+        AfterRenderingTransparents = 500, BeforeRenderingPostProcessing = 550, AfterRenderingPostProcessing = 600
+    }
+
+    [Flags]
+    public enum ScriptableRenderPassInput { None = 0, Depth = 1, Normal = 2, Color = 4, Motion = 8 }
+
+    public struct CameraData
+    {
+        public CameraType cameraType { get { return CameraType.Game; } }
+    }
+
+    public struct RenderingData
+    {
+        public CameraData cameraData;
+    }
+
+    public class UniversalCameraData : ContextItem
+    {
+        public Camera camera;
+    }
+
+    public class UniversalResourceData : ContextItem
+    {
+        public TextureHandle activeColorTexture { get { return default(TextureHandle); } }
+        public TextureHandle cameraDepthTexture { get; set; }
+    }
+
+    public abstract class ScriptableRenderer
+    {
+        public void EnqueuePass(ScriptableRenderPass pass) { }
+    }
+
+    public abstract class ScriptableRenderPass
+    {
+        public RenderPassEvent renderPassEvent { get; set; }
+        public bool requiresIntermediateTexture { get; set; }
+        public void ConfigureInput(ScriptableRenderPassInput passInput) { }
+        public virtual void RecordRenderGraph(RenderGraph renderGraph, ContextContainer frameData) { }
+    }
+
+    public abstract class ScriptableRendererFeature : ScriptableObject, IDisposable
+    {
+        public abstract void Create();
+        public abstract void AddRenderPasses(ScriptableRenderer renderer, ref RenderingData renderingData);
+        public void Dispose() { }
+        protected virtual void Dispose(bool disposing) { }
+    }
+}
