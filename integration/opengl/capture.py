@@ -1,0 +1,62 @@
+"""For validation/run engines, not for your renderer: what the shaders read and wrote, into the folder given.
+
+color.f16, depth.f32 and a .f16 for each shot are raw rows, v = 0 first; capture.json says what they are.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import moderngl
+from apertures import exact_octagon, paper_hexagon, paper_octagon
+from depth_of_field import exact_hexagon
+from renderer import BALL, SIZE, Renderer
+from sample import BLUR, IMAGE, LENS, PAPER, focus_on, start
+
+SHOTS = {
+    "exact-hexagon": exact_hexagon,
+    "exact-octagon": exact_octagon,
+    "paper-hexagon": paper_hexagon,
+    "paper-octagon": paper_octagon,
+}
+
+
+def main(folder):
+    """Every shot of the same frame, focused on the ball."""
+    context = start()
+    renderer = Renderer(context)
+    renderer.draw()
+    focus = focus_on(BALL)
+    shots = []
+    for name, made in SHOTS.items():
+        passes, result = made(context, renderer.color, renderer.depth)
+        for step in passes:
+            step.draw(BokehFocusDistance=focus, **LENS, **IMAGE, **BLUR, **PAPER)
+        (folder / f"{name}.f16").write_bytes(result.read())
+        method, aperture = name.split("-")
+        shots.append({"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"})
+    (folder / "color.f16").write_bytes(renderer.color.read())
+    (folder / "depth.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
+    capture = {
+        "engine": f"OpenGL {context.info['GL_VERSION']}, moderngl {moderngl.__version__}",
+        "device": context.info["GL_RENDERER"],
+        "width": SIZE[0],
+        "height": SIZE[1],
+        "color": "color.f16",
+        "depth": "depth.f32",
+        "camera": {
+            "aperture_diameter": LENS["BokehApertureDiameter"],
+            "focal_length": LENS["BokehFocalLength"],
+            "focus_distance": focus,
+            "sensor_height": LENS["BokehSensorHeight"],
+            "max_coc": BLUR["BokehMaxCoC"],
+        },
+        "spacing": BLUR["BokehSpacing"],
+        "max_samples": 33,
+        "shots": shots,
+    }
+    (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

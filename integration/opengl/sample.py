@@ -1,0 +1,63 @@
+"""A renderer with depth of field, without a window: python sample.py picture.png"""
+
+import sys
+
+import moderngl
+import numpy as np
+from apertures import debug, exact_octagon
+from depth_of_field import exact_hexagon
+from PIL import Image
+from renderer import BALL, FAR, FOCAL_LENGTH, NEAR, SENSOR_HEIGHT, SIZE, Renderer, view
+
+LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=SENSOR_HEIGHT)
+IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1], Near=NEAR, Far=FAR)
+BLUR = dict(BokehMaxCoC=0.12, BokehSpacing=1.0, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
+# only paper has these
+PAPER = dict(BokehBlurCoC=1.0, BokehLineLength=1.0)
+
+
+def focus_on(world):
+    """Focus distance for a place in the world: its depth along the view axis, metres."""
+    return -(view() @ [*world, 1.0])[2]
+
+
+def focus_at(passes, x, y):
+    """Focus distance for a pixel, counted from the lower left: one texel of what the first pass wrote, metres."""
+    texel = passes[0].framebuffer.read((x, y, 1, 1), components=1, dtype="f4")
+    return float(np.frombuffer(texel, "f4")[0])
+
+
+def start():
+    """An OpenGL context without a window."""
+    return moderngl.create_context(standalone=True, require=330, backend="egl")
+
+
+def main(path):
+    """Four pictures in one: the input, exact hexagon, near and far field, exact octagon with the focus elsewhere."""
+    context = start()
+    renderer = Renderer(context)
+    renderer.draw()
+
+    passes, result = exact_hexagon(context, renderer.color, renderer.depth)
+    for step in passes:
+        step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **BLUR)
+    hexagon = renderer.picture(result)
+
+    picked = focus_at(passes, 304, 82)
+    passes, result = exact_octagon(context, renderer.color, renderer.depth)
+    for step in passes:
+        step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **BLUR)
+    octagon = renderer.picture(result)
+
+    passes, result = debug(context, renderer.color, renderer.depth)
+    for step in passes:
+        step.draw(BokehFocusDistance=focus_on(BALL), BokehDebugMode=3.0, **LENS, **IMAGE, **BLUR)
+    fields = renderer.picture(result)
+
+    rows = [[renderer.picture(renderer.color), hexagon], [fields, octagon]]
+    Image.fromarray(np.vstack([np.hstack(row) for row in rows])).save(path, optimize=True)
+    print(f"{path}: {context.info['GL_RENDERER']}; focus on the ball {focus_on(BALL):.3f} m, picked {picked:.3f} m")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,148 @@
+"""The work behind `validation/run figures`."""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bokeh_validation import exr, paths, pictures
+from bokeh_validation import render as rendering
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.figures import diagrams, photographs, points, scenes
+from bokeh_validation.figures.model import Figure, Made
+
+FIGURES: dict[int, Figure] = {
+    figure.number: figure
+    for figure in sorted(
+        (*photographs.FIGURES, *scenes.FIGURES, *diagrams.FIGURES, *points.FIGURES), key=lambda f: f.number
+    )
+}
+NUMBERS_FILE = "figures.json"
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a run writes to: pictures for the document, and HDR images with the numbers."""
+
+    pictures: Path
+    images: Path
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run made, by figure, and the reasons for what it did not make."""
+
+    made: dict[int, Made]
+    missing: dict[int, str]
+
+
+def default_places() -> Places:
+    """docs/reproduction, and the cache folder."""
+    return Places(paths.ROOT / "docs" / "reproduction", paths.cache_folder() / "reproduction")
+
+
+def chosen(only: str | None) -> list[Figure]:
+    """The figures of '1,4,9', in order; None: all. Raises UserError."""
+    if only is None:
+        return list(FIGURES.values())
+    numbers = set()
+    for word in only.split(","):
+        if not word.strip().isdecimal() or int(word) not in FIGURES:
+            raise UserError(
+                f"--only {only}: {word.strip()!r} is no figure of the paper. Give numbers from 1 to 13: 1,4,9."
+            )
+        numbers.add(int(word))
+    return [FIGURES[number] for number in sorted(numbers)]
+
+
+def pick_driver(name: str | None, adapter: str | None) -> Driver:
+    """A real one. Raises UserError."""
+    if name == "reference":
+        raise UserError("--driver reference: figures are made by the shaders. Give a real driver; see doctor.")
+    return rendering.pick_driver(name, adapter)
+
+
+def places(output: Path | None) -> Places:
+    """The folders to write to, made where only the last part is missing. Raises UserError.
+
+    output  one folder for everything; None: default_places()
+    """
+    if output is None:
+        found = default_places()
+        paths.ensured(found.images.parent)
+    else:
+        found = Places(output, output)
+    for folder in (found.pictures, found.images):
+        _prepare(folder)
+    return found
+
+
+def _prepare(folder: Path) -> None:
+    """Make a folder and write something into it, so that the answer is known before any work is done."""
+    if folder.exists() and not folder.is_dir():
+        raise UserError(f"--output {folder}: is a file. Name a folder.")
+    if not folder.parent.is_dir():
+        raise UserError(f"--output {folder}: there is no folder {folder.parent}. Make it first.")
+    try:
+        folder.mkdir(exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise UserError(f"--output {folder}: cannot be written to ({error.strerror}). Name another place.") from error
+
+
+def run(figures: list[Figure], driver: Driver, target: Places, progress: Callable[[str], None]) -> Result:
+    """Make figures and write them: each file is whole, and the numbers come last.
+
+    A figure whose input this machine lacks is left out; the pictures that are there of it stay.
+    """
+    made, missing = {}, {}
+    for figure in figures:
+        try:
+            made[figure.number] = figure.make(driver)
+        except Unavailable as error:
+            missing[figure.number] = str(error)
+        else:
+            _write(made[figure.number], target)
+        progress(f"figure {figure.number}")
+    text = json.dumps(as_json(driver, made, missing), indent=1)
+    exr.whole(target.images / NUMBERS_FILE, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    return Result(made, missing)
+
+
+def _write(made: Made, target: Places) -> None:
+    for name, pixels in made.pictures.items():
+        pictures.write_png(target.pictures / f"{name}.png", pixels)
+    for name, image in made.images.items():
+        exr.write(target.images / f"{name}.exr", np.ascontiguousarray(image))
+
+
+def as_json(driver: Driver, made: dict[int, Made], missing: dict[int, str]) -> dict:
+    """What was made of what, with all numbers."""
+    figures = {
+        str(number): {
+            "title": FIGURES[number].title,
+            "pictures": sorted(f"{name}.png" for name in one.pictures),
+            "images": sorted(f"{name}.exr" for name in one.images),
+            "tables": [
+                {
+                    "columns": list(table.columns),
+                    "digits": list(table.digits),
+                    "rows": {name: list(values) for name, values in table.rows},
+                }
+                for table in one.tables
+            ],
+        }
+        for number, one in made.items()
+    }
+    return {"driver": driver.name, "adapter": driver.adapter, "figures": figures, "missing": missing}
+
+
+def under_ci() -> bool:
+    """Where nothing may be missing."""
+    return bool(os.environ.get("CI"))

@@ -1,0 +1,228 @@
+"""Figures 4, 8 and 10, drawn from the tables and plans that the code runs with."""
+
+from dataclasses import dataclass, replace
+from math import degrees
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from bokeh_validation import apertures, methods, quality, sheet, tiling
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.figures import panels, points
+from bokeh_validation.figures.model import Figure, Made, Table
+from bokeh_validation.passes import Pass
+from bokeh_validation.patterns import impulse
+from bokeh_validation.reference import polygons, segments
+
+# ---------------------------------------------------------------------------------------------------------- Figure 4
+
+KERNELS = {"hexagon": "a", "octagon": "b"}
+
+
+def kernels(_: Driver | None = None) -> Made:
+    """The tables of the naive gather, dot by dot, in their outline."""
+    shapes = {name: _outline(name) for name in KERNELS}
+    reach = max(float(np.abs(corners).max()) for corners in shapes.values())
+    canvas = sheet.Canvas(len(KERNELS), 1.04 * reach)
+    numbers = []
+    for panel, (name, letter) in enumerate(KERNELS.items()):
+        table = apertures.kernel(name, methods.PAPER_SAMPLES)
+        canvas.path(panel, _circle(), sheet.FAINT, 1)
+        canvas.path(panel, shapes[name], sheet.color(panel), 1.5)
+        for place in table:
+            canvas.dot(panel, place, sheet.INK, 3)
+        sheet.caption(canvas, panel, f"({letter}) {name}:\n{len(table)} samples")
+        inside = polygons.inside(1.0001 * shapes[name], table[:, 0], table[:, 1])
+        numbers.append((name, (float(len(table)), float(inside.sum()))))
+    columns = Table(("samples", "of them inside the outline"), tuple(numbers), (0, 0))
+    return Made({"figure_04": canvas.finished()}, {}, (columns,))
+
+
+def _outline(aperture: str) -> np.ndarray:
+    return quality.outline(methods.Settings("paper", aperture))
+
+
+def _circle() -> np.ndarray:
+    return np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]])
+
+
+# ---------------------------------------------------------------------------------------------------------- Figure 8
+
+COMBINED = {"hexagon": "a", "octagon": "b", "star": "c"}
+
+
+def booleans(_: Driver | None = None) -> Made:
+    """Both parallelograms of each aperture and what is kept of them."""
+    rows, numbers = [], []
+    for name, letter in COMBINED.items():
+        parts = [part.corners() for part in apertures.PARALLELOGRAMS[name]]
+        union = name in apertures.USES_MAX
+        reach = max(float(np.abs(part).max()) for part in parts)
+        canvas = sheet.Canvas(3, 1.04 * reach)
+        common = polygons.clip_convex(*parts)
+        for panel, (part, shape) in enumerate(zip(parts, apertures.PARALLELOGRAMS[name], strict=True)):
+            canvas.polygon(panel, part, sheet.lighter(sheet.color(panel)))
+            canvas.path(panel, part, sheet.color(panel), 2)
+            _lines(canvas, panel, shape)
+            sheet.caption(canvas, panel, f"line at {shape.first:g}°,\nthen line at {shape.second:g}°")
+        for part in parts if union else [common]:
+            canvas.polygon(2, part, sheet.SHAPE)
+        for index, part in enumerate(parts):
+            canvas.path(2, part, sheet.color(index), 2)
+        how = "max: in either" if union else "min: in both"
+        sheet.caption(canvas, 2, f"({letter}) {name},\n{how}")
+        rows.append(canvas.finished())
+        numbers.append((name, (impulse.light_kept(name), float(_corners(parts, common, union)))))
+    table = Table(("area over that of one parallelogram", "corners"), tuple(numbers), (3, 0))
+    return Made({"figure_08": np.vstack(rows)}, {}, (table,))
+
+
+def _corners(parts: list[np.ndarray], common: np.ndarray, union: bool) -> int:
+    """Corners of the common part; of the union of two that cross: those of both, and where their sides cross."""
+    return sum(map(len, parts)) + len(common) if union else len(common)
+
+
+def _lines(canvas: sheet.Canvas, panel: int, shape: apertures.Parallelogram) -> None:
+    for angle, width in ((shape.first, 5), (shape.second, 3)):
+        half = 0.5 * apertures.direction(np.radians(angle))
+        canvas.path(panel, np.array([-half, half]), sheet.INK, width)
+
+
+# --------------------------------------------------------------------------------------------------------- Figure 10
+
+
+@dataclass(frozen=True)
+class Node:
+    """A box of a workflow.
+
+    name     of the texture that is shown
+    label    lines over it
+    layer    0 for the CoC map, else one more than the farthest box that it is made of
+    sources  names of the boxes that it is made of
+    """
+
+    name: str
+    label: tuple[str, ...]
+    layer: int
+    sources: tuple[str, ...]
+
+
+def separated(plan: methods.Plan) -> tuple[Pass, ...]:
+    """The passes of a plan, with the parallelogram that a final pass combines also drawn for itself, as 'alone'."""
+    passes = list(plan.passes)
+    final = passes[-1]
+    if final.entry.endswith("Final"):
+        inputs = {slot: name for slot, name in final.inputs.items() if slot != "ColorSampB"}
+        passes.insert(-1, replace(final, entry=final.entry.removesuffix("Final"), inputs=inputs, output="alone"))
+    return tuple(passes)
+
+
+def workflow(passes: tuple[Pass, ...], settings: methods.Settings) -> list[Node]:
+    """The boxes of separated passes, in order; depth is left out, which all passes read."""
+    nodes: dict[str, Node] = {}
+    for number, item in enumerate(passes):
+        sources = tuple(name for slot, name in item.inputs.items() if slot != "DepthSamp" and name in nodes)
+        if item.entry.endswith("Final"):
+            sources = (item.inputs["ColorSampB"], "alone")
+        layer = 1 + max((nodes[name].layer for name in sources), default=-1)
+        for index, output in enumerate(item.outputs):
+            nodes[output] = Node(output, _label(number, item, index, settings), layer, sources)
+    return list(nodes.values())
+
+
+def _label(number: int, item: Pass, index: int, settings: methods.Settings) -> tuple[str, ...]:
+    if number == 0:
+        return ("CoC map",)
+    if item.entry.endswith("Final"):
+        return (f"{'max' if item.parameters['BokehUseMax'] else 'min'}", f"in pass {number - 1}")
+    if settings.method != "exact":
+        return (f"pass {number}", f"{degrees(item.parameters['BokehAngle']):.4g}°")
+    shape = tiling.Tiling(methods.EXACT[settings.aperture])
+    if number > 1:
+        edges = [_degrees(shape.edge(k, True)) for k in range(2, shape.sides // 2 + 1)]
+        return ("pass 2: sum of", ", ".join(edges))
+    target = index + 2
+    edges = [k for k in range(1, shape.sides // 2) if segments.parallelogram(target, k, shape.sides) > 0.0]
+    return (f"pass 1, target {index + 1}", ", ".join(_degrees(shape.edge(k, False)) for k in edges))
+
+
+def _degrees(line: segments.Segment) -> str:
+    return f"{degrees(np.arctan2(line.half[1], line.half[0])) % 180.0:.4g}°"
+
+
+THUMB, ACROSS, DOWN, HEAD = 88, 52, 46, 26
+WORKFLOWS = (("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon"))
+
+
+def workflows(driver: Driver) -> Made:
+    """Each workflow with what its passes make of a bright point."""
+    drawn, numbers, images = [], [], {}
+    for (method, aperture), letter in zip(WORKFLOWS, "abcd", strict=True):
+        case = points.case(method, aperture, ((THUMB // 2, THUMB // 2),), (THUMB, THUMB))
+        passes = separated(case.plan)
+        nodes = workflow(passes, case.settings)
+        outputs = driver.run(passes, case.textures(), case.size, keep=[node.name for node in nodes])
+        drawn.append(_graph(f"({letter}) {method}, {aperture}", nodes, outputs, case.exposure))
+        settings = methods.Settings(method, aperture)
+        count = methods.plan(settings, case.size).passes
+        numbers.append((f"{aperture}, {method}", (float(len(count) - 1), float(methods.fetches(count)))))
+        images |= {f"figure_10_{letter}_{node.name.replace(' ', '_')}": outputs[node.name] for node in nodes[1:]}
+    table = Table(("passes", "colour fetches a pixel"), tuple(numbers), (0, 0))
+    columns = [np.vstack(_same_width(part)) for part in (drawn[:2], drawn[2:])]
+    tallest = max(column.shape[0] for column in columns)
+    page = [_padded(column, tallest, column.shape[1]) for column in columns]
+    return Made({"figure_10": np.hstack(page)}, images, (table,))
+
+
+def _same_width(parts: list[np.ndarray]) -> list[np.ndarray]:
+    width = max(part.shape[1] for part in parts)
+    return [_padded(part, part.shape[0], width) for part in parts]
+
+
+def _padded(part: np.ndarray, height: int, width: int) -> np.ndarray:
+    missing = ((0, height - part.shape[0]), (0, width - part.shape[1]), (0, 0))
+    return np.pad(part, missing, constant_values=255)
+
+
+def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposure: float) -> np.ndarray:
+    """Boxes from left to right by layer, arrows from what they are made of."""
+    layers: dict[int, list[Node]] = {}
+    for node in nodes:
+        layers.setdefault(node.layer, []).append(node)
+    tallest = max(map(len, layers.values()))
+    places = {}
+    for layer, members in layers.items():
+        top = HEAD + (tallest - len(members)) * (THUMB + DOWN) / 2
+        for row, node in enumerate(members):
+            places[node.name] = (20 + layer * (THUMB + ACROSS), round(top + row * (THUMB + DOWN) + DOWN - 10))
+    scale = sheet.SUPERSAMPLING
+    width, height = 20 + len(layers) * (THUMB + ACROSS), HEAD + tallest * (THUMB + DOWN) + 6
+    page = Image.new("RGB", (scale * width, scale * height), "white")
+    draw = ImageDraw.Draw(page)
+    for node in nodes:
+        for source in node.sources:
+            _edge(draw, places[source], places[node.name], scale)
+    for node in nodes:
+        x, y = places[node.name]
+        pixels = points.shown(outputs[node.name], exposure, scale)
+        page.paste(Image.fromarray(pixels), (scale * x, scale * y))
+        style = {"fill": sheet.INK, "font": panels.font(scale * panels.TEXT), "anchor": "mm", "stroke_fill": "white"}
+        for row, text in enumerate(node.label[::-1]):
+            place = (scale * (x + THUMB / 2), scale * (y - 10 - 16 * row))
+            draw.text(place, text, stroke_width=2 * scale, **style)
+    draw.text((scale * 10, scale * 14), title, fill=sheet.INK, font=panels.font(scale * 15), anchor="lm")
+    return np.asarray(page.resize((width, height), Image.Resampling.BOX))
+
+
+def _edge(draw: ImageDraw.ImageDraw, source: tuple[int, int], target: tuple[int, int], scale: int) -> None:
+    """An arrow from the right side of one box to the left side of another."""
+    start = scale * np.array([source[0] + THUMB + 2.0, source[1] + THUMB / 2])
+    end = scale * np.array([target[0] - 2.0, target[1] + THUMB / 2])
+    panels.arrow(draw, start, end, (90, 90, 90), 1.6 * scale)
+
+
+FIGURES = (
+    Figure(4, "Kernels of the naive gather", kernels),
+    Figure(8, "Apertures from parallelograms", booleans),
+    Figure(10, "Workflows", workflows),
+)

@@ -1,0 +1,57 @@
+"""What a figure is: pictures, the HDR images behind them, and numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bokeh_validation.drivers.base import Driver
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers of a figure, as docs/reproduction.md has them.
+
+    columns  of the numbers; the first column, of the rows' names, has no name
+    rows     (name, values); None where there is no such number
+    digits   behind the point, one for each column
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[float | None, ...]], ...]
+    digits: tuple[int, ...]
+
+    def markdown(self) -> list[str]:
+        """Lines of a table."""
+        lines = [f"| | {' | '.join(self.columns)} |", "|" + "---|" * (1 + len(self.columns))]
+        for name, values in self.rows:
+            # + 0.0: no minus before a zero
+            cells = [
+                "-" if value is None else f"{round(value, digits) + 0.0:.{digits}f}"
+                for value, digits in zip(values, self.digits, strict=True)
+            ]
+            lines.append(f"| {name} | {' | '.join(cells)} |")
+        return lines
+
+
+@dataclass(frozen=True)
+class Made:
+    """A finished figure.
+
+    pictures  name -> 8-bit rgb (H, W, 3)
+    images    name -> linear HDR (H, W, 4) as a driver gave it, half floats
+    tables    its numbers
+    """
+
+    pictures: dict[str, np.ndarray]
+    images: dict[str, np.ndarray] = field(default_factory=dict)
+    tables: tuple[Table, ...] = ()
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the paper and how ours is made; `make` raises Unavailable where this machine lacks its input."""
+
+    number: int
+    title: str
+    make: Callable[[Driver], Made]

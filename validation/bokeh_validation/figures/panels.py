@@ -1,0 +1,122 @@
+"""Pictures side by side with a caption under each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from bokeh_validation import pictures
+
+GAP, LINE, TEXT = 8, 17, 13
+INK = (40, 40, 40)
+# marks in pictures: seen on dark and on light
+MARK = (255, 210, 0)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """8-bit rgb (H, W, 3) and what is written under it; words are wrapped to the picture's width."""
+
+    pixels: np.ndarray
+    caption: str = ""
+
+
+def grid(rows: Sequence[Sequence[Panel]]) -> np.ndarray:
+    """Panels in rows, on white, 8-bit rgb (H, W, 3)."""
+    blocks = [_row(row) for row in rows]
+    width = max(block.width for block in blocks) + 2 * GAP
+    page = Image.new("RGB", (width, sum(block.height + GAP for block in blocks) + GAP), "white")
+    top = GAP
+    for block in blocks:
+        page.paste(block, (GAP, top))
+        top += block.height + GAP
+    return np.asarray(page)
+
+
+def _row(row: Sequence[Panel]) -> Image.Image:
+    captions = [wrapped(panel.caption, panel.pixels.shape[1]) for panel in row]
+    height = max(panel.pixels.shape[0] for panel in row)
+    lines = max(len(caption) for caption in captions)
+    width = sum(panel.pixels.shape[1] for panel in row) + GAP * (len(row) - 1)
+    block = Image.new("RGB", (width, height + (4 + lines * LINE if lines else 0)), "white")
+    draw, left = ImageDraw.Draw(block), 0
+    for panel, caption in zip(row, captions, strict=True):
+        block.paste(Image.fromarray(panel.pixels), (left, 0))
+        for number, line in enumerate(caption):
+            place = (left + panel.pixels.shape[1] / 2, height + 4 + (number + 0.5) * LINE)
+            draw.text(place, line, fill=INK, font=font(TEXT), anchor="mm")
+        left += panel.pixels.shape[1] + GAP
+    return block
+
+
+def font(size: float) -> ImageFont.FreeTypeFont:
+    """Pillow's own, so that pictures are the same everywhere."""
+    return ImageFont.load_default(size)
+
+
+def wrapped(text: str, width: int, size: float = TEXT) -> list[str]:
+    """Lines that fit into `width` pixels, as far as words allow."""
+    lines: list[str] = []
+    for paragraph in text.splitlines():
+        line = ""
+        for word in paragraph.split():
+            longer = f"{line} {word}".strip()
+            if line and font(size).getlength(longer) > width:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return lines
+
+
+def enlarged(color: np.ndarray, factor: int, exposure: float = 1.0) -> np.ndarray:
+    """Linear rgb, cut off at 1, each pixel as a block of `factor` x `factor`."""
+    return pictures.enlarged(pictures.display(color, exposure), factor)
+
+
+def toned(color: np.ndarray, exposure: float = 1.0, factor: int = 1) -> np.ndarray:
+    """Linear rgb, x / (1 + x) and gamma 2.2, each pixel as a block."""
+    return pictures.enlarged(pictures.display(color, exposure, tone_map=True), factor)
+
+
+def crop(image: np.ndarray, left: int, top: int, width: int, height: int) -> np.ndarray:
+    """A part of (H, W, ...)."""
+    return image[top : top + height, left : left + width]
+
+
+def arrows(pixels: np.ndarray, lines: Sequence[tuple[Sequence[float], Sequence[float]]], both: bool = True):
+    """Arrows from place to place (x, y), pixels of the picture; `both`: heads at both ends."""
+    scale = 4  # drawn larger, then scaled down: smooth edges
+    layer = Image.new("L", [scale * n for n in pixels.shape[1::-1]], 0)
+    draw = ImageDraw.Draw(layer)
+    for start, end in lines:
+        arrow(draw, np.array(start) * scale, np.array(end) * scale, 255, 2 * scale, both)
+    share = np.asarray(layer.resize(pixels.shape[1::-1], Image.Resampling.BOX))[..., None] / 255.0
+    return (pixels * (1 - share) + np.array(MARK) * share + 0.5).astype(np.uint8)
+
+
+def arrow(draw: ImageDraw.ImageDraw, start: np.ndarray, end: np.ndarray, fill, width: float, both: bool = False):
+    """A line with a head at its end."""
+    along = (end - start) / np.linalg.norm(end - start)
+    across = np.array([-along[1], along[0]])
+    for tip, back in ((end, -along), (start, along)) if both else ((end, -along),):
+        base = tip + 4.5 * width * back
+        draw.polygon([tuple(tip), tuple(base + 2 * width * across), tuple(base - 2 * width * across)], fill=fill)
+    shortened = 4 * width * along
+    draw.line([tuple(start + (shortened if both else 0)), tuple(end - shortened)], fill=fill, width=round(width))
+
+
+def marked(pixels: np.ndarray, marks: dict[str, tuple[tuple[float, float], tuple[float, float]]]) -> np.ndarray:
+    """Arrows from a letter (x, y) to a place (x, y)."""
+    drawn = arrows(pixels, [(np.array(a) + 9 * _unit(a, b), b) for a, b in marks.values()], both=False)
+    image = Image.fromarray(drawn)
+    for text, (place, _) in marks.items():
+        rim = {"stroke_width": 2, "stroke_fill": (0, 0, 0)}
+        ImageDraw.Draw(image).text(place, text, fill=MARK, font=font(17), anchor="mm", **rim)
+    return np.asarray(image)
+
+
+def _unit(start, end) -> np.ndarray:
+    step = np.array(end, float) - np.array(start, float)
+    return step / np.linalg.norm(step)
