@@ -397,6 +397,54 @@ def report(
 
 
 @app.command()
+def bench(
+    driver: Annotated[
+        list[str] | None,
+        typer.Option("--driver", help="osmesa, egl, wgpu or dxc; default: osmesa and wgpu. The others are not timed."),
+    ] = None,
+    adapter: AdapterOption = None,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Pixels. Default: 800x800; smaller in software.")
+    ] = None,
+    rounds: Annotated[int | None, typer.Option(help="Rounds that count, 3 or more.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Small, few counts, few rounds: within 40 s.")] = False,
+    clock: Annotated[
+        str | None,
+        typer.Option(help="wall, query or cpu. Default: cpu in software, else query where it agrees with wall."),
+    ] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write everything here, raw rounds too.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the curves and the floors.")] = None,
+) -> None:
+    """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
+    from bokeh_validation import exr
+    from bokeh_validation.bench import output, request, session
+
+    plan = request.plan(size, rounds, quick, clock)
+    for path in (json_file, plot):
+        if path is not None:
+            exr.check_writable(path)
+    runtimes, missing = request.load(driver, adapter)
+    bar, step = _progress("bench", plan.steps * len(runtimes))
+    results = []
+    with bar:
+        for runtime in runtimes:
+            results.append(session.measure(runtime, plan, lambda text, name=runtime.name: step(f"{name}: {text}")))
+    if json_file is not None:
+        text = json.dumps(session.as_json(results, missing), indent=1)
+        exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    if plot is not None:
+        picture = output.plot(results)
+        exr.whole(plot, lambda partial: partial.write_bytes(picture))
+    # a table in a file or a pipe needs a width of its own
+    wide = console if console.is_terminal else Console(width=120)
+    for result in results:
+        for part in output.tables(result):
+            wide.print(part)
+    for name, reason in missing.items():
+        console.print(f"[yellow]not run[/] {name}: {reason}")
+
+
+@app.command()
 def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
     everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,

@@ -1,6 +1,8 @@
 """The one interface of all drivers: passes and textures in, textures out."""
 
+import time
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +12,52 @@ from bokeh_validation.passes import Pass
 from bokeh_validation.reference import images
 
 Textures = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long a job took, seconds, each for one draw of all its passes.
+
+    wall   of the clock, from the first command to the device's being done
+    cpu    of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
+    query  of the device's own timer; None where it has none
+    """
+
+    wall: float
+    cpu: float
+    query: float | None
+
+
+class Stopwatch:
+    """Wall and CPU time from its making."""
+
+    def __init__(self) -> None:
+        self.wall, self.cpu = time.perf_counter(), time.process_time()
+
+    def timing(self, repeats: int) -> Timing:
+        """What passed since, for each of the repeats, without a query."""
+        wall, cpu = time.perf_counter() - self.wall, time.process_time() - self.cpu
+        return Timing(wall / repeats, cpu / repeats, None)
+
+
+class Job(Protocol):
+    """Passes with their textures and targets on a device, to be drawn many times."""
+
+    def draw(self) -> None:
+        """Give the passes to the device once; does not wait."""
+        ...
+
+    def timed(self, repeats: int) -> Timing:
+        """Draw `repeats` times without a pause and wait for the end."""
+        ...
+
+    def read(self, name: str) -> np.ndarray:
+        """A target after the last draw, (H, W, 4)."""
+        ...
+
+    def release(self) -> None:
+        """Free the textures and targets."""
+        ...
 
 
 class Driver(Protocol):
@@ -40,6 +88,27 @@ class Driver(Protocol):
         size      (width, height) of every target
         storage   'half' or 'float': format of the targets between and after the passes
         returns   name -> (H, W, 4), float16 or float32 by `storage`
+        """
+        ...
+
+
+class TimedDriver(Driver, Protocol):
+    """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc."""
+
+    def prepared(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        share: Job | None = None,
+    ) -> Job:
+        """What `run` would draw, uploaded and compiled.
+
+        share  a job of the same size and storage: textures and targets of a name that it has are used again, not
+               uploaded and not made. It is to be released last.
+
+        Raises Unavailable as `run` does.
         """
         ...
 

@@ -1,14 +1,15 @@
 """GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
 
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear
 
@@ -24,7 +25,7 @@ class GLDriver:
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
-        self._programs: dict[tuple, moderngl.VertexArray] = {}
+        self._programs: dict[str, moderngl.VertexArray] = {}
 
     @cached_property
     def rounding(self) -> str:
@@ -35,19 +36,19 @@ class GLDriver:
         """Both drivers may live in one process, so each call makes its own context current first."""
         self.context.__enter__()
 
-    def program(self, entry: str, samples: int) -> moderngl.VertexArray:
-        """A linked program as a vertex array without buffers, cached by entry and sample count."""
-        key = (entry, samples)
-        if key not in self._programs:
-            program = self.context.program(
-                vertex_shader=shaders.glsl("BokehFullScreen", "330"),
-                fragment_shader=shaders.glsl(entry, "330", {"BOKEH_NUM_SAMPLES": samples}),
-            )
+    def program(self, item: Pass) -> moderngl.VertexArray:
+        """The linked program of a pass as a vertex array without buffers, cached by its text."""
+        if item.sources is None:
+            text = shaders.glsl(item.entry, "330", {"BOKEH_NUM_SAMPLES": item.samples})
+        else:
+            text = item.sources["glsl"]
+        if text not in self._programs:
+            program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
             for unit, slot in enumerate(SLOTS):
                 if f"Bokeh{slot}" in program:
                     program[f"Bokeh{slot}"] = unit
-            self._programs[key] = self.context.vertex_array(program, [])
-        return self._programs[key]
+            self._programs[text] = self.context.vertex_array(program, [])
+        return self._programs[text]
 
     def upload(self, pixels: np.ndarray) -> moderngl.Texture:
         """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
@@ -76,18 +77,30 @@ class GLDriver:
             for linear, kind in filters.items()
         }
 
-    def draw(self, item: Pass, live: dict[str, moderngl.Texture], target: moderngl.Framebuffer) -> None:
-        """Draw one pass into a framebuffer."""
-        array = self.program(item.entry, item.samples)
+    def draw(self, item: Pass, bound: Mapping[str, moderngl.Texture], target: moderngl.Framebuffer) -> None:
+        """Draw one pass into a framebuffer; `bound` has a texture for each slot that it reads."""
+        array = self.program(item)
         for unit, slot in enumerate(SLOTS):
-            if slot in item.inputs:
-                live[item.inputs[slot]].use(unit)
+            if slot in bound:
+                bound[slot].use(unit)
                 self.samplers[is_linear(item.entry, slot)].use(unit)
         for name, value in item.values().items():
+            # every time: where two contexts live in one process, a program may not have the values that it was left with
             if name in array.program:
                 array.program[name] = value
         target.use()
         array.render(moderngl.TRIANGLES, vertices=3)
+
+    def prepared(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        share: "GLJob | None" = None,
+    ) -> "GLJob":
+        """See drivers.base.TimedDriver.prepared."""
+        return GLJob(self, passes, textures, size, storage, share)
 
     def run(
         self,
@@ -98,22 +111,81 @@ class GLDriver:
         keep: Iterable[str] = ("result",),
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run."""
-        self.make_current()
-        live = {name: self.upload(pixels) for name, pixels in textures.items()}
-        framebuffers = []
+        job = self.prepared(passes, textures, size, storage)
+        try:
+            job.draw()
+            return {name: job.read(name) for name in keep}
+        finally:
+            job.release()
+
+
+class GLJob:
+    """See drivers.base.Job."""
+
+    def __init__(
+        self,
+        driver: GLDriver,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str,
+        share: "GLJob | None" = None,
+    ):
+        driver.make_current()
+        self.driver, self.storage = driver, storage
+        self.live = dict(share.live) if share else {}
+        self.own = []
+        self.steps: list[tuple[Pass, dict[str, moderngl.Texture], moderngl.Framebuffer]] = []
+        for name, pixels in textures.items():
+            if name not in self.live:
+                self.live[name] = self._owned(driver.upload(pixels))
         for item in passes:
-            targets = [self.target(size, storage) for _ in item.outputs]
-            framebuffers.append(self.context.framebuffer(targets))
-            self.draw(item, live, framebuffers[-1])
-            live.update(zip(item.outputs, targets, strict=True))
-        dtype = storage_type(storage)
-        results = {}
-        for name in keep:
-            data = live[name].read(alignment=1)
-            results[name] = np.frombuffer(data, dtype).reshape(size[1], size[0], 4).copy()
-        for resource in [*framebuffers, *live.values()]:
+            driver.program(item)
+            bound = {slot: self.live[name] for slot, name in item.inputs.items()}
+            targets = []
+            for name in item.outputs:
+                reused = share.live.get(name) if share else None
+                targets.append(reused or self._owned(driver.target(size, storage)))
+            self.steps.append((item, bound, self._owned(driver.context.framebuffer(targets))))
+            self.live.update(zip(item.outputs, targets, strict=True))
+
+    def _owned(self, resource):
+        self.own.append(resource)
+        return resource
+
+    def draw(self) -> None:
+        """See drivers.base.Job.draw."""
+        self.driver.make_current()
+        for item, bound, framebuffer in self.steps:
+            self.driver.draw(item, bound, framebuffer)
+
+    def timed(self, repeats: int) -> Timing:
+        """See drivers.base.Job.timed."""
+        self.driver.make_current()
+        context = self.driver.context
+        context.finish()
+        query = context.query(time=True)
+        watch = Stopwatch()
+        with query:
+            for _ in range(repeats):
+                self.draw()
+        context.finish()
+        # the query is asked for afterwards: a device's answer may take a while
+        passed = watch.timing(repeats)
+        return replace(passed, query=query.elapsed * 1e-9 / repeats)
+
+    def read(self, name: str) -> np.ndarray:
+        """See drivers.base.Job.read."""
+        self.driver.make_current()
+        texture = self.live[name]
+        pixels = np.frombuffer(texture.read(alignment=1), storage_type(self.storage))
+        return pixels.reshape(texture.height, texture.width, 4).copy()
+
+    def release(self) -> None:
+        """See drivers.base.Job.release."""
+        self.driver.make_current()
+        for resource in reversed(self.own):
             resource.release()
-        return results
 
 
 class EGL(GLDriver):

@@ -2,12 +2,13 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Textures, half_rounding, require_targets, storage_type
+from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, half_rounding, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
@@ -50,6 +51,15 @@ def _choose(adapter: str | None):
     raise Unavailable(f"no adapter named like {adapter!r}; there are: {names}")
 
 
+@dataclass(frozen=True)
+class Step:
+    """One pass, ready to be recorded; `views` are those of its targets."""
+
+    pipeline: object
+    bindings: object
+    views: tuple
+
+
 class WGPU:
     """WGSL: the two files as they are, one module."""
 
@@ -68,12 +78,15 @@ class WGPU:
         )
         self.float_filterable = "float32-filterable" in wanted
         self._pipelines: dict[tuple, object] = {}
+        self._modules: dict[str, object] = {}
+        self.timer = "timestamp-query" in wanted
         self.layout = self._make_layout()
         self._samplers = {
             linear: self.device.create_sampler(min_filter=kind, mag_filter=kind)
             for linear, kind in {True: "linear", False: "nearest"}.items()
         }
         self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
+        self._fence = self.device.create_buffer(size=4, usage=self.wgpu.BufferUsage.COPY_SRC)
 
     @cached_property
     def rounding(self) -> str:
@@ -90,12 +103,13 @@ class WGPU:
             entries.append({"binding": binding, "visibility": stage, "sampler": {"type": kind}})
         return self.device.create_bind_group_layout(entries=entries)
 
-    def modules(self, entry: str, samples: int) -> tuple:
+    def modules(self, item: Pass) -> tuple:
         """(vertex module, its entry, fragment module, its entry, pipeline constants)."""
-        if not hasattr(self, "_module"):
-            self._module = self.device.create_shader_module(code=shaders.wgsl())
-        constants = {"BOKEH_NUM_SAMPLES": float(samples)}
-        return self._module, "BokehFullScreen_VS", self._module, entry + "_PS", constants
+        code = shaders.wgsl() if item.sources is None else item.sources["wgsl"]
+        if code not in self._modules:
+            self._modules[code] = self.device.create_shader_module(code=code)
+        constants = {"BOKEH_NUM_SAMPLES": float(item.samples)}
+        return self._modules[code], "BokehFullScreen_VS", self._modules[code], item.entry + "_PS", constants
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
         """A render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target of each format.
@@ -111,9 +125,9 @@ class WGPU:
 
     def pipeline(self, item: Pass, formats: Sequence[str]):
         """Render pipeline of a pass into targets of these formats, cached."""
-        key = (item.entry, item.samples, *formats)
+        key = (item.entry, item.samples, str(item.sources), *formats)
         if key not in self._pipelines:
-            vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item.entry, item.samples)
+            vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item)
             self._pipelines[key] = self.make_pipeline(
                 {"module": vertex, "entry_point": vertex_entry},
                 {"module": fragment, "entry_point": fragment_entry, "constants": constants},
@@ -156,14 +170,34 @@ class WGPU:
             entries.append({"binding": binding, "resource": self._samplers[linear]})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
-    def encode(self, encoder, item: Pass, live: dict, targets: Sequence) -> None:
-        """Record one pass into its targets."""
-        how = {"load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
-        render = encoder.begin_render_pass(color_attachments=[{"view": t.create_view(), **how} for t in targets])
-        render.set_pipeline(self.pipeline(item, [target.format for target in targets]))
-        render.set_bind_group(0, self.bind(item, live))
-        render.draw(3)
-        render.end()
+    def step(self, item: Pass, live: dict, targets: Sequence) -> Step:
+        """A pass with all that it needs."""
+        pipeline = self.pipeline(item, [target.format for target in targets])
+        return Step(pipeline, self.bind(item, live), tuple(target.create_view() for target in targets))
+
+    def wait(self) -> None:
+        """Return when all that was submitted is done: a read of four bytes, which the queue puts behind it.
+
+        on_submitted_work_done of wgpu 0.32.0 raises TypeError.
+        """
+        self.device.queue.read_buffer(self._fence)
+
+    def prepared(
+        self,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str = "half",
+        share: "WGPUJob | None" = None,
+    ) -> "WGPUJob":
+        """See drivers.base.TimedDriver.prepared."""
+        wide = storage == "float" or any(
+            t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
+        )
+        if wide and not self.float_filterable:
+            raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
+        require_targets(self, passes, storage, self.attachment_bytes)
+        return WGPUJob(self, passes, textures, size, storage, share)
 
     def run(
         self,
@@ -174,26 +208,94 @@ class WGPU:
         keep: Iterable[str] = ("result",),
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run."""
-        wide = storage == "float" or any(
-            t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
-        )
-        if wide and not self.float_filterable:
-            raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
-        require_targets(self, passes, storage, self.attachment_bytes)
-        live = {name: self.upload(pixels) for name, pixels in textures.items()}
-        encoder = self.device.create_command_encoder()
-        for item in passes:
-            targets = [self.target(size, storage) for _ in item.outputs]
-            self.encode(encoder, item, live, targets)
-            live.update(zip(item.outputs, targets, strict=True))
-        self.device.queue.submit([encoder.finish()])
-        return {name: self._read(live[name], size, storage) for name in keep}
+        job = self.prepared(passes, textures, size, storage)
+        job.draw()
+        return {name: job.read(name) for name in keep}
 
-    def _read(self, texture, size: tuple[int, int], storage: str) -> np.ndarray:
-        dtype = np.dtype(storage_type(storage))
-        layout = {"bytes_per_row": size[0] * 4 * dtype.itemsize, "rows_per_image": size[1]}
-        data = self.device.queue.read_texture({"texture": texture}, layout, (*size, 1))
-        return np.frombuffer(data, dtype).reshape(size[1], size[0], 4).copy()
+
+class WGPUJob:
+    """See drivers.base.Job."""
+
+    def __init__(
+        self,
+        driver: WGPU,
+        passes: Sequence[Pass],
+        textures: Textures,
+        size: tuple[int, int],
+        storage: str,
+        share: "WGPUJob | None" = None,
+    ):
+        self.driver, self.size, self.storage = driver, size, storage
+        self.live = dict(share.live) if share else {}
+        self.steps: list[Step] = []
+        for name, pixels in textures.items():
+            if name not in self.live:
+                self.live[name] = driver.upload(pixels)
+        for item in passes:
+            targets = []
+            for name in item.outputs:
+                reused = share.live.get(name) if share else None
+                targets.append(reused or driver.target(size, storage))
+            self.steps.append(driver.step(item, self.live, targets))
+            self.live.update(zip(item.outputs, targets, strict=True))
+
+    def _record(self, encoder, query_set=None, first: bool = False, last: bool = False) -> None:
+        """Record all passes; with a query set, the time at which the first begins and the last ends."""
+        for index, step in enumerate(self.steps):
+            stamps = {}
+            if first and index == 0:
+                stamps["beginning_of_pass_write_index"] = 0
+            if last and index == len(self.steps) - 1:
+                stamps["end_of_pass_write_index"] = 1
+            how = {"load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
+            render = encoder.begin_render_pass(
+                color_attachments=[{"view": view, **how} for view in step.views],
+                timestamp_writes={"query_set": query_set, **stamps} if query_set is not None and stamps else None,
+            )
+            render.set_pipeline(step.pipeline)
+            render.set_bind_group(0, step.bindings)
+            render.draw(3)
+            render.end()
+
+    def draw(self) -> None:
+        """See drivers.base.Job.draw."""
+        encoder = self.driver.device.create_command_encoder()
+        self._record(encoder)
+        self.driver.device.queue.submit([encoder.finish()])
+
+    def timed(self, repeats: int) -> Timing:
+        """See drivers.base.Job.timed. What is recorded beforehand is not in the time."""
+        device, usage = self.driver.device, self.driver.wgpu.BufferUsage
+        encoder = device.create_command_encoder()
+        queries = device.create_query_set(type="timestamp", count=2) if self.driver.timer else None
+        for index in range(repeats):
+            self._record(encoder, queries, index == 0, index == repeats - 1)
+        stamps = None
+        if queries is not None:
+            stamps = device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
+            encoder.resolve_query_set(queries, 0, 2, stamps, 0)
+        commands = encoder.finish()
+        self.driver.wait()
+        watch = Stopwatch()
+        device.queue.submit([commands])
+        self.driver.wait()
+        passed = watch.timing(repeats)
+        if stamps is None:
+            return passed
+        begin, end = (int(stamp) for stamp in np.frombuffer(device.queue.read_buffer(stamps), np.uint64))
+        return replace(passed, query=(end - begin) * 1e-9 / repeats)
+
+    def read(self, name: str) -> np.ndarray:
+        """See drivers.base.Job.read."""
+        dtype = np.dtype(storage_type(self.storage))
+        layout = {"bytes_per_row": self.size[0] * 4 * dtype.itemsize, "rows_per_image": self.size[1]}
+        data = self.driver.device.queue.read_texture({"texture": self.live[name]}, layout, (*self.size, 1))
+        return np.frombuffer(data, dtype).reshape(self.size[1], self.size[0], 4).copy()
+
+    def release(self) -> None:
+        """See drivers.base.Job.release: textures go when nothing names them any more."""
+        self.live.clear()
+        self.steps.clear()
 
 
 class DXC(WGPU):
@@ -209,14 +311,16 @@ class DXC(WGPU):
         self.adapter += f", DXC {self.compiler.version}"
         self._vertex = None
 
-    def modules(self, entry: str, samples: int) -> tuple:
+    def modules(self, item: Pass) -> tuple:
+        """See WGPU.modules."""
         if self._vertex is None:
-            self._vertex = self._compile("BokehFullScreen_VS", "vs_6_0", {})
-        fragment = self._compile(entry + "_PS", "ps_6_0", {"BOKEH_NUM_SAMPLES": samples})
-        return self._vertex, "BokehFullScreen_VS", fragment, entry + "_PS", {}
+            self._vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
+        code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, {"BOKEH_NUM_SAMPLES": item.samples})
+        fragment = self._compile(code, item.entry + "_PS", "ps_6_0")
+        return self._vertex, "BokehFullScreen_VS", fragment, item.entry + "_PS", {}
 
-    def _compile(self, entry: str, profile: str, values: dict):
-        result = self.compiler.compile(shaders.hlsl(6, values), profile, entry, spirv=True)
+    def _compile(self, code: str, entry: str, profile: str):
+        result = self.compiler.compile(code, profile, entry, spirv=True)
         if not result.ok:
             raise RuntimeError(f"DXC refused {entry} ({profile}):\n{result.messages}")
         return self.device.create_shader_module(code=result.binary)
