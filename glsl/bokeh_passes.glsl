@@ -209,9 +209,11 @@ void main()
 {
     vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
     vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
         0.5);
 }
 
@@ -221,9 +223,11 @@ void main()
 {
     vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
     vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     vec4 a = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
         0.5);
     BokehResult = BokehCombine(a, BokehFetch(BokehColorSampB, BokehUV), BokehUseMax > 0.5);
 }
@@ -250,9 +254,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
     BokehResult = T[0];
 }
 
@@ -260,9 +266,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehDepthSamp,
-        BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
         jitter, BokehBleedingBias, BokehBleedingMult);
 }
 
@@ -270,9 +278,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
     BokehResult = T[0];
     BokehResultB = T[1];
 }
@@ -281,9 +291,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB, BokehColorSampB, BokehDepthSamp,
-        BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
         jitter, BokehBleedingBias, BokehBleedingMult);
 }
 
@@ -291,9 +303,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
     BokehResult = T[0];
     BokehResultB = T[1];
     BokehResultC = T[2];
@@ -303,9 +317,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampC, BokehDepthSamp,
-        BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
         jitter, BokehBleedingBias, BokehBleedingMult);
 }
 
@@ -313,9 +329,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
+        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
     BokehResult = T[0];
     BokehResultB = T[1];
     BokehResultC = T[2];
@@ -326,9 +344,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD, BokehDepthSamp,
-        BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
         jitter, BokehBleedingBias, BokehBleedingMult);
 }
 
@@ -336,9 +356,11 @@ void main()
 
 void main()
 {
-    float jitter = BokehJitter * BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
     BokehResult = BokehExactEdge(BokehColorSamp, BokehDepthSamp, BokehColorSampB, BokehColorSampC, BokehUV, BokehEdge,
-        BokehSides, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES,
+        BokehSides, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
         jitter, BokehBleedingBias, BokehBleedingMult);
 }
 

@@ -43,6 +43,8 @@
 //
 //   name                  default    range     meaning
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
+//   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
+//                                             not read BokehSpacing and BokehJitter then
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -53,6 +55,9 @@
 
 #ifndef BOKEH_NUM_SAMPLES
 #define BOKEH_NUM_SAMPLES 13
+#endif
+#ifndef BOKEH_ADAPTIVE_SAMPLES
+#define BOKEH_ADAPTIVE_SAMPLES 1.0
 #endif
 #ifndef BOKEH_SENSOR_HEIGHT
 #define BOKEH_SENSOR_HEIGHT 0.024

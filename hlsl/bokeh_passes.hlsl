@@ -193,9 +193,10 @@ float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
     float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, segment,
-        BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult, BokehBlurCoC > 0.5);
 }
 
@@ -203,9 +204,10 @@ float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
     float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4 a = BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, segment,
-        BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult, BokehBlurCoC > 0.5);
     return BokehCombine(a, BokehFetch(BOKEH_ARGUMENT(BokehColorSampB), uv), BokehUseMax > 0.5);
 }
@@ -227,27 +229,30 @@ float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 4.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult);
     target0 = T[0];
 }
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSamp),
         BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 4.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         BokehBleedingBias, BokehBleedingMult);
 }
 
 void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1))
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 6.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult);
     target0 = T[0];
     target1 = T[1];
@@ -255,19 +260,21 @@ void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
         BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehDepthSamp), uv, 6.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         BokehBleedingBias, BokehBleedingMult);
 }
 
 void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
     out float4 target2 : BOKEH_TARGET(2))
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 8.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult);
     target0 = T[0];
     target1 = T[1];
@@ -276,19 +283,21 @@ void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
         BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehDepthSamp), uv, 8.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         BokehBleedingBias, BokehBleedingMult);
 }
 
 void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
     out float4 target2 : BOKEH_TARGET(2), out float4 target3 : BOKEH_TARGET(3))
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 10.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult);
     target0 = T[0];
     target1 = T[1];
@@ -298,19 +307,21 @@ void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
         BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehColorSampD), BOKEH_ARGUMENT(BokehDepthSamp), uv, 10.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         BokehBleedingBias, BokehBleedingMult);
 }
 
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float jitter = BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
+    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp),
         BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehColorSampC), uv, BokehEdge, BokehSides, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, BokehSpacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
+        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
         BokehBleedingMult);
 }
 

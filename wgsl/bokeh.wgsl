@@ -41,6 +41,8 @@
 //
 //   name                  default    range     meaning
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); an override constant
+//   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
+//                                             not read BokehSpacing and BokehJitter then
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -50,6 +52,7 @@
 //   BOKEH_MAX_DEPTH       1000000000.0         metres, stands for infinite depth: the CoC is A f / (S1 - f) there
 
 override BOKEH_NUM_SAMPLES: i32 = 13;
+override BOKEH_ADAPTIVE_SAMPLES: f32 = 1.0;
 const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
 const BOKEH_MAX_COC: f32 = 0.1;
 const BOKEH_BLEEDING_BIAS: f32 = 0.02;

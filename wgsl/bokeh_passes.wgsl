@@ -139,10 +139,11 @@ struct BokehVertex
     let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX, bokehParameters.BokehLineCenterY);
     let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength, lineCenter,
         bokehParameters.BokehSqueeze);
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
-        segment, bokehParameters.BokehAspectRatio, bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing,
+        segment, bokehParameters.BokehAspectRatio, bokehParameters.BokehImageHeight, spacing,
         BOKEH_NUM_SAMPLES, jitter, bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult,
         bokehParameters.BokehBlurCoC > 0.5);
 }
@@ -152,11 +153,12 @@ struct BokehVertex
     let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX, bokehParameters.BokehLineCenterY);
     let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength, lineCenter,
         bokehParameters.BokehSqueeze);
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     let a: vec4f = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp,
         input.uv, segment, bokehParameters.BokehAspectRatio, bokehParameters.BokehImageHeight,
-        bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter, bokehParameters.BokehBleedingBias,
+        spacing, BOKEH_NUM_SAMPLES, jitter, bokehParameters.BokehBleedingBias,
         bokehParameters.BokehBleedingMult, bokehParameters.BokehBlurCoC > 0.5);
     return BokehCombine(a, BokehFetch(BokehColorSampB, BokehLinearClamp, input.uv), bokehParameters.BokehUseMax > 0.5);
 }
@@ -182,23 +184,25 @@ struct BokehVertex
 
 @fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     let T: mat4x4f = BokehExactFirst(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 4.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
     return T[0];
 }
 
 @fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehExactSecond(BokehColorSamp, BokehLinearClamp, BokehColorSamp, BokehLinearClamp, BokehColorSamp,
         BokehLinearClamp, BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 4.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
 }
 
@@ -210,23 +214,25 @@ struct BokehTargets2
 
 @fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     let T: mat4x4f = BokehExactFirst(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 6.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
     return BokehTargets2(T[0], T[1]);
 }
 
 @fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehExactSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehLinearClamp, BokehColorSampB,
         BokehLinearClamp, BokehColorSampB, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 6.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
 }
 
@@ -239,23 +245,25 @@ struct BokehTargets3
 
 @fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     let T: mat4x4f = BokehExactFirst(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 8.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
     return BokehTargets3(T[0], T[1], T[2]);
 }
 
 @fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehExactSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehLinearClamp, BokehColorSampC,
         BokehLinearClamp, BokehColorSampC, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 8.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
 }
 
@@ -269,34 +277,37 @@ struct BokehTargets4
 
 @fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     let T: mat4x4f = BokehExactFirst(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
         10.0, bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
     return BokehTargets4(T[0], T[1], T[2], T[3]);
 }
 
 @fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehExactSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehLinearClamp, BokehColorSampC,
         BokehLinearClamp, BokehColorSampD, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, 10.0,
         bokehParameters.BokehAngle, bokehParameters.BokehSqueeze, bokehParameters.BokehAspectRatio,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing, BOKEH_NUM_SAMPLES, jitter,
+        bokehParameters.BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
         bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
 }
 
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let jitter: f32 = bokehParameters.BokehJitter * BokehNoise(input.uv, bokehParameters.BokehImageWidth,
-        bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
+    let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
+    let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
     return BokehExactEdge(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, BokehColorSampB,
         BokehLinearClamp, BokehColorSampC, BokehLinearClamp, input.uv, bokehParameters.BokehEdge,
         bokehParameters.BokehSides, bokehParameters.BokehAngle, bokehParameters.BokehSqueeze,
-        bokehParameters.BokehAspectRatio, bokehParameters.BokehImageHeight, bokehParameters.BokehSpacing,
+        bokehParameters.BokehAspectRatio, bokehParameters.BokehImageHeight, spacing,
         BOKEH_NUM_SAMPLES, jitter, bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult);
 }
 

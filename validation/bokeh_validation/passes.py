@@ -88,6 +88,13 @@ class Pass:
         """Names of all textures it writes, in the order of the targets."""
         return (self.output,) if isinstance(self.output, str) else self.output
 
+    @property
+    def constants(self) -> dict[str, int | float]:
+        """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
+        values = self.values()
+        adaptive = values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0
+        return {"BOKEH_NUM_SAMPLES": self.samples, "BOKEH_ADAPTIVE_SAMPLES": 1.0 if adaptive else 0.0}
+
     def values(self) -> dict[str, float]:
         """All parameters, in layout order."""
         unknown = set(self.parameters) - set(PARAMETERS)

@@ -136,7 +136,7 @@ class WebGL2(BrowserDriver):
         return told["renderer"], told["floatLinear"]
 
     def _program(self, item: Pass) -> dict[str, object]:
-        return {"fragment": shaders.glsl(item.entry, "300es", {"BOKEH_NUM_SAMPLES": item.samples})}
+        return {"fragment": shaders.glsl(item.entry, "300es", item.constants)}
 
     def _shared(self) -> dict[str, object]:
         return {"vertex": shaders.glsl("BokehFullScreen", "300es")}
@@ -154,7 +154,7 @@ class WebGPU(BrowserDriver):
         return " ".join(word for word in words if word), told["floatFilterable"]
 
     def _program(self, item: Pass) -> dict[str, object]:
-        return {"entry": item.entry + "_PS", "samples": item.samples}
+        return {"entry": item.entry + "_PS", "constants": item.constants}
 
     def _shared(self) -> dict[str, object]:
         return {"code": shaders.wgsl(), "vertex": "BokehFullScreen_VS", "slots": SAMPLE_TYPES}

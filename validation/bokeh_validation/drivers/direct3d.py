@@ -107,7 +107,7 @@ class Direct3D:
 
     def _draw(self, item: Pass, numbers: dict[str, int]) -> list[str]:
         """Lines that set up a pass."""
-        code = self.shader("ps", item.entry + "_PS", {"BOKEH_NUM_SAMPLES": item.samples})
+        code = self.shader("ps", item.entry + "_PS", item.constants)
         lines = [f"pixel {code}"]
         for slot, texture in item.inputs.items():
             kind = "linear" if is_linear(item.entry, slot) else "nearest"

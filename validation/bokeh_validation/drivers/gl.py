@@ -39,7 +39,7 @@ class GLDriver:
     def program(self, item: Pass) -> moderngl.VertexArray:
         """The linked program of a pass as a vertex array without buffers, cached by its text."""
         if item.sources is None:
-            text = shaders.glsl(item.entry, "330", {"BOKEH_NUM_SAMPLES": item.samples})
+            text = shaders.glsl(item.entry, "330", item.constants)
         else:
             text = item.sources["glsl"]
         if text not in self._programs:
@@ -230,6 +230,22 @@ def _egl_devices():
             return
 
 
+def _unbind_egl() -> None:
+    """Let EGL know that its context is no longer current.
+
+    OSMesa takes the thread's OpenGL away without telling EGL. For EGL, making the same context current once more is
+    nothing to do then, and its commands would go to OSMesa's objects of the same numbers.
+    """
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+    except OSError:
+        return
+    egl.eglGetCurrentDisplay.restype = ctypes.c_void_p
+    display = egl.eglGetCurrentDisplay()
+    if display:
+        egl.eglMakeCurrent(ctypes.c_void_p(display), None, None, None)
+
+
 def egl_adapters() -> list[str]:
     """Renderer names of all EGL devices."""
     names = []
@@ -276,6 +292,7 @@ class OSMesaContext:
         return self.library.OSMesaGetProcAddress(name.encode()) or 0
 
     def __enter__(self) -> None:
+        _unbind_egl()
         self.library.OSMesaMakeCurrent(self.handle, self.buffer, self.UNSIGNED_BYTE, self.size, self.size)
 
     def __exit__(self, *_) -> None:

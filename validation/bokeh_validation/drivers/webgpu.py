@@ -108,7 +108,7 @@ class WGPU:
         code = shaders.wgsl() if item.sources is None else item.sources["wgsl"]
         if code not in self._modules:
             self._modules[code] = self.device.create_shader_module(code=code)
-        constants = {"BOKEH_NUM_SAMPLES": float(item.samples)}
+        constants = {name: float(value) for name, value in item.constants.items()}
         return self._modules[code], "BokehFullScreen_VS", self._modules[code], item.entry + "_PS", constants
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
@@ -125,7 +125,7 @@ class WGPU:
 
     def pipeline(self, item: Pass, formats: Sequence[str]):
         """Render pipeline of a pass into targets of these formats, cached."""
-        key = (item.entry, item.samples, str(item.sources), *formats)
+        key = (item.entry, str(item.constants), str(item.sources), *formats)
         if key not in self._pipelines:
             vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item)
             self._pipelines[key] = self.make_pipeline(
@@ -315,7 +315,7 @@ class DXC(WGPU):
         """See WGPU.modules."""
         if self._vertex is None:
             self._vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
-        code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, {"BOKEH_NUM_SAMPLES": item.samples})
+        code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, item.constants)
         fragment = self._compile(code, item.entry + "_PS", "ps_6_0")
         return self._vertex, "BokehFullScreen_VS", fragment, item.entry + "_PS", {}
 

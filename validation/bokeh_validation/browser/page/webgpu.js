@@ -8,7 +8,7 @@ const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
 let started = null; // promise of { adapter, device, samplers, dummy }
 const modules = new Map(); // source -> GPUShaderModule
-const pipelines = new Map(); // entry, samples, formats and source -> GPURenderPipeline
+const pipelines = new Map(); // entry, constants, formats and source -> GPURenderPipeline
 
 // The device, made on first use and again after it was lost.
 function start() {
@@ -110,11 +110,11 @@ export async function compile({ code, vertex, fragment, slots, formats }) {
 // A pipeline for targets of one format, made once for each entry, sample count and format.
 async function pipeline(device, { code, vertex, slots }, pass, format) {
   const formats = pass.outputs.map(() => format);
-  const key = [pass.entry, pass.samples, ...formats, code].join("\0");
+  const key = [pass.entry, JSON.stringify(pass.constants), ...formats, code].join("\0");
   if (!pipelines.has(key)) {
     if (!modules.has(code)) modules.set(code, device.createShaderModule({ code }));
     const module = modules.get(code);
-    const fragment = { module, entry: pass.entry, constants: { BOKEH_NUM_SAMPLES: pass.samples } };
+    const fragment = { module, entry: pass.entry, constants: pass.constants };
     const descriptor = pipelineDescriptor(device, slots, { module, entry: vertex }, fragment, formats);
     pipelines.set(key, await device.createRenderPipelineAsync(descriptor));
   }

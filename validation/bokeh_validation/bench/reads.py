@@ -1,0 +1,137 @@
+"""What a filter pass fetches, and where: for its floor, and for the table of costs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bokeh_validation import apertures, methods
+from bokeh_validation.passes import Pass
+from bokeh_validation.reference import listings, segments
+
+COPIES = ("BokehCoCMap", "BokehConstantCoC")
+COLOR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
+TARGET_BYTES = 8  # RGBA16F
+
+
+@dataclass(frozen=True)
+class Line:
+    """Samples on a line, or on a grid.
+
+    slot      where its colour comes from
+    middle    (2,) from the pixel to the line's middle
+    half      (2,) from there to its end; both in units of the CoC, x to the right, y down
+    count     samples; the most of them where `spacing` > 0
+    ends      True: the first and the last sample are the line's ends; False: the middles of `count` equal parts
+    spacing   pixels between samples, 0: exactly `count`
+    side      (2,) the same as `half` for the other side of a grid of count x count samples, or None
+    """
+
+    slot: str
+    middle: np.ndarray
+    half: np.ndarray
+    count: int
+    ends: bool = False
+    spacing: float = 0.0
+    side: np.ndarray | None = None
+
+    @property
+    def samples(self) -> int:
+        """All of them, at most."""
+        return self.count if self.side is None else self.count**2
+
+    def counts(self, coc: np.ndarray, height: int) -> np.ndarray:
+        """Samples that pixels of this CoC take: `coc` is a fraction of the image height, of any shape."""
+        if self.spacing <= 0.0:
+            return np.full(np.shape(coc), self.samples)
+        used = segments.filter_coc(coc, height, self.spacing)
+        cells = np.clip(2.0 * np.hypot(*self.half) * used * height / self.spacing, 1.0, self.count)
+        return np.where(used > 0.0, np.ceil(cells), 0.0)
+
+
+@dataclass(frozen=True)
+class Reads:
+    """All fetches of a pass beside the pixel's own colour and depth.
+
+    lines   in the order in which the pass takes them
+    others  further colour textures that it fetches at the pixel
+    skips   whether a pixel whose CoC is below half a pixel takes its own colour and nothing else of the lines
+    """
+
+    lines: tuple[Line, ...]
+    others: tuple[str, ...] = ()
+    skips: bool = False
+
+
+def reads(item: Pass) -> Reads:
+    """The fetches of a filter pass. Raises KeyError for another one."""
+    values = item.values()
+    stem = item.entry.removeprefix("Bokeh")
+    others = ("ColorSampB",) if stem.endswith("Final") else ()
+    angles = [apertures.direction(values[name]) for name in ("BokehAngle", "BokehAngleB")]
+    squeeze, spacing = np.array([values["BokehSqueeze"], 1.0]), values["BokehSpacing"]
+    zero = np.zeros(2)
+    if stem in ("DepthOfField", "DepthOfFieldFinal"):
+        return Reads((Line("ColorSamp", zero, 0.5 * angles[0] * squeeze, item.samples, ends=True),), others)
+    if stem == "NaiveGrid":
+        u, v = (0.5 * angle * squeeze for angle in angles)
+        return Reads((Line("ColorSamp", zero, u, item.samples, ends=True, side=v),))
+    if stem in ("Adaptive", "AdaptiveFinal"):
+        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
+        found = segments.line_segment(values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"])
+        line = Line("ColorSamp", found.middle, found.half, item.samples, spacing=spacing)
+        return Reads((line,), others, skips=True)
+    second = stem.endswith("Second")
+    sides = methods.EXACT[stem.removesuffix("First").removesuffix("Second").lower()]
+    lines = []
+    for k in range(1, sides // 2):
+        edge = segments.polygon_edge(k + second, sides, values["BokehAngle"], values["BokehSqueeze"], second)
+        slot = COLOR_SLOTS[k - 1] if second else "ColorSamp"
+        lines.append(Line(slot, edge.middle, edge.half, item.samples, spacing=spacing))
+    return Reads(tuple(lines), skips=True)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of one picture, CoC map and all: passes, and a pixel's colour and depth fetches (means) and bytes written."""
+
+    passes: int
+    color: float
+    depth: float
+    written: int
+
+
+def stored_coc(item: Pass, depth: np.ndarray) -> np.ndarray:
+    """CoC that the first pass stores in a half float, from depth (H, W) in metres; (H, W)."""
+    values = item.values()
+    if item.entry == "BokehConstantCoC":
+        found = np.full(depth.shape, min(values["BokehConstantCoC"], values["BokehMaxCoC"]))
+    else:
+        found = listings.circle_of_confusion(
+            listings.safe_depth(depth.astype(np.float64)),
+            values["BokehApertureDiameter"],
+            values["BokehFocalLength"],
+            values["BokehFocusDistance"],
+            values["BokehSensorHeight"],
+            values["BokehMaxCoC"],
+        )
+    return found.astype(np.float16).astype(np.float64)
+
+
+def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
+    """Cost of a plan on this depth, (H, W) in metres: filter passes that all blur by the CoC of the first pass."""
+    color, of_depth, written = 0.0, 0.0, 0
+    coc = stored_coc(passes[0], depth)
+    for item in passes:
+        written += TARGET_BYTES * len(item.outputs)
+        if item.entry in COPIES:
+            color += 1
+            of_depth += item.entry == "BokehCoCMap"
+            continue
+        found = reads(item)
+        blurred = np.ones(coc.shape)
+        if found.skips:
+            blurred = (segments.filter_coc(coc, len(depth), item.values()["BokehSpacing"]) > 0.0).astype(float)
+        samples = sum(line.counts(coc, len(depth)) for line in found.lines) * blurred
+        color += float(np.mean(samples)) + 1 + len(found.others)
+        of_depth += float(np.mean(samples + blurred))
+    return Cost(len(passes), color, of_depth, written)

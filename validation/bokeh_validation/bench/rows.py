@@ -1,0 +1,134 @@
+"""What is measured: the methods of Table 1, the defaults, adaptive counts, and a picture in focus."""
+
+from dataclasses import dataclass
+from math import ceil, pi, tan
+
+import numpy as np
+
+from bokeh_validation import exr, methods, paths, suite
+from bokeh_validation.bench import floors
+from bokeh_validation.passes import Pass
+
+# Samples on a line for the effective counts of Table 1: 16, 64, 144, 256, 400, 576
+SIDES = (4, 8, 12, 16, 20, 24)
+QUICK_SIDES = (4, 12, 24)
+SCENE = suite.SCENES[0]
+# Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
+COC = 0.1
+# As many as a line of CoC length can take at a sample a pixel in a picture of 2540 rows
+MOST = 254
+FARTHEST = 1e4  # metres: the floors add up depth, and infinity has no mean
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method with its settings.
+
+    key        its name in the results
+    group      'table 1', 'default', 'adaptive' or 'in focus'
+    effective  effective samples as the paper counts them; None where the count follows the CoC
+    passes     what is timed
+    floor      what it is held against
+    versus     key -> row that it is divided by: 'naive' and 'paper', where there is one
+    """
+
+    key: str
+    group: str
+    settings: methods.Settings
+    effective: int | None
+    passes: tuple[Pass, ...]
+    floor: tuple[Pass, ...]
+    versus: dict[str, str]
+
+
+def edge_samples(aperture: str, line_samples: int) -> int:
+    """Samples on an edge, 2 or more, at least as close to each other as `line_samples` on a line of the paper's.
+
+    The paper's line is as long as its polygon is wide. A hexagon is twice as wide as its edge from corner to corner, an
+    octagon 2.414 times from side to side.
+    """
+    share = 0.5 if aperture == "hexagon" else tan(pi / 8)
+    return max(2, ceil(line_samples * share))
+
+
+def _row(key: str, group: str, settings: methods.Settings, size, effective=None, **versus: str) -> Row:
+    passes = methods.plan(settings, size).passes
+    floor = floors.one_fetch(passes) if group == "in focus" else floors.floor(passes)
+    return Row(key, group, settings, effective, passes, floor, versus)
+
+
+def _fixed(method: str, aperture: str, samples: int, coc: float = COC) -> methods.Settings:
+    return methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=coc)
+
+
+def table_one(size: tuple[int, int], sides: tuple[int, ...] = SIDES) -> list[Row]:
+    """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
+    rows = []
+    for side in sides:
+        count = side * side
+        naive = f"naive {count}"
+        rows.append(_row(naive, "table 1", _fixed("naive-grid", "hexagon", side), size, count))
+        for aperture in ("hexagon", "octagon"):
+            paper = f"paper {aperture} {count}"
+            edge = edge_samples(aperture, side)
+            rows.append(_row(paper, "table 1", _fixed("paper", aperture, side), size, count, naive=naive))
+            settings = _fixed("exact", aperture, edge)
+            rows.append(_row(f"exact {aperture} {count}", "table 1", settings, size, count, naive=naive, paper=paper))
+    return rows
+
+
+def defaults(size: tuple[int, int]) -> list[Row]:
+    """The counts that nobody asked for: 13 on a line, 7 and 6 on an edge."""
+    rows = []
+    for aperture in ("hexagon", "octagon"):
+        paper = f"paper {aperture}"
+        count = methods.default_samples("paper", aperture)
+        rows.append(_row(paper, "default", _fixed("paper", aperture, count), size, count**2))
+        edge = methods.default_samples("exact", aperture)
+        rows.append(_row(f"exact {aperture}", "default", _fixed("exact", aperture, edge), size, count**2, paper=paper))
+    return rows
+
+
+def adaptive(size: tuple[int, int]) -> list[Row]:
+    """A sample a pixel, the CoC from depth; `paper` does not blur it, so that its floor fetches at the same places."""
+    rows = []
+    for aperture in ("hexagon", "octagon"):
+        paper = f"paper {aperture} adaptive"
+        for method, key in (("paper", paper), ("exact", f"exact {aperture} adaptive")):
+            settings = methods.Settings(
+                method, aperture, camera=SCENE.camera, spacing=1.0, max_samples=MOST, blur_coc=method == "exact"
+            )
+            versus = {} if method == "paper" else {"paper": paper}
+            rows.append(_row(key, "adaptive", settings, size, None, **versus))
+    return rows
+
+
+def in_focus(size: tuple[int, int]) -> list[Row]:
+    """The two passes of `exact` where every pixel is in focus, against one fetch and one write for each target.
+
+    They read 'sharp', a picture with a CoC of 0: the pass that makes the CoC is not in the time.
+    """
+    rows = []
+    for aperture in ("hexagon", "octagon"):
+        settings = methods.Settings("exact", aperture, coc=0.0, spacing=1.0, max_samples=65)
+        found = _row(f"exact {aperture} in focus", "in focus", settings, size)
+        passes, floor = (tuple(_reading(item, "sharp") for item in part[1:]) for part in (found.passes, found.floor))
+        rows.append(Row(found.key, found.group, settings, None, passes, floor, {}))
+    return rows
+
+
+def _reading(item: Pass, name: str) -> Pass:
+    inputs = {slot: name if source == "coc" else source for slot, source in item.inputs.items()}
+    return Pass(item.entry, inputs, item.output, item.parameters, item.samples, item.sources)
+
+
+def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
+    """The street of validation/scenes at (width, height), nearest texel: 'color', 'depth', and 'sharp' with alpha 0."""
+    scene = exr.read(paths.SCENES / f"{SCENE.name}_pin.exr")
+    width, height = scene.size
+    columns, lines = np.arange(size[0]) * width // size[0], np.arange(size[1]) * height // size[1]
+    color = scene.color[lines][:, columns]
+    sharp = color.copy()
+    sharp[..., 3] = 0.0
+    depth = np.minimum(scene.depth[lines][:, columns], np.float32(FARTHEST))
+    return {"color": color, "depth": depth, "sharp": sharp}
