@@ -14,11 +14,11 @@ WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("ex
 def test_sample(name, request):
     """Hexagon and octagon, paper and exact, on what the engine drew.
 
-    A slow sample is run where its files changed since it last passed, or with --all.
+    A slow sample is run where its files changed since it last passed here, or with --all.
     """
     engine = engines.ENGINES[name]
     if engine.slow and not request.config.getoption("--all") and not engine.changed():
-        pytest.skip(f"{name}: its files are those that it last passed with; --all runs it")
+        pytest.skip(f"{name}: not built here yet, or as it last passed; --all runs it")
     try:
         capture = engines.run(name)
     except Unavailable as error:
