@@ -146,7 +146,7 @@ def test_shader_mistakes_are_seen(target, source):
 # What a sample leaves out of the package's own passes: it has no noise, the default leakage test, lines of length 1
 # that are centred, blurs the CoC with the colour, combines by min
 LEFT_OUT = {
-    "BokehJitter * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame)": "0.0",
+    "BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame)": "0.0",
     "BokehBleedingBias": "BOKEH_BLEEDING_BIAS",
     "BokehBleedingMult": "BOKEH_BLEEDING_MULT",
     "BokehBlurCoC > 0.5": "true",
