@@ -104,7 +104,7 @@ def test_noise_has_no_bias():
     ],
     ids=str,
 )
-@pytest.mark.parametrize("aperture", EXACT)
+@pytest.mark.parametrize("aperture", ["hexagon", "decagon"])
 def test_exact_on_noise(aperture, changes, driver):
     """Random patches of colour and depth: within the interval of the reference, whatever the options."""
     settings = replace(methods.Settings("exact", aperture, camera=CAMERA), **changes)
