@@ -85,7 +85,7 @@ class GLDriver:
                 bound[slot].use(unit)
                 self.samplers[is_linear(item.entry, slot)].use(unit)
         for name, value in item.values().items():
-            # every time: where two contexts live in one process, a program may not have the values that it was left with
+            # every time: it is cheap, and a program need not have the values that it was left with
             if name in array.program:
                 array.program[name] = value
         target.use()

@@ -15,7 +15,7 @@ class Engine:
 
     name    what `validation/run engines` takes; its files are in the folder of integration/ that it begins with
     module  of bokeh_validation.engines, with `run(name, folder)`: builds the sample and runs it, headless, so that it
-            leaves its capture in `folder`. Raises errors.Unavailable, with the install line, where the engine is absent.
+            leaves its capture in `folder`. Raises errors.Unavailable with the install line where the engine is absent.
     slow    left out of `validation/test` unless its files changed, since its first build takes many minutes
     """
 
