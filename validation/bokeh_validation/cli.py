@@ -114,9 +114,10 @@ def _everything(adapter: str | None, quick: bool) -> int:
     probes, scenes = _probes(runtimes), _scenes(runtimes, quick)
     _print_probes(probes, missing)
     _print_scenes(scenes)
-    path = _write_report(None, matrix, probes, scenes, missing)
+    captures, engines_ok = ([], True) if quick else _engines([n for n, e in _samples().items() if not e.slow])
+    path = _write_report(None, matrix, probes, scenes, missing, captures)
     console.print(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
-    passed = _compiled(matrix) and all(p.ok for p in probes)
+    passed = _compiled(matrix) and engines_ok and all(p.ok for p in probes)
     return 0 if passed and all(c.ok for s in scenes for c in s.result.comparisons.values()) else EXIT_FAILED
 
 
@@ -392,7 +393,8 @@ def report(
     if output is not None:
         exr.check_writable(output)
     runtimes, missing = _drivers(driver, adapter)
-    path = _write_report(output, _matrix(False), _probes(runtimes), _scenes(runtimes), missing)
+    captures, _ = _engines([name for name, engine in _samples().items() if not engine.slow])
+    path = _write_report(output, _matrix(False), _probes(runtimes), _scenes(runtimes), missing, captures)
     console.print(f"Report: {path}")
 
 
@@ -450,38 +452,52 @@ def engines(
     everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,
 ) -> None:
     """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
-    from bokeh_validation import engines as samples
-
+    samples = _samples()
     for name in names or []:
-        if name not in samples.ENGINES:
-            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(samples.ENGINES)}.")
-    chosen = names or [name for name, engine in samples.ENGINES.items() if everything or not engine.slow]
-    bar, step = _progress("engine", len(chosen))
-    passed = True
-    with bar:
-        for name in chosen:
-            passed &= _print_engine(name)
-            step(name)
+        if name not in samples:
+            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(samples)}.")
+    chosen = names or [name for name, engine in samples.items() if everything or not engine.slow]
+    _, passed = _engines(chosen)
     raise typer.Exit(0 if passed else EXIT_FAILED)
 
 
-def _print_engine(name: str) -> bool:
-    from bokeh_validation import engines as samples
+def _samples():
+    from bokeh_validation import engines
+
+    return engines.ENGINES
+
+
+def _engines(names: list[str]):
+    """Captures of the samples that ran, and whether none failed; under CI none may be missing either."""
+    bar, step = _progress("engine", len(names))
+    captures, passed = [], True
+    with bar:
+        for name in names:
+            capture, ok = _run_engine(name)
+            captures += [capture] if capture else []
+            passed &= ok
+            step(name)
+    return captures, passed
+
+
+def _run_engine(name: str):
+    """(capture or None, whether that is well), printed."""
+    from bokeh_validation import engines
     from bokeh_validation.errors import Unavailable
 
     try:
-        capture = samples.run(name)
+        capture = engines.run(name)
     except Unavailable as error:
-        console.print(f"[yellow]not run[/] {name}: {error}")
-        return not os.environ.get("CI")
-    except (RuntimeError, samples.Broken) as error:
+        console.print(f"[yellow]not run[/] {name}: {error}", highlight=False)
+        return None, not os.environ.get("CI")
+    except (RuntimeError, engines.Broken) as error:
         console.print(f"[red]FAILED[/] {name}: {error}", highlight=False)
-        return False
+        return None, False
     console.print(f"{name}: {capture.engine} on {capture.device}", highlight=False)
     for shot in capture.shots:
         state = "[green]ok[/]" if shot.comparison.ok else "[red]FAILED[/]"
         console.print(f"  {shot.name}: {shot.comparison} {state}", highlight=False)
-    return capture.ok
+    return capture, capture.ok
 
 
 # ---------------------------------------------------------------------------------------------------------------- steps
@@ -518,13 +534,13 @@ def _scenes(runtimes, quick: bool = False):
         return suite.run_scenes(runtimes, step, quick)
 
 
-def _write_report(output: Path | None, matrix, probes, scenes, missing) -> Path:
+def _write_report(output: Path | None, matrix, probes, scenes, missing, captures) -> Path:
     from bokeh_validation import paths, report
 
     path = output or report.default_path()
     if output is None:
         paths.ensured(path.parent)
-    report.write(path, matrix, probes, scenes, missing)
+    report.write(path, matrix, probes, scenes, missing, captures)
     return path
 
 

@@ -9,6 +9,7 @@ import jinja2
 import numpy as np
 
 from bokeh_validation import __version__, doctor, exr, metrics, paths, pictures
+from bokeh_validation.engines.capture import Capture
 from bokeh_validation.patterns.model import CaseResult, Check, ProbeResult
 from bokeh_validation.suite import SceneResult
 
@@ -52,8 +53,18 @@ def default_path() -> Path:
     return paths.cache_folder() / "report" / "index.html"
 
 
-def write(path: Path, matrix: object, probes: list[ProbeResult], scenes: list[SceneResult], missing: dict) -> None:
-    """Write the page. `matrix` is what matrix.run returned, or None where nothing was compiled."""
+def write(
+    path: Path,
+    matrix: object,
+    probes: list[ProbeResult],
+    scenes: list[SceneResult],
+    missing: dict,
+    captures: list[Capture] | None = None,
+) -> None:
+    """Write the page. `matrix` is what matrix.run returned, or None where nothing was compiled.
+
+    captures  of the engine samples that ran
+    """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("bokeh_validation.report", "."),
         autoescape=True,
@@ -68,6 +79,7 @@ def write(path: Path, matrix: object, probes: list[ProbeResult], scenes: list[Sc
         matrix=matrix,
         probes=_probe_sections(probes),
         scenes=_scene_strips(scenes),
+        engines=[_engine_strip(capture) for capture in captures or []],
         missing=missing,
         difference_steps=DIFFERENCE_STEPS,
         counts=_counts(probes, scenes),
@@ -129,6 +141,28 @@ def _picture(result: CaseResult, pixels: np.ndarray) -> str:
     else:
         shown = pictures.display(pixels, case.exposure, case.tone_map)
     return pictures.data_uri(_scaled(shown))
+
+
+def _engine_strip(capture: Capture) -> dict:
+    """An engine's own colour, and beside each result what the reference makes of the same."""
+
+    def shown(image: np.ndarray) -> str:
+        return pictures.data_uri(pictures.display(image, tone_map=True))
+
+    panels = []
+    for shot in capture.shots:
+        distance = metrics.steps(shot.result, shot.expected.value, shot.result.dtype.type)
+        heat = pictures.data_uri(pictures.heat(distance, DIFFERENCE_STEPS))
+        panels.append(Panel(shot.name, shown(shot.result), heat, str(shot.comparison), shot.comparison.ok))
+    first = capture.shots[0]
+    return {
+        "name": capture.engine,
+        "device": capture.device,
+        "input": shown(first.case.color),
+        "expected": shown(first.expected.value),
+        "first": first.name,
+        "panels": panels,
+    }
 
 
 def _scaled(pixels: np.ndarray) -> np.ndarray:
