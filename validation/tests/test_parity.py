@@ -53,7 +53,7 @@ EVERYWHERE = {
     "an operator": ("centerCoC > sampleCoC + bleedingBias", "centerCoC > sampleCoC - bleedingBias"),
     "another joint": ("< centerDepth && centerCoC", "< centerDepth || centerCoC"),
     "min for max": ("result = max(a, b);", "result = min(a, b);"),
-    "a swapped pair of arguments": ("clamp(c / sensorHeight, 0.0, MaxCoC)", "clamp(c / sensorHeight, MaxCoC, 0.0)"),
+    "a swapped pair of arguments": ("clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC)", "clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), MaxCoC, 0.0)"),
     "a component": ("uv).r;", "uv).g;"),
     "parentheses": ("float(2 * i - last)", "float(2 * (i - last))"),
     "a condition turned round": ("if (!blurCoC)", "if (blurCoC)"),
@@ -75,7 +75,7 @@ EVERYWHERE = {
     "a doc comment cut off": ("//   returns       0 .. 1\n", "//   returns       0 .. 1\n\n"),
     "a picture": ("^ this pixel", "^ that pixel"),
     "a heading": ("// [7] naive gather\n", "// [7] gather\n"),
-    "a section number": ("// [8] exact polygons: not", "// [7] exact polygons: not"),
+    "a section number": ("// [8] exact polygons", "// [7] exact polygons"),
     "the contract": ("CoC   circle of confusion: a DIAMETER", "CoC   circle of confusion: a RADIUS"),
     "the contents": ("[9] debug views: BokehDebugCoC", "[9] debug views"),
     "a default in the table": ("//   BOKEH_MAX_COC         0.1 ", "//   BOKEH_MAX_COC         0.2 "),
@@ -466,7 +466,7 @@ def test_hlsl_registers_and_glsl_pass_numbers_are_checked():
     key = parity.PASSES["hlsl"]
     assert new_differences({key: replaced(TEXTS[key], "BokehAngleB, 8)", "BokehAngleB, 9)")})
     key = parity.PASSES["glsl"]
-    assert new_differences({key: replaced(TEXTS[key], "#define BOKEH_DEBUG 7", "#define BOKEH_DEBUG 6")})
+    assert new_differences({key: replaced(TEXTS[key], "#define BOKEH_DEBUG 19", "#define BOKEH_DEBUG 6")})
 
 
 # ----------------------------------------------------------------------------------------------------------------------
