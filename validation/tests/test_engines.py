@@ -10,6 +10,8 @@ from bokeh_validation.errors import Unavailable
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
 
 
+# Bevy's first build takes a quarter of an hour
+@pytest.mark.timeout(4000)
 @pytest.mark.parametrize("name", engines.ENGINES)
 def test_sample(name, request):
     """Hexagon and octagon, paper and exact, on what the engine drew.
