@@ -43,6 +43,7 @@
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
 //   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
 //                                             not read BokehSpacing and BokehJitter then
+//   BOKEH_VIEWPORT        0.0        0 or 1    1: the image is a part of its textures, see BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -56,6 +57,9 @@
 #endif
 #ifndef BOKEH_ADAPTIVE_SAMPLES
 #define BOKEH_ADAPTIVE_SAMPLES 1.0
+#endif
+#ifndef BOKEH_VIEWPORT
+#define BOKEH_VIEWPORT 0.0
 #endif
 #ifndef BOKEH_SENSOR_HEIGHT
 #define BOKEH_SENSOR_HEIGHT 0.024
@@ -103,15 +107,52 @@ precision highp sampler2D;
 #endif
 #endif
 
+// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
+vec4 bokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
+vec4 bokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
+
+// Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
+//   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
+//   The bounds are 1/128 texel inside of the centres of the outermost texels, since a linear filter counts a texel
+//   with a weight of 0 in, and 0 times NaN is NaN; 1/256 is how exactly devices place a sample (Direct3D 11, Vulkan).
+//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
+//   textureSize   width, height; pixels
+void BokehSetViewport(vec4 viewport, vec2 textureSize)
+{
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        vec2 inset = min(vec2(0.5078125, 0.5078125), viewport.zw * 0.5);
+        bokehViewport = viewport / textureSize.xyxy;
+        bokehViewportBounds = vec4(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+    }
+}
+
+// Porting: place in the image to place in its textures
+vec2 BokehToTexture(vec2 uv)
+{
+    vec2 coords = uv;
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        coords = clamp(bokehViewport.xy + uv * bokehViewport.zw, bokehViewportBounds.xy, bokehViewportBounds.zw);
+    }
+    return coords;
+}
+
 // Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
 vec4 BokehFetch(sampler2D tex, vec2 uv)
 {
-    return textureLod(tex, uv, 0.0);
+    return textureLod(tex, BokehToTexture(uv), 0.0);
 }
 
-// Porting: the same for textures with a nearest filter, depth and kernels
+// Porting: the same for textures with a nearest filter, which is depth
 //   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
 vec4 BokehFetchNearest(sampler2D tex, vec2 uv)
+{
+    return textureLod(tex, BokehToTexture(uv), 0.0);
+}
+
+// Porting: the same for tables, which no viewport applies to
+vec4 BokehFetchTable(sampler2D tex, vec2 uv)
 {
     return textureLod(tex, uv, 0.0);
 }
@@ -293,7 +334,7 @@ float BokehFilterCoC(float CoC, float imageHeight, float spacing)
     float filterCoC = CoC;
     if (spacing > 0.0)
     {
-        filterCoC = CoC * clamp(2.0 * CoC * imageHeight - 1.0, 0.0, 1.0);
+        filterCoC = CoC * (1.0 - clamp(2.0 - 2.0 * CoC * imageHeight, 0.0, 1.0));
     }
     return filterCoC;
 }
@@ -317,9 +358,10 @@ float BokehCells(float lengthInPixels, float spacing, int maxSamples)
 // Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
+//                 A cell behind the end has the length 0: fxc has been seen to lose the break of the loop around it.
 vec2 BokehCell(float cells, int i, float phase)
 {
-    float low = float(i);
+    float low = min(float(i), cells);
     float high = min(low + 1.0, cells);
     return vec2(low + (high - low) * phase - 0.5 * cells, high - low);
 }
@@ -520,7 +562,7 @@ vec4 BokehNaiveGather(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D Kernel
         for (int i = start; i < min(start + 128, numSamples); i++)
         {
             vec2 kernelCoords = vec2((float(i) + 0.5) / float(numSamples), 0.5);
-            vec2 sampleCoords = uv + BokehFetchNearest(KernelSamp, kernelCoords).rg * scale;
+            vec2 sampleCoords = uv + BokehFetchTable(KernelSamp, kernelCoords).rg * scale;
             vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
             float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,

@@ -140,6 +140,10 @@ BOKEH_PARAMETER(float, BokehEdge)
 BOKEH_PARAMETER(float, BokehDepthKind)
 BOKEH_PARAMETER(float, BokehNear)
 BOKEH_PARAMETER(float, BokehFar)
+BOKEH_PARAMETER(float, BokehViewportX)
+BOKEH_PARAMETER(float, BokehViewportY)
+BOKEH_PARAMETER(float, BokehTextureWidth)
+BOKEH_PARAMETER(float, BokehTextureHeight)
 
 #ifdef VULKAN
 };
@@ -161,10 +165,18 @@ layout(location = 3) out vec4 BokehResultD;
 // fragment shaders
 // ---------------------------------------------------------------------------------------------------------------------
 
+// what every pass begins with
+void BokehUseViewport()
+{
+    vec4 viewport = vec4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
+    BokehSetViewport(viewport, vec2(BokehTextureWidth, BokehTextureHeight));
+}
+
 #if BOKEH_PASS == BOKEH_LINEAR_DEPTH
 
 void main()
 {
+    BokehUseViewport();
     float depth = BokehFetchNearest(BokehDepthSamp, BokehUV).r;
     float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
     BokehResult = vec4(S2, S2, S2, 1.0);
@@ -174,6 +186,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     BokehResult = BokehCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter, BokehFocalLength,
         BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
 }
@@ -182,6 +195,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     BokehResult = BokehPackCoC(BokehFetch(BokehColorSamp, BokehUV), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 }
 
@@ -189,6 +203,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
         BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
@@ -198,6 +213,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
         BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5, BokehColorSampB, BokehUseMax > 0.5);
@@ -207,6 +223,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
     vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
@@ -221,6 +238,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
     vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
@@ -236,6 +254,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV,
         BokehAspectRatio / BokehSqueeze, BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
 }
@@ -244,6 +263,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     vec2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     vec2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, BokehUV, lineEndU, lineEndV, BOKEH_NUM_SAMPLES,
@@ -254,6 +274,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -266,6 +287,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -278,6 +300,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -291,6 +314,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -303,6 +327,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -317,6 +342,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -329,6 +355,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -344,6 +371,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -356,6 +384,7 @@ void main()
 
 void main()
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
@@ -369,6 +398,7 @@ void main()
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
 void main()
 {
+    BokehUseViewport();
     vec4 result = BokehFetch(BokehColorSamp, BokehUV);
     float S2 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, BokehUV).r);
     if (BokehDebugMode > 2.5)

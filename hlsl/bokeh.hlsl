@@ -45,6 +45,7 @@
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
 //   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
 //                                             not read BokehSpacing and BokehJitter then
+//   BOKEH_VIEWPORT        0.0        0 or 1    1: the image is a part of its textures, see BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -58,6 +59,9 @@
 #endif
 #ifndef BOKEH_ADAPTIVE_SAMPLES
 #define BOKEH_ADAPTIVE_SAMPLES 1.0
+#endif
+#ifndef BOKEH_VIEWPORT
+#define BOKEH_VIEWPORT 0.0
 #endif
 #ifndef BOKEH_SENSOR_HEIGHT
 #define BOKEH_SENSOR_HEIGHT 0.024
@@ -112,19 +116,60 @@
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
 #endif
 
+// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
+static float4 bokehViewport = float4(0.0, 0.0, 1.0, 1.0);
+static float4 bokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
+
+// Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
+//   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
+//   The bounds are 1/128 texel inside of the centres of the outermost texels, since a linear filter counts a texel
+//   with a weight of 0 in, and 0 times NaN is NaN; 1/256 is how exactly devices place a sample (Direct3D 11, Vulkan).
+//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
+//   textureSize   width, height; pixels
+void BokehSetViewport(float4 viewport, float2 textureSize)
+{
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        float2 inset = min(float2(0.5078125, 0.5078125), viewport.zw * 0.5);
+        bokehViewport = viewport / textureSize.xyxy;
+        bokehViewportBounds = float4(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+    }
+}
+
+// Porting: place in the image to place in its textures
+float2 BokehToTexture(float2 uv)
+{
+    float2 coords = uv;
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        coords = clamp(bokehViewport.xy + uv * bokehViewport.zw, bokehViewportBounds.xy, bokehViewportBounds.zw);
+    }
+    return coords;
+}
+
 // Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
 float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
 {
 #if BOKEH_HLSL_SM == 3
-    return tex2Dlod(tex, float4(uv, 0.0, 0.0));
+    return tex2Dlod(tex, float4(BokehToTexture(uv), 0.0, 0.0));
 #else
-    return tex.SampleLevel(texSampler, uv, 0.0);
+    return tex.SampleLevel(texSampler, BokehToTexture(uv), 0.0);
 #endif
 }
 
-// Porting: the same for textures with a nearest filter, depth and kernels
+// Porting: the same for textures with a nearest filter, which is depth
 //   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
 float4 BokehFetchNearest(BOKEH_TEXTURE(tex), float2 uv)
+{
+#if BOKEH_HLSL_SM == 3
+    return tex2Dlod(tex, float4(BokehToTexture(uv), 0.0, 0.0));
+#else
+    return tex.SampleLevel(texSampler, BokehToTexture(uv), 0.0);
+#endif
+}
+
+// Porting: the same for tables, which no viewport applies to
+float4 BokehFetchTable(BOKEH_TEXTURE(tex), float2 uv)
 {
 #if BOKEH_HLSL_SM == 3
     return tex2Dlod(tex, float4(uv, 0.0, 0.0));
@@ -310,7 +355,7 @@ float BokehFilterCoC(float CoC, float imageHeight, float spacing)
     float filterCoC = CoC;
     if (spacing > 0.0)
     {
-        filterCoC = CoC * clamp(2.0 * CoC * imageHeight - 1.0, 0.0, 1.0);
+        filterCoC = CoC * (1.0 - clamp(2.0 - 2.0 * CoC * imageHeight, 0.0, 1.0));
     }
     return filterCoC;
 }
@@ -334,9 +379,10 @@ float BokehCells(float lengthInPixels, float spacing, int maxSamples)
 // Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
+//                 A cell behind the end has the length 0: fxc has been seen to lose the break of the loop around it.
 float2 BokehCell(float cells, int i, float phase)
 {
-    float low = float(i);
+    float low = min(float(i), cells);
     float high = min(low + 1.0, cells);
     return float2(low + (high - low) * phase - 0.5 * cells, high - low);
 }
@@ -538,7 +584,7 @@ float4 BokehNaiveGather(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKE
         BOKEH_LOOP for (int i = start; i < min(start + 128, numSamples); i++)
         {
             float2 kernelCoords = float2((float(i) + 0.5) / float(numSamples), 0.5);
-            float2 sampleCoords = uv + BokehFetchNearest(BOKEH_ARGUMENT(KernelSamp), kernelCoords).rg * scale;
+            float2 sampleCoords = uv + BokehFetchTable(BOKEH_ARGUMENT(KernelSamp), kernelCoords).rg * scale;
             float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
             float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,

@@ -107,6 +107,10 @@ BOKEH_PARAMETER(float, BokehEdge, 24)
 BOKEH_PARAMETER(float, BokehDepthKind, 25)
 BOKEH_PARAMETER(float, BokehNear, 26)
 BOKEH_PARAMETER(float, BokehFar, 27)
+BOKEH_PARAMETER(float, BokehViewportX, 28)
+BOKEH_PARAMETER(float, BokehViewportY, 29)
+BOKEH_PARAMETER(float, BokehTextureWidth, 30)
+BOKEH_PARAMETER(float, BokehTextureHeight, 31)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -130,7 +134,7 @@ BOKEH_PARAMETER(float, BokehFar, 27)
 
 #if BOKEH_HLSL_SM == 3
 
-// xy = 1 / width and 1 / height of the render target; register c20 of the vertex shader's constants
+// xy = 1 / width and 1 / height of the viewport; register c20 of the vertex shader's constants
 float4 BokehTexelSize : register(c20);
 
 // Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that uv hits texels.
@@ -156,8 +160,16 @@ void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position
 // pixel shaders
 // ---------------------------------------------------------------------------------------------------------------------
 
+// what every pass begins with
+void BokehUseViewport()
+{
+    float4 viewport = float4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
+    BokehSetViewport(viewport, float2(BokehTextureWidth, BokehTextureHeight));
+}
+
 float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float depth = BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r;
     float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
     return float4(S2, S2, S2, 1.0);
@@ -165,17 +177,20 @@ float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     return BokehCoCMap(BOKEH_NEAREST(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, BokehApertureDiameter,
         BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
 }
 
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     return BokehPackCoC(BokehFetch(BOKEH_NEAREST(BokehColorSamp), uv), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 }
 
 float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     return BokehDepthOfField(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEnd,
         BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
@@ -183,6 +198,7 @@ float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     return BokehDepthOfFieldFinal(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEnd,
         BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5, BOKEH_ARGUMENT(BokehColorSampB),
@@ -191,6 +207,7 @@ float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
     float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
@@ -202,6 +219,7 @@ float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
     float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
@@ -214,6 +232,7 @@ float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     return BokehNaiveGather(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp),
         BOKEH_ARGUMENT(BokehKernelSamp), uv, BokehAspectRatio / BokehSqueeze, BOKEH_NUM_SAMPLES, BokehBleedingBias,
         BokehBleedingMult, BokehBlurCoC > 0.5);
@@ -221,6 +240,7 @@ float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     float2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
     return BokehNaiveGrid(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEndU, lineEndV,
@@ -229,6 +249,7 @@ float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 4.0, BokehAngle,
@@ -239,6 +260,7 @@ void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSamp),
@@ -249,6 +271,7 @@ float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1))
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 6.0, BokehAngle,
@@ -260,6 +283,7 @@ void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
@@ -271,6 +295,7 @@ float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
     out float4 target2 : BOKEH_TARGET(2))
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 8.0, BokehAngle,
@@ -283,6 +308,7 @@ void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
@@ -294,6 +320,7 @@ float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
     out float4 target2 : BOKEH_TARGET(2), out float4 target3 : BOKEH_TARGET(3))
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 10.0, BokehAngle,
@@ -307,6 +334,7 @@ void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
@@ -317,6 +345,7 @@ float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
     return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp),
@@ -328,6 +357,7 @@ float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
 float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
+    BokehUseViewport();
     float4 result = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
     float S2 = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r);
     if (BokehDebugMode > 2.5)

@@ -43,6 +43,7 @@
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); an override constant
 //   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
 //                                             not read BokehSpacing and BokehJitter then
+//   BOKEH_VIEWPORT        0.0        0 or 1    1: the image is a part of its textures, see BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -53,6 +54,7 @@
 
 override BOKEH_NUM_SAMPLES: i32 = 13;
 override BOKEH_ADAPTIVE_SAMPLES: f32 = 1.0;
+override BOKEH_VIEWPORT: f32 = 0.0;
 const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
 const BOKEH_MAX_COC: f32 = 0.1;
 const BOKEH_BLEEDING_BIAS: f32 = 0.02;
@@ -67,15 +69,52 @@ const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 //
 //   A texture and its sampler travel as two parameters, Name and NameSampler.
 
+// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
+var<private> bokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
+var<private> bokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
+
+// Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
+//   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
+//   The bounds are 1/128 texel inside of the centres of the outermost texels, since a linear filter counts a texel
+//   with a weight of 0 in, and 0 times NaN is NaN; 1/256 is how exactly devices place a sample (Direct3D 11, Vulkan).
+//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
+//   textureSize   width, height; pixels
+fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
+{
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        let inset: vec2f = min(vec2f(0.5078125, 0.5078125), viewport.zw * 0.5);
+        bokehViewport = viewport / textureSize.xyxy;
+        bokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+    }
+}
+
+// Porting: place in the image to place in its textures
+fn BokehToTexture(uv: vec2f) -> vec2f
+{
+    var coords: vec2f = uv;
+    if (BOKEH_VIEWPORT > 0.5)
+    {
+        coords = clamp(bokehViewport.xy + uv * bokehViewport.zw, bokehViewportBounds.xy, bokehViewportBounds.zw);
+    }
+    return coords;
+}
+
 // Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
 fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
 {
-    return textureSampleLevel(tex, texSampler, uv, 0.0);
+    return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
 }
 
-// Porting: the same for textures with a nearest filter, depth and kernels
+// Porting: the same for textures with a nearest filter, which is depth
 //   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
 fn BokehFetchNearest(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
+{
+    return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
+}
+
+// Porting: the same for tables, which no viewport applies to
+fn BokehFetchTable(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
 {
     return textureSampleLevel(tex, texSampler, uv, 0.0);
 }
@@ -257,7 +296,7 @@ fn BokehFilterCoC(CoC: f32, imageHeight: f32, spacing: f32) -> f32
     var filterCoC: f32 = CoC;
     if (spacing > 0.0)
     {
-        filterCoC = CoC * clamp(2.0 * CoC * imageHeight - 1.0, 0.0, 1.0);
+        filterCoC = CoC * (1.0 - clamp(2.0 - 2.0 * CoC * imageHeight, 0.0, 1.0));
     }
     return filterCoC;
 }
@@ -281,9 +320,10 @@ fn BokehCells(lengthInPixels: f32, spacing: f32, maxSamples: i32) -> f32
 // Listing 2, adaptive: sample i of a line of so many cells
 //   phase         place in the cell, 0.5 = in its middle
 //   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
+//                 A cell behind the end has the length 0: fxc has been seen to lose the break of the loop around it.
 fn BokehCell(cells: f32, i: i32, phase: f32) -> vec2f
 {
-    let low: f32 = f32(i);
+    let low: f32 = min(f32(i), cells);
     let high: f32 = min(low + 1.0, cells);
     return vec2f(low + (high - low) * phase - 0.5 * cells, high - low);
 }
@@ -489,7 +529,7 @@ fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Depth
         for (var i: i32 = start; i < min(start + 128, numSamples); i++)
         {
             let kernelCoords: vec2f = vec2f((f32(i) + 0.5) / f32(numSamples), 0.5);
-            let sampleCoords: vec2f = uv + BokehFetchNearest(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
+            let sampleCoords: vec2f = uv + BokehFetchTable(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
             let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
             let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
             var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,

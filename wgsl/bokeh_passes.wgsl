@@ -62,6 +62,10 @@ struct BokehParameters
     BokehDepthKind: f32,
     BokehNear: f32,
     BokehFar: f32,
+    BokehViewportX: f32,
+    BokehViewportY: f32,
+    BokehTextureWidth: f32,
+    BokehTextureHeight: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -95,8 +99,17 @@ struct BokehVertex
 // fragment shaders
 // ---------------------------------------------------------------------------------------------------------------------
 
+// what every pass begins with
+fn BokehUseViewport()
+{
+    let viewport: vec4f = vec4f(bokehParameters.BokehViewportX, bokehParameters.BokehViewportY,
+        bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
+    BokehSetViewport(viewport, vec2f(bokehParameters.BokehTextureWidth, bokehParameters.BokehTextureHeight));
+}
+
 @fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let depth: f32 = BokehFetchNearest(BokehDepthSamp, BokehNearestClamp, input.uv).r;
     let S2: f32 = BokehLinearDepth(depth, bokehParameters.BokehDepthKind, bokehParameters.BokehNear,
         bokehParameters.BokehFar);
@@ -105,6 +118,7 @@ struct BokehVertex
 
 @fragment fn BokehCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     return BokehCoCMap(BokehColorSamp, BokehNearestClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
         bokehParameters.BokehApertureDiameter, bokehParameters.BokehFocalLength, bokehParameters.BokehFocusDistance,
         bokehParameters.BokehSensorHeight, bokehParameters.BokehMaxCoC);
@@ -112,12 +126,14 @@ struct BokehVertex
 
 @fragment fn BokehConstantCoC_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     return BokehPackCoC(BokehFetch(BokehColorSamp, BokehNearestClamp, input.uv),
         clamp(bokehParameters.BokehConstantCoC, 0.0, bokehParameters.BokehMaxCoC));
 }
 
 @fragment fn BokehDepthOfField_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
         bokehParameters.BokehSqueeze);
     return BokehDepthOfField(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv, lineEnd,
@@ -127,6 +143,7 @@ struct BokehVertex
 
 @fragment fn BokehDepthOfFieldFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
         bokehParameters.BokehSqueeze);
     return BokehDepthOfFieldFinal(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, input.uv,
@@ -136,6 +153,7 @@ struct BokehVertex
 
 @fragment fn BokehAdaptive_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX, bokehParameters.BokehLineCenterY);
     let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength, lineCenter,
         bokehParameters.BokehSqueeze);
@@ -150,6 +168,7 @@ struct BokehVertex
 
 @fragment fn BokehAdaptiveFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX, bokehParameters.BokehLineCenterY);
     let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength, lineCenter,
         bokehParameters.BokehSqueeze);
@@ -165,6 +184,7 @@ struct BokehVertex
 
 @fragment fn BokehNaiveGather_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     return BokehNaiveGather(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehNearestClamp, BokehKernelSamp,
         BokehNearestClamp, input.uv, bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze,
         BOKEH_NUM_SAMPLES, bokehParameters.BokehBleedingBias, bokehParameters.BokehBleedingMult,
@@ -173,6 +193,7 @@ struct BokehVertex
 
 @fragment fn BokehNaiveGrid_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let lineEndU: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
         bokehParameters.BokehSqueeze);
     let lineEndV: vec2f = BokehLineEnd(bokehParameters.BokehAngleB, bokehParameters.BokehAspectRatio /
@@ -184,6 +205,7 @@ struct BokehVertex
 
 @fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -196,6 +218,7 @@ struct BokehVertex
 
 @fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -214,6 +237,7 @@ struct BokehTargets2
 
 @fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -226,6 +250,7 @@ struct BokehTargets2
 
 @fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -245,6 +270,7 @@ struct BokehTargets3
 
 @fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -257,6 +283,7 @@ struct BokehTargets3
 
 @fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -277,6 +304,7 @@ struct BokehTargets4
 
 @fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -289,6 +317,7 @@ struct BokehTargets4
 
 @fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -301,6 +330,7 @@ struct BokehTargets4
 
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     let spacing: f32 = bokehParameters.BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
     let jitter: f32 = bokehParameters.BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(input.uv,
         bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight, bokehParameters.BokehFrame);
@@ -314,6 +344,7 @@ struct BokehTargets4
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
 @fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
 {
+    BokehUseViewport();
     var result: vec4f = BokehFetch(BokehColorSamp, BokehLinearClamp, input.uv);
     let S2: f32 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, BokehNearestClamp, input.uv).r);
     if (bokehParameters.BokehDebugMode > 2.5)

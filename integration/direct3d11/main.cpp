@@ -107,6 +107,7 @@ static struct {
     float lineLength = 1.0f, lineCenterX, lineCenterY, squeeze = 1.0f, spacing = 1.0f;
     float imageWidth = WIDTH, imageHeight = HEIGHT, jitter, frame, sides, edge;
     float depthKind = 1.0f, zNear = Z_NEAR, zFar = Z_FAR; // 1: 0 at the near plane, 1 at the far plane
+    float viewportX, viewportY, textureWidth, textureHeight; // not read: the image fills its textures
 } parameters;
 
 static HWND window;

@@ -17,7 +17,7 @@
 #include "capture.h"
 #include "scene.h"
 
-enum { ZOOM = 2, MAX_INPUTS = 3, MAX_TARGETS = 3, MAX_PASSES = 4, NUM_PARAMETERS = 28, NUM_DEBUG_VIEWS = 4 };
+enum { ZOOM = 2, MAX_INPUTS = 3, MAX_TARGETS = 3, MAX_PASSES = 4, NUM_PARAMETERS = 32, NUM_DEBUG_VIEWS = 4 };
 
 typedef struct {
     IDirect3DTexture9 *texture;
@@ -102,7 +102,8 @@ enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 static struct {
     float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
     float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
-    float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar;
+    float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar, viewportX, viewportY;
+    float textureWidth, textureHeight;
 } parameters = {
     .sensorHeight = 0.024f,
     .bleedingBias = 0.02f,

@@ -232,6 +232,19 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     return Plan((_coc_pass(settings), gather), {})
 
 
+def in_viewport(found: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
+    """A plan for an image that is a part of its textures.
+
+    viewport  (x, y, width, height) of the image, texels; `found` was made for its width and height
+    size      (width, height) of the textures and targets
+    """
+    names = ("BokehViewportX", "BokehViewportY", "BokehImageWidth", "BokehImageHeight")
+    place = dict(zip(names, map(float, viewport), strict=True))
+    place |= {"BokehTextureWidth": float(size[0]), "BokehTextureHeight": float(size[1])}
+    passes = (replace(item, viewport=viewport, parameters={**item.parameters, **place}) for item in found.passes)
+    return replace(found, passes=tuple(passes))
+
+
 def kernel_texture(table: np.ndarray) -> np.ndarray:
     """Offsets (N, 2) as an N x 1 texture, float32 (1, N, 4), rg = offset."""
     texture = np.zeros((1, len(table), 4), np.float32)

@@ -36,6 +36,10 @@ PARAMETERS: dict[str, float] = {
     "BokehDepthKind": 0.0,
     "BokehNear": 0.1,
     "BokehFar": 1000.0,
+    "BokehViewportX": 0.0,
+    "BokehViewportY": 0.0,
+    "BokehTextureWidth": 1.0,
+    "BokehTextureHeight": 1.0,
 }
 
 # Texture slots in the order of their bindings.
@@ -68,6 +72,8 @@ class Pass:
     samples     BOKEH_NUM_SAMPLES
     sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program of the harness in place of the package's; its
                 entry is named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
+    viewport    (x, y, width, height) in texels, y from the first row in memory: the part of the targets that is drawn,
+                over what an earlier pass has left in a target of that name; None: all of it, into new targets
 
     Raises ValueError where the entry writes another number of targets.
     """
@@ -78,6 +84,7 @@ class Pass:
     parameters: Mapping[str, float] = field(default_factory=dict)
     samples: int = 13
     sources: Mapping[str, str] | None = None
+    viewport: tuple[int, int, int, int] | None = None
 
     def __post_init__(self):
         if self.sources is None and len(self.outputs) != shaders.targets(self.entry):
@@ -93,7 +100,12 @@ class Pass:
         """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
         values = self.values()
         adaptive = values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0
-        return {"BOKEH_NUM_SAMPLES": self.samples, "BOKEH_ADAPTIVE_SAMPLES": 1.0 if adaptive else 0.0}
+        return {
+            "BOKEH_NUM_SAMPLES": self.samples,
+            "BOKEH_ADAPTIVE_SAMPLES": 1.0 if adaptive else 0.0,
+            # to draw into a part of a target is one thing, to read a part of a texture another
+            "BOKEH_VIEWPORT": 1.0 if "BokehTextureWidth" in self.parameters else 0.0,
+        }
 
     def values(self) -> dict[str, float]:
         """All parameters, in layout order."""

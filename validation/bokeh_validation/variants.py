@@ -53,6 +53,7 @@ class Variant:
     entry      one of ENTRIES
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
     compilers  those it goes through, a part of COLUMNS
+    values     other configuration values of section [1], as they are written in the file
     """
 
     id: str
@@ -61,6 +62,7 @@ class Variant:
     entry: str
     samples: int | None
     compilers: tuple[str, ...]
+    values: tuple[tuple[str, float], ...] = ()
 
     @property
     def name(self) -> str:
@@ -84,8 +86,8 @@ class Variant:
 
 
 def source(variant: Variant) -> str:
-    """The complete program of a variant. In WGSL the sample count is not in the text: see constants()."""
-    values = {} if variant.samples is None else {"BOKEH_NUM_SAMPLES": variant.samples}
+    """The complete program of a variant. In WGSL its configuration is not in the text: see constants()."""
+    values = _configuration(variant)
     if variant.language == "glsl":
         return shaders.glsl(variant.entry, variant.profile, values)
     if variant.language == "hlsl":
@@ -95,7 +97,13 @@ def source(variant: Variant) -> str:
 
 def constants(variant: Variant) -> dict[str, float]:
     """Pipeline constants of a WGSL variant."""
-    return {} if variant.samples is None else {"BOKEH_NUM_SAMPLES": float(variant.samples)}
+    return {name: float(value) for name, value in _configuration(variant).items()}
+
+
+def _configuration(variant: Variant) -> dict[str, int | float]:
+    """What is not left at the default of the shader file."""
+    count = {} if variant.samples is None else {"BOKEH_NUM_SAMPLES": variant.samples}
+    return count | dict(variant.values)
 
 
 def load(path: Path = paths.VARIANTS, quick: bool = False) -> list[Variant]:
@@ -162,7 +170,10 @@ def _set(where: str, table: object) -> list[tuple[str, int | None]]:
 def _variant(where: str, table: Mapping, sets: Mapping[str, list]) -> list[Variant]:
     """All rows of a [[variant]] table."""
     keys = {"id", "language", "profile", "sets", "compilers"}
-    _keys(where, table, keys, keys)
+    _keys(where, table, keys | {"values"}, keys)
+    values = table.get("values", {})
+    if not isinstance(values, dict) or not all(type(value) is float for value in values.values()):
+        raise _Wrong(f"{where}: values must be a table of numbers with a point, not {values!r}")
     for key in ("id", "language", "profile"):
         if not isinstance(table[key], str) or not table[key]:
             raise _Wrong(f"{where}: {key} must be a text, not {table[key]!r}")
@@ -172,7 +183,7 @@ def _variant(where: str, table: Mapping, sets: Mapping[str, list]) -> list[Varia
     compilers = _names(where, "compilers", table, COMPILERS[language, profile])
     chosen = _names(where, "sets", table, sets)
     return [
-        Variant(table["id"], language, profile, entry, samples, tuple(compilers))
+        Variant(table["id"], language, profile, entry, samples, tuple(compilers), tuple(values.items()))
         for name in chosen
         for entry, samples in sets[name]
     ]

@@ -53,7 +53,10 @@ EVERYWHERE = {
     "an operator": ("centerCoC > sampleCoC + bleedingBias", "centerCoC > sampleCoC - bleedingBias"),
     "another joint": ("< centerDepth && centerCoC", "< centerDepth || centerCoC"),
     "min for max": ("result = max(a, b);", "result = min(a, b);"),
-    "a swapped pair of arguments": ("clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC)", "clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), MaxCoC, 0.0)"),
+    "a swapped pair of arguments": (
+        "clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC)",
+        "clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), MaxCoC, 0.0)",
+    ),
     "a component": ("uv).r;", "uv).g;"),
     "parentheses": ("float(2 * i - last)", "float(2 * (i - last))"),
     "a condition turned round": ("if (!blurCoC)", "if (blurCoC)"),

@@ -275,3 +275,10 @@ def test_four_targets_in_one_draw(name, semantic):
     assert not ok and "1 to 4 numbers" in answer
     # a draw to one target afterwards must not touch the others
     assert copied(driver)
+
+
+def test_a_break_that_is_never_taken():
+    """Seen of fxc: a `break` that compares a register with itself. The right one compares 1 with -1."""
+    listing = "ps_3_0\nrep i0\n  if_ge r4.w, -r0.w\n    break_ne {}\n  endif\nendrep\n"
+    assert "never taken" in fxc.dead_break(listing.format("-c0.w, -c0.w"))
+    assert fxc.dead_break(listing.format("c3.x, -c3.x")) == ""

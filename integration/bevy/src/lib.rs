@@ -295,6 +295,10 @@ struct BokehParameters {
     depth_kind: f32,
     near: f32,
     far: f32,
+    viewport_x: f32,
+    viewport_y: f32,
+    texture_width: f32,
+    texture_height: f32,
 }
 
 #[derive(Resource)]

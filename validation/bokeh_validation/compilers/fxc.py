@@ -148,9 +148,9 @@ def _places(messages: str) -> str:
 
 
 def judged(messages: str, bytecode: bytes, listing: str, profile: str) -> CompileResult:
-    """What compiled, with its facts; refused where it is over the budget of its shader model."""
+    """What compiled, with its facts; refused where it is over the budget of its shader model, or miscompiled."""
     known = facts(listing)
-    over = over_budget(known, profile)
+    over = over_budget(known, profile) or dead_break(listing)
     if over:
         return CompileResult(False, "\n".join(filter(None, (over, messages))), b"", known)
     return accepted(messages, bytecode, known)
@@ -187,6 +187,22 @@ def facts(listing: str) -> dict[str, object]:
 def _registers(kind: str, code: str) -> int:
     """Number of different registers of a kind that the code names."""
     return len(set(re.findall(rf"(?<![\w.]){kind}\d+(?!\w)", code)))
+
+
+# break_ne and its like: a comparison, two operands
+_BREAK = re.compile(r"^\s*break_(ne|lt|gt)\s+(\S+),\s*(\S+)\s*$", re.MULTILINE)
+
+
+def dead_break(listing: str) -> str:
+    """What is wrong where a loop of shader model 3 does not end: a `break` that compares a register with itself, or ''.
+
+    fxc writes `break` as 'break_ne 1, -1' and takes the two from its constants. Where it holds -1 alone, it has been
+    seen to write 'break_ne -c0.w, -c0.w', which is never taken.
+    """
+    for comparison, one, other in _BREAK.findall(listing):
+        if one == other:
+            return f"miscompiled: 'break_{comparison} {one}, {other}' is never taken, the loop runs to its end"
+    return ""
 
 
 def over_budget(known: Mapping[str, object], profile: str) -> str:

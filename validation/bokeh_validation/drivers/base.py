@@ -88,6 +88,12 @@ class Driver(Protocol):
         size      (width, height) of every target
         storage   'half' or 'float': format of the targets between and after the passes
         returns   name -> (H, W, 4), float16 or float32 by `storage`
+
+        A pass with a viewport draws nothing outside of it; uv runs 0 .. 1 over it. What an earlier pass has left in its
+        targets stays around it; a target that no earlier pass has made is 0 there, also where a texture of that name
+        was handed in.
+
+        Raises ValueError as drawn_over() does.
         """
         ...
 
@@ -116,6 +122,28 @@ class TimedDriver(Driver, Protocol):
 def storage_type(storage: str) -> type:
     """NumPy type of a storage name."""
     return {"half": np.float16, "float": np.float32}[storage]
+
+
+def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[str]]:
+    """For each pass the names of those outputs that an earlier pass has made and that it draws over.
+
+    size  (width, height) of every target
+
+    Raises ValueError where a pass reads what it draws over, and for a viewport that is not within the targets.
+    """
+    made: set[str] = set()
+    found = []
+    for item in passes:
+        over = frozenset(made.intersection(item.outputs)) if item.viewport else frozenset()
+        if item.viewport:
+            x, y, width, height = item.viewport
+            if min(x, y) < 0 or min(width, height) < 1 or x + width > size[0] or y + height > size[1]:
+                raise ValueError(f"{item.entry}: viewport {item.viewport} is not within {size[0]} x {size[1]}")
+        for name in over.intersection(item.inputs.values()):
+            raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
+        found.append(over)
+        made.update(item.outputs)
+    return found
 
 
 def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:

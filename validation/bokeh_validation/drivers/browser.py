@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Textures, half_rounding, require_targets, storage_type
+from bokeh_validation.drivers.base import Textures, drawn_over, half_rounding, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear
 
@@ -93,6 +93,7 @@ class BrowserDriver:
         """See drivers.base.Driver.run."""
         self._require_filter(passes, textures, storage)
         require_targets(self, passes, storage, self.attachment_bytes)
+        over = drawn_over(passes, size)
         job = {
             **self._shared(),
             "size": list(size),
@@ -102,14 +103,15 @@ class BrowserDriver:
             "passes": [
                 {
                     **self._program(item),
-                    "outputs": list(item.outputs),
+                    "outputs": [{"name": name, "over": name in kept} for name in item.outputs],
+                    "viewport": item.viewport,
                     "values": {name: float(value) for name, value in item.values().items()},
                     "inputs": {
                         slot: {"texture": texture, "linear": is_linear(item.entry, slot)}
                         for slot, texture in item.inputs.items()
                     },
                 }
-                for item in passes
+                for item, kept in zip(passes, over, strict=True)
             ],
         }
         kept = self.session.call(f"{self.name}.run", job)

@@ -12,7 +12,7 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Textures, half_rounding, storage_type
+from bokeh_validation.drivers.base import Textures, drawn_over, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear
 from bokeh_validation.windows import programs, server
@@ -69,6 +69,7 @@ class Direct3D:
         keep: Iterable[str] = ("result",),
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
+        over = drawn_over(passes, size)
         folder, dtype = self.server.folder, np.dtype(storage_type(storage))
         numbers: dict[str, int] = {}
         lines = [f"size {size[0]} {size[1]} {FORMATS[dtype, 4]}"]
@@ -82,9 +83,9 @@ class Direct3D:
             files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
             lines.append(f"texture {number} {width} {height} {kind} {files[-1].name}")
         free = itertools.count(len(files))
-        for item in passes:
+        for item, kept in zip(passes, over, strict=True):
             lines += self._draw(item, numbers)
-            targets = {name: next(free) for name in item.outputs}
+            targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
             lines.append(f"draw {' '.join(map(str, targets.values()))}")
             # an output may have the name of an earlier texture: from here on it is this one
             numbers.update(targets)
@@ -112,6 +113,8 @@ class Direct3D:
         for slot, texture in item.inputs.items():
             kind = "linear" if is_linear(item.entry, slot) else "nearest"
             lines.append(f"input {SLOTS.index(slot)} {numbers[texture]} {kind}")
+        if item.viewport:
+            lines.append(f"viewport {' '.join(map(str, item.viewport))}")
         # nine digits are enough for any float32
         lines += [f"value {index} {value:.9g}" for index, value in enumerate(item.values().values())]
         return lines

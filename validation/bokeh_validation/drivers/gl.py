@@ -2,14 +2,14 @@
 
 import ctypes
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, half_rounding, storage_type
+from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, drawn_over, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear
 
@@ -119,6 +119,19 @@ class GLDriver:
             job.release()
 
 
+@dataclass(frozen=True)
+class Step:
+    """One pass with its textures by slot and its targets.
+
+    cleared  those of its targets that it draws a part of and that no earlier pass has drawn; None where there are none
+    """
+
+    item: Pass
+    bound: Mapping[str, moderngl.Texture]
+    targets: moderngl.Framebuffer
+    cleared: moderngl.Framebuffer | None
+
+
 class GLJob:
     """See drivers.base.Job."""
 
@@ -131,22 +144,33 @@ class GLJob:
         storage: str,
         share: "GLJob | None" = None,
     ):
+        over = drawn_over(passes, size)
         driver.make_current()
         self.driver, self.storage = driver, storage
         self.live = dict(share.live) if share else {}
         self.own = []
-        self.steps: list[tuple[Pass, dict[str, moderngl.Texture], moderngl.Framebuffer]] = []
+        self.steps: list[Step] = []
         for name, pixels in textures.items():
             if name not in self.live:
                 self.live[name] = self._owned(driver.upload(pixels))
-        for item in passes:
+        for item, kept in zip(passes, over, strict=True):
             driver.program(item)
             bound = {slot: self.live[name] for slot, name in item.inputs.items()}
-            targets = []
+            targets, fresh = [], []
             for name in item.outputs:
+                if name in kept:
+                    targets.append(self.live[name])
+                    continue
                 reused = share.live.get(name) if share else None
                 targets.append(reused or self._owned(driver.target(size, storage)))
-            self.steps.append((item, bound, self._owned(driver.context.framebuffer(targets))))
+                fresh.append(targets[-1])
+            framebuffer = self._owned(driver.context.framebuffer(targets))
+            cleared = None
+            if item.viewport:
+                # a triangle is clipped to it; its y counts from the first row in memory, as v does
+                framebuffer.viewport = item.viewport
+                cleared = self._owned(driver.context.framebuffer(fresh)) if fresh else None
+            self.steps.append(Step(item, bound, framebuffer, cleared))
             self.live.update(zip(item.outputs, targets, strict=True))
 
     def _owned(self, resource):
@@ -156,8 +180,10 @@ class GLJob:
     def draw(self) -> None:
         """See drivers.base.Job.draw."""
         self.driver.make_current()
-        for item, bound, framebuffer in self.steps:
-            self.driver.draw(item, bound, framebuffer)
+        for step in self.steps:
+            if step.cleared:
+                step.cleared.clear()
+            self.driver.draw(step.item, step.bound, step.targets)
 
     def timed(self, repeats: int) -> Timing:
         """See drivers.base.Job.timed."""

@@ -1,11 +1,12 @@
 """The float64 reference as a driver: the same passes, the formulas instead of a device."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bokeh_validation import apertures
-from bokeh_validation.drivers.base import Textures, storage_type
+from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference import listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
@@ -51,11 +52,56 @@ class Reference:
         """
         dtype = storage_type(storage)
         live: dict[str, Image] = {}
+        drawn_over(passes, size)
         for item in passes:
-            results = _run_pass(item, live, textures, size, precision)
+            if item.viewport is None:
+                results = _run_pass(item, live, textures, size, precision)
+            else:
+                results = _run_in_viewport(item, live, textures, precision)
             for name, image in zip(item.outputs, results, strict=True):
-                live[name] = stored(image, dtype, rounding)
+                kept = stored(image, dtype, rounding)
+                live[name] = kept if item.viewport is None else _drawn(kept, item.viewport, live.get(name), size)
         return live
+
+
+# The shaders keep so far from the texels around a viewport, texels: BokehSetViewport
+VIEWPORT_INSET = 1.0 / 128.0
+
+
+def _run_in_viewport(item: Pass, live: Mapping[str, Image], textures: Textures, precision) -> list[Image]:
+    """What a pass writes into its viewport, from that part of its textures where it is told so; tables are read whole.
+
+    The interval counts the inset as an error of the sampler's place, which it is at the edge and nowhere else.
+    """
+    x, y, width, height = item.viewport
+    if not item.constants["BOKEH_VIEWPORT"]:
+        return _run_pass(item, live, textures, (width, height), precision)
+    rows, columns = slice(y, y + height), slice(x, x + width)
+    part = {name: pixels[rows, columns] for name, pixels in textures.items()}
+    if "KernelSamp" in item.inputs:
+        part[item.inputs["KernelSamp"]] = textures[item.inputs["KernelSamp"]]
+    if precision is not None:
+        precision = replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
+    parts = {name: image.part(rows, columns) for name, image in live.items()}
+    return _run_pass(item, parts, part, (width, height), precision)
+
+
+def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None, size: tuple[int, int]) -> Image:
+    """An image drawn into a viewport of a target, over what it held; a new target holds 0."""
+    x, y, width, height = viewport
+    shape = (size[1], size[0])
+
+    def whole(part: np.ndarray | None, kept: np.ndarray | None) -> np.ndarray | None:
+        if part is None:
+            return None
+        result = np.zeros((*shape, *part.shape[2:]), part.dtype) if kept is None else kept.copy()
+        result[y : y + height, x : x + width] = part
+        return result
+
+    before = over or Image(None)
+    return Image(
+        whole(image.value, before.value), whole(image.error, before.error), whole(image.undecided, before.undecided)
+    )
 
 
 def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:

@@ -8,7 +8,15 @@ from functools import cached_property
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, half_rounding, require_targets, storage_type
+from bokeh_validation.drivers.base import (
+    Stopwatch,
+    Textures,
+    Timing,
+    drawn_over,
+    half_rounding,
+    require_targets,
+    storage_type,
+)
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
@@ -53,11 +61,18 @@ def _choose(adapter: str | None):
 
 @dataclass(frozen=True)
 class Step:
-    """One pass, ready to be recorded; `views` are those of its targets."""
+    """One pass, ready to be recorded.
+
+    views     of its targets
+    kept      for each target whether it is drawn over with its contents kept
+    viewport  see passes.Pass
+    """
 
     pipeline: object
     bindings: object
     views: tuple
+    kept: tuple[bool, ...]
+    viewport: tuple[int, int, int, int] | None
 
 
 class WGPU:
@@ -170,10 +185,11 @@ class WGPU:
             entries.append({"binding": binding, "resource": self._samplers[linear]})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
-    def step(self, item: Pass, live: dict, targets: Sequence) -> Step:
-        """A pass with all that it needs."""
+    def step(self, item: Pass, live: dict, targets: Sequence, kept: frozenset[str]) -> Step:
+        """A pass with all that it needs; `kept` names the outputs that keep what is in them."""
         pipeline = self.pipeline(item, [target.format for target in targets])
-        return Step(pipeline, self.bind(item, live), tuple(target.create_view() for target in targets))
+        views = tuple(target.create_view() for target in targets)
+        return Step(pipeline, self.bind(item, live), views, tuple(name in kept for name in item.outputs), item.viewport)
 
     def wait(self) -> None:
         """Return when all that was submitted is done: a read of four bytes, which the queue puts behind it.
@@ -225,18 +241,19 @@ class WGPUJob:
         storage: str,
         share: "WGPUJob | None" = None,
     ):
+        over = drawn_over(passes, size)
         self.driver, self.size, self.storage = driver, size, storage
         self.live = dict(share.live) if share else {}
         self.steps: list[Step] = []
         for name, pixels in textures.items():
             if name not in self.live:
                 self.live[name] = driver.upload(pixels)
-        for item in passes:
+        for item, kept in zip(passes, over, strict=True):
             targets = []
             for name in item.outputs:
                 reused = share.live.get(name) if share else None
-                targets.append(reused or driver.target(size, storage))
-            self.steps.append(driver.step(item, self.live, targets))
+                targets.append(self.live[name] if name in kept else reused or driver.target(size, storage))
+            self.steps.append(driver.step(item, self.live, targets, kept))
             self.live.update(zip(item.outputs, targets, strict=True))
 
     def _record(self, encoder, query_set=None, first: bool = False, last: bool = False) -> None:
@@ -247,13 +264,18 @@ class WGPUJob:
                 stamps["beginning_of_pass_write_index"] = 0
             if last and index == len(self.steps) - 1:
                 stamps["end_of_pass_write_index"] = 1
-            how = {"load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
+            how = {"store_op": "store", "clear_value": (0, 0, 0, 0)}
             render = encoder.begin_render_pass(
-                color_attachments=[{"view": view, **how} for view in step.views],
+                color_attachments=[
+                    {"view": view, "load_op": "load" if kept else "clear", **how}
+                    for view, kept in zip(step.views, step.kept, strict=True)
+                ],
                 timestamp_writes={"query_set": query_set, **stamps} if query_set is not None and stamps else None,
             )
             render.set_pipeline(step.pipeline)
             render.set_bind_group(0, step.bindings)
+            if step.viewport:
+                render.set_viewport(*step.viewport, 0.0, 1.0)  # a triangle is clipped to it
             render.draw(3)
             render.end()
 

@@ -9,6 +9,9 @@ from bokeh_validation.listing.difference import Difference, first_unequal
 from bokeh_validation.listing.syntax import Item, items, matching, tokenize
 from bokeh_validation.passes import PARAMETERS
 
+# The one function of the passes files that is not an entry point; a language that lacks it does not compile
+HELPER = "BokehUseViewport"
+
 
 def check(texts: Mapping[str, str]) -> Iterator[Difference]:
     """Differences between the passes files, given as language -> text."""
@@ -20,7 +23,7 @@ def _entries(texts: Mapping[str, str]) -> Iterator[Difference]:
     """Entry points: those of shaders.ENTRIES behind the full-screen vertex shader, in this order in each language."""
     expected = ["BokehFullScreen", *shaders.ENTRIES]
     for language, passes_text in texts.items():
-        top = items(tokenize(passes_text))
+        top = _without_helpers(items(tokenize(passes_text)), language)
         found = _glsl_entries(top) if language == "glsl" else _named_entries(top, language)
         if found != expected:
             text = {language: " ".join(found), "harness": " ".join(expected)}
@@ -32,6 +35,13 @@ def _entries(texts: Mapping[str, str]) -> Iterator[Difference]:
     if table != wanted:
         text = {"glsl": " ".join(map("=".join, table)), "harness": " ".join(map("=".join, wanted))}
         yield Difference("glsl passes", "values of BOKEH_PASS", text)
+
+
+def _without_helpers(top: Sequence[Item], language: str) -> list[Item]:
+    """All but the functions that the entries call."""
+    return [
+        item for item in top if item.kind != "function" or [n.text for n in rules.declared(item, language)] != [HELPER]
+    ]
 
 
 def _defined(item: Item) -> tuple[str, str] | None:

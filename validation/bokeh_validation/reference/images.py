@@ -23,6 +23,11 @@ class Image:
         """(width, height)"""
         return self.value.shape[1], self.value.shape[0]
 
+    def part(self, rows: slice, columns: slice) -> "Image":
+        """A rectangle of it."""
+        fields = (self.value, self.error, self.undecided)
+        return Image(*(None if field is None else field[rows, columns] for field in fields))
+
 
 def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
     """The image as a render target of `dtype` keeps it; the interval gets wider by one step.

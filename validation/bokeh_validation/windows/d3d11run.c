@@ -49,6 +49,15 @@ static int make_target(Texture *texture)
     UINT bind = D3D11_BIND_SHADER_RESOURCE | D3D11_BIND_RENDER_TARGET;
     D3D11_TEXTURE2D_DESC wanted = description(texture, D3D11_USAGE_DEFAULT, bind, 0);
     TRY(ID3D11Device_CreateTexture2D(device, &wanted, NULL, (ID3D11Texture2D **)&texture->handle));
+    static const float ZERO[4] = {0};
+    ID3D11RenderTargetView *view;
+    HRESULT status = ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)texture->handle, NULL, &view);
+    if (FAILED(status)) {
+        drop(texture);
+        return problem("a view of a target returned %08lx", (unsigned long)status);
+    }
+    ID3D11DeviceContext_ClearRenderTargetView(context, view, ZERO);
+    ID3D11RenderTargetView_Release(view);
     return 1;
 }
 
@@ -87,7 +96,8 @@ static int draw(const Draw *what, const Texture *textures, Texture *const *targe
     ID3D11RenderTargetView *views[MAX_TARGETS];
     for (int i = 0; i < num_targets; i++)
         TRY(ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)targets[i]->handle, NULL, &views[i]));
-    D3D11_VIEWPORT viewport = {0, 0, (float)targets[0]->width, (float)targets[0]->height, 0, 1};
+    const Area *area = &what->viewport;
+    D3D11_VIEWPORT viewport = {(float)area->x, (float)area->y, (float)area->width, (float)area->height, 0, 1};
     ID3D11DeviceContext_RSSetViewports(context, 1, &viewport);
     ID3D11DeviceContext_OMSetRenderTargets(context, num_targets, views, NULL);
     int ready = set_inputs(what, textures);

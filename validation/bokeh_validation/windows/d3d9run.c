@@ -1,7 +1,7 @@
 /* Passes of shader model 3 on Direct3D 9 (jobs: passes.h).
  *
  * The vertex shader takes a quad: corner as POSITION, uv as TEXCOORD0, uv (0,0) at the first row. c20.xy of its
- * constants is 1 / width and 1 / height of the target: pixel centres are at whole numbers in Direct3D 9.
+ * constants is 1 / width and 1 / height of the viewport: pixel centres are at whole numbers in Direct3D 9.
  */
 #define COBJMACROS
 #include <windows.h>
@@ -47,6 +47,16 @@ static int make_target(Texture *texture)
     TRY(IDirect3DDevice9_CreateTexture(device, texture->width, texture->height, 1, D3DUSAGE_RENDERTARGET,
                                        FORMATS[texture->format], D3DPOOL_DEFAULT, &made, NULL));
     texture->handle = made;
+    IDirect3DSurface9 *surface;
+    HRESULT status = IDirect3DTexture9_GetSurfaceLevel(made, 0, &surface);
+    if (SUCCEEDED(status)) {
+        status = IDirect3DDevice9_ColorFill(device, surface, NULL, 0);
+        IDirect3DSurface9_Release(surface);
+    }
+    if (FAILED(status)) {
+        drop(texture);
+        return problem("clearing a target returned %08lx", (unsigned long)status);
+    }
     return 1;
 }
 
@@ -80,9 +90,9 @@ static int set_input(int slot, const Input *input, const Texture *textures)
     return 1;
 }
 
-static int set_values(const Draw *what, const Texture *target)
+static int set_values(const Draw *what)
 {
-    float texel[4] = {1.0f / target->width, 1.0f / target->height, 0.0f, 0.0f};
+    float texel[4] = {1.0f / what->viewport.width, 1.0f / what->viewport.height, 0.0f, 0.0f};
     TRY(IDirect3DDevice9_SetVertexShaderConstantF(device, TEXEL_SIZE_REGISTER, texel, 1));
     for (int i = 0; i < NUM_VALUES; i++) {
         float value[4] = {what->values[i], 0.0f, 0.0f, 0.0f};
@@ -128,12 +138,16 @@ static int draw(const Draw *what, const Texture *textures, Texture *const *targe
     for (int i = 0; i < num_targets; i++)
         if (!set_target(i, targets[i]))
             return 0;
+    /* after the targets: setting the first one makes the viewport as large as it */
+    const Area *area = &what->viewport;
+    D3DVIEWPORT9 viewport = {area->x, area->y, area->width, area->height, 0.0f, 1.0f};
+    TRY(IDirect3DDevice9_SetViewport(device, &viewport));
     TRY(IDirect3DDevice9_SetVertexShader(device, what->vertex));
     TRY(IDirect3DDevice9_SetPixelShader(device, what->pixel));
     for (int slot = 0; slot < NUM_SLOTS; slot++)
         if (!set_input(slot, &what->inputs[slot], textures))
             return 0;
-    return set_values(what, targets[0]) && draw_quad();
+    return set_values(what) && draw_quad();
 }
 
 static int read_back(const Texture *texture, void *pixels)

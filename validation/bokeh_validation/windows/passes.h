@@ -9,7 +9,10 @@
  *   pixel FILE                   pixel shader of the next draw
  *   input SLOT N FILTER          texture N in a slot (s and t register) of the next draw; linear or nearest, clamp
  *   value I NUMBER               parameter I: c(I).x in shader model 3, byte 4 I of b0 in 4 and up
- *   draw N [N [N [N]]]           draw; each target of the pixel shader becomes a texture
+ *   viewport X Y W H             the next draw fills these texels only, Y from the first row on; uv is 0 .. 1 over them
+ *   draw N [N [N [N]]]           draw; each target of the pixel shader becomes a texture. With a viewport, N may be one
+ *                                that an earlier draw has made, of the same size and format: it keeps what is around;
+ *                                a new one is 0 there
  *   keep N FILE                  write texture N, in the format of its target, rows as above
  *
  * FILEs are names in the working directory. A shader file is read once: other contents need another name.
@@ -35,6 +38,7 @@ typedef struct {
     int width, height;
     Format format;
     void *handle; /* NULL: this number is free */
+    int is_target;
 } Texture;
 
 typedef struct {
@@ -42,16 +46,23 @@ typedef struct {
     int linear;
 } Input;
 
+/* A part of the targets, in texels. */
+typedef struct {
+    int x, y, width, height;
+} Area;
+
 /* What a draw reads and writes. */
 typedef struct {
     void *vertex, *pixel;
     Input inputs[NUM_SLOTS];
     float values[NUM_VALUES];
+    int has_viewport;
+    Area viewport; /* as a device sees it: the whole target where the job names none */
 } Draw;
 
 /* Each function is given by a program. 0 on failure, after problem(). */
 static int make_texture(Texture *texture, const void *pixels);
-static int make_target(Texture *texture);
+static int make_target(Texture *texture); /* 0 everywhere */
 static int make_shader(int is_vertex, const void *code, size_t size, void **shader);
 static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets);
 static int read_back(const Texture *texture, void *pixels);
@@ -146,11 +157,44 @@ static int keep_texture(const Texture *texture, const char *file)
     return done;
 }
 
-static void clear_inputs(Draw *next)
+/* Forget what is told for each draw anew. */
+static void start_draw(Draw *next)
 {
     for (int slot = 0; slot < NUM_SLOTS; slot++)
         next->inputs[slot].texture = -1;
     next->pixel = NULL;
+    next->has_viewport = 0;
+}
+
+static int is_within(const Area *area, const Texture *size)
+{
+    if (area->x < 0 || area->y < 0 || area->width < 1 || area->height < 1 || area->x > size->width - area->width ||
+        area->y > size->height - area->height)
+        return problem("viewport %d %d %d %d is not within %d x %d", area->x, area->y, area->width, area->height,
+                       size->width, size->height);
+    return 1;
+}
+
+/* Make a target of a draw, or find the one to draw over. */
+static int find_target(Texture *textures, int number, const Texture *size, const Draw *next)
+{
+    int is_there = number >= 0 && number < MAX_TEXTURES && textures[number].handle;
+    if (!next->has_viewport || !is_there) {
+        Texture target = *size;
+        if (!is_texture(textures, number, 0) || !make_target(&target))
+            return 0;
+        target.is_target = 1;
+        textures[number] = target;
+        return 1;
+    }
+    const Texture *target = &textures[number];
+    if (!target->is_target || target->width != size->width || target->height != size->height ||
+        target->format != size->format)
+        return problem("texture %d is no target of this size and format", number);
+    for (int slot = 0; slot < NUM_SLOTS; slot++)
+        if (next->inputs[slot].texture == number)
+            return problem("texture %d is read and drawn over", number);
+    return 1;
 }
 
 static int do_draw(const char *numbers, Texture *textures, const Texture *size, Draw *next)
@@ -160,15 +204,17 @@ static int do_draw(const char *numbers, Texture *textures, const Texture *size, 
     Texture *targets[MAX_TARGETS];
     if (count < 1 || count > MAX_TARGETS || !next->vertex || !next->pixel || !size->width)
         return problem("draw needs size, vertex and pixel before it, and 1 to %d numbers", MAX_TARGETS);
+    if (!next->has_viewport)
+        next->viewport = (Area){0, 0, size->width, size->height};
+    if (!is_within(&next->viewport, size))
+        return 0;
     for (int i = 0; i < count; i++) {
-        Texture target = *size;
-        if (!is_texture(textures, number[i], 0) || !make_target(&target))
+        if (!find_target(textures, number[i], size, next))
             return 0;
         targets[i] = &textures[number[i]];
-        *targets[i] = target;
     }
     int done = draw(next, textures, targets, count);
-    clear_inputs(next);
+    start_draw(next);
     return done;
 }
 
@@ -183,7 +229,7 @@ static int do_line(const char *line, Texture *textures, Texture *size, Draw *nex
     if (!strcmp(word, "size") && sscanf(rest, "%d %d %15s", &size->width, &size->height, format) == 3)
         return find_format(format, &size->format);
     if (!strcmp(word, "texture") && sscanf(rest, "%d %d %d %15s %127s", &number, &width, &height, format, file) == 5) {
-        Texture made = {width, height, HALF4, NULL};
+        Texture made = {width, height, HALF4, NULL, 0};
         if (!is_texture(textures, number, 0) || !find_format(format, &made.format) || !load_texture(&made, file))
             return 0;
         textures[number] = made;
@@ -206,6 +252,9 @@ static int do_line(const char *line, Texture *textures, Texture *size, Draw *nex
         next->values[slot] = value;
         return 1;
     }
+    Area *area = &next->viewport;
+    if (!strcmp(word, "viewport") && sscanf(rest, "%d %d %d %d", &area->x, &area->y, &area->width, &area->height) == 4)
+        return next->has_viewport = 1;
     if (!strcmp(word, "draw"))
         return do_draw(rest, textures, size, next);
     if (!strcmp(word, "keep") && sscanf(rest, "%d %127s", &number, file) == 2)
@@ -217,7 +266,7 @@ static void run_passes(const char *name)
 {
     Texture textures[MAX_TEXTURES] = {0}, size = {0};
     Draw next = {0};
-    clear_inputs(&next);
+    start_draw(&next);
     char *text = read_file(name, NULL);
     int done = text ? 1 : problem("cannot read %s", name);
     for (char *line = text, *after; done && line && *line; line = after) {

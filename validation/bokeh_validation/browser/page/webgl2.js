@@ -172,12 +172,16 @@ export function run({ size, storage, textures, passes, keep, vertex }) {
       live.set(name, upload(pixels));
       made.push(live.get(name));
     }
-    gl.viewport(0, 0, ...size);
     for (const pass of passes) {
-      const targets = pass.outputs.map(() => texture(size, format(storage, 4).internal));
-      made.push(...targets);
+      const targets = pass.outputs.map(({ name, over }) => {
+        if (over) return live.get(name);
+        const target = texture(size, format(storage, 4).internal); // 0 everywhere, as WebGL has it
+        made.push(target);
+        return target;
+      });
+      gl.viewport(...(pass.viewport ?? [0, 0, ...size])); // a triangle is clipped to it
       onto(targets, () => draw(pass, live, vertex));
-      pass.outputs.forEach((name, index) => live.set(name, targets[index]));
+      pass.outputs.forEach(({ name }, index) => live.set(name, targets[index]));
     }
     const kept = {};
     for (const name of keep) kept[name] = onto([live.get(name)], () => read(size, storage));

@@ -194,17 +194,27 @@ async function record(gpu, job, made) {
   const encoder = device.createCommandEncoder();
   passes.forEach((pass, index) => {
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
-    const targets = pass.outputs.map(() => device.createTexture({ size, format, usage }));
+    const targets = pass.outputs.map(({ name, over }) => {
+      if (over) return live.get(name);
+      const target = device.createTexture({ size, format, usage });
+      made.push(target);
+      return target;
+    });
     const { buffer, group } = bind(gpu, job.slots, pass, live);
-    made.push(...targets, buffer);
-    const how = { loadOp: "clear", storeOp: "store", clearValue: [0, 0, 0, 0] };
-    const colorAttachments = targets.map((target) => ({ view: target.createView(), ...how }));
+    made.push(buffer);
+    const colorAttachments = targets.map((target, output) => ({
+      view: target.createView(),
+      loadOp: pass.outputs[output].over ? "load" : "clear",
+      storeOp: "store",
+      clearValue: [0, 0, 0, 0],
+    }));
     const render = encoder.beginRenderPass({ colorAttachments });
     render.setPipeline(ready[index]);
     render.setBindGroup(0, group);
+    if (pass.viewport) render.setViewport(...pass.viewport, 0, 1); // a triangle is clipped to it
     render.draw(3);
     render.end();
-    pass.outputs.forEach((name, output) => live.set(name, targets[output]));
+    pass.outputs.forEach(({ name }, output) => live.set(name, targets[output]));
   });
   const copies = new Map(keep.map((name) => [name, copy(device, encoder, live.get(name), size, storage)]));
   for (const { buffer } of copies.values()) made.push(buffer);
