@@ -200,13 +200,23 @@ fn BokehDepthFromFraction(depth: f32, zFar: f32) -> f32
     return depth * zFar;
 }
 
+// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js with logarithmicDepthBuffer)
+fn BokehDepthFromLogarithmic(depth: f32, zFar: f32) -> f32
+{
+    return exp2(depth * log2(zFar + 1.0)) - 1.0;
+}
+
 // Depth: any of the above to metres, for one pass that makes depth linear
 //   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
-//                 6 orthographic reversed, 7 fraction of zFar
+//                 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
 fn BokehLinearDepth(depth: f32, kind: f32, zNear: f32, zFar: f32) -> f32
 {
     var S2: f32 = depth;
-    if (kind > 6.5)
+    if (kind > 7.5)
+    {
+        S2 = BokehDepthFromLogarithmic(depth, zFar);
+    }
+    else if (kind > 6.5)
     {
         S2 = BokehDepthFromFraction(depth, zFar);
     }

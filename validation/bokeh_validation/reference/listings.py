@@ -47,6 +47,7 @@ DEPTH_KINDS = {
     "orthographic": 5,
     "orthographic reversed": 6,
     "fraction": 7,
+    "logarithmic": 8,
 }
 
 
@@ -62,6 +63,7 @@ def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.nd
             5: lambda: near + depth * (far - near),
             6: lambda: near + (1.0 - depth) * (far - near),
             7: lambda: depth * far,
+            8: lambda: (1.0 + far) ** depth - 1.0,
         }[kind]()
 
 
@@ -76,6 +78,7 @@ def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.n
         5: lambda: (metres - near) / (far - near),
         6: lambda: 1.0 - (metres - near) / (far - near),
         7: lambda: metres / far,
+        8: lambda: np.log1p(metres) / np.log1p(far),
     }[kind]()
 
 
