@@ -380,6 +380,18 @@ def parity(
 
 
 @app.command()
+def precision() -> None:
+    """What half precision does to every function and pass, emulated: the tables of docs/inputs.md."""
+    from bokeh_validation.half import table
+
+    bar, step = _progress("precision", table.steps())
+    with bar:
+        findings = table.measured(step)
+    for line in table.markdown(findings):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+@app.command()
 def report(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="The page; in the cache folder by default.")
