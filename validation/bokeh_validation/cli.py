@@ -228,7 +228,12 @@ def render(
     coc: Annotated[float | None, typer.Option(help="The same CoC everywhere, instead of one from depth.")] = None,
     coc_blur: Annotated[bool, typer.Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
     leak_fix: Annotated[bool, typer.Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
-    depth_channel: Annotated[str, typer.Option(help="Name of the depth channel.")] = "Z",
+    depth_channel: Annotated[
+        str, typer.Option(help="Name of the depth channel; Z is found in the layer or part for depth too.")
+    ] = "Z",
+    layer: Annotated[
+        str | None, typer.Option(help="Layer or part with R G B, where the file has several: ViewLayer.Combined.")
+    ] = None,
     driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
     adapter: AdapterOption = None,
     png: Annotated[Path | None, typer.Option(help="Write a tone-mapped picture as well.")] = None,
@@ -258,7 +263,8 @@ def render(
         raise UserError(
             f"--coc {coc:g}: more than --max-coc {max_coc:g}, which would clamp it. Raise --max-coc as well."
         )
-    result, used = rendering.render(rendering.Request(source, target, settings, depth_channel, driver, adapter, png))
+    request = rendering.Request(source, target, settings, depth_channel, layer, driver, adapter, png)
+    result, used = rendering.render(request)
     console.print(f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})")
 
 

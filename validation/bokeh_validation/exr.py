@@ -1,6 +1,7 @@
 """OpenEXR in and out: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
 
 import contextlib
+import ctypes
 import io
 import os
 import tempfile
@@ -10,21 +11,25 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
+from bokeh_validation import exr_header, exr_layers
 from bokeh_validation.errors import UserError
-
-MAX_PIXELS = 16384 * 16384
+from bokeh_validation.exr_header import Part, Window
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An image with depth.
+    """An image with depth. It covers the display window: the circle of confusion is a fraction of that one's height.
 
     color     (H, W, 4), float16 where R, G and B are half floats in the file, else float32; alpha is 1
     depth     (H, W) float32, metres along the view axis; None where none was asked for
+    display   the display window, W x H pixels
+    data      the part of it that the file has pixels for; outside of it the nearest of them stand in
     """
 
     color: np.ndarray
     depth: np.ndarray | None
+    display: Window
+    data: Window
 
     @property
     def size(self) -> tuple[int, int]:
@@ -36,26 +41,41 @@ class Scene:
         """Target format that keeps what the file has: 'half' or 'float'."""
         return "half" if self.color.dtype == np.float16 else "float"
 
+    def with_data(self, pixels: np.ndarray) -> np.ndarray:
+        """Those of (H, W, ...) pixels that the file has data for, as a view."""
+        rows, columns = _slices(self.data, self.display)
+        return pixels[rows, columns]
 
-def read(path: Path, depth_channel: str | None = "Z") -> Scene:
-    """Read R, G, B and a depth channel; `depth_channel=None` reads no depth.
 
-    Raises UserError for a missing or broken file, missing channels, an empty image, and for values that no scene has:
-    NaN or infinite colour, NaN depth. Infinite depth is a sky and is let pass.
+def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) -> Scene:
+    """Read R, G, B and a depth channel; `depth_channel=None` reads no depth, `layer` names the layer or part.
+
+    Raises UserError for a missing or broken file, one that is too large (exr_header.MAX_PIXELS, MAX_BYTES), missing or
+    ambiguous channels, an empty image, and for values that no scene has: NaN or infinite colour, NaN depth. Infinite
+    depth is a sky and is let pass.
     """
-    channels = _channels(path)
-    missing = [name for name in "RGB" if name not in channels]
-    if missing:
-        raise UserError(f"{path}: no channel {', '.join(missing)} (it has {_listed(channels)}). Save it as R G B.")
-    planes = [channels[name] for name in "RGB"]
-    shape = planes[0].shape
-    if any(plane.shape != shape for plane in planes) or len(shape) != 2:
-        raise UserError(f"{path}: R, G and B differ in size. Save it without chroma subsampling.")
-    if 0 in shape:
+    try:
+        return _scene(path, depth_channel, layer)
+    except MemoryError as error:
+        raise UserError(f"{path}: there is not enough memory for its pixels. Crop or scale it.") from error
+
+
+def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
+    parts = exr_header.read(path)
+    choice = exr_layers.pick(path, parts, layer, depth_channel)
+    part = parts[choice.part]
+    data = part.data.within(part.display)
+    if data.width <= 0 or data.height <= 0:
         raise UserError(
-            f"{path}: the image is empty ({shape[1]} x {shape[0]} pixels). Save it with at least one pixel."
+            f"{path}: the data window ({part.data}) lies outside of the display window ({part.display}). "
+            "Save it with pixels in the display window."
         )
-    for name, plane in zip("RGB", planes, strict=True):
+    wanted = [(choice.part, name) for name in choice.color]
+    if choice.depth is not None:
+        wanted.append((choice.depth_part, choice.depth))
+    # overscan is cut off; what lies there is no part of the image, whatever it holds
+    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, wanted)]
+    for name, plane in zip(choice.color, planes, strict=False):
         _refuse(
             path,
             name,
@@ -63,90 +83,103 @@ def read(path: Path, depth_channel: str | None = "Z") -> Scene:
             "NaN or infinite",
             "Clean it, for example by clamping, before it is blurred.",
         )
-    dtype = np.float16 if all(plane.dtype == np.float16 for plane in planes) else np.float32
-    color = np.ones((*shape, 4), dtype)
-    color[..., :3] = np.stack(planes, axis=-1)
-    return Scene(color, None if depth_channel is None else _depth(path, channels, depth_channel, shape))
+    dtype = np.float16 if all(plane.dtype == np.float16 for plane in planes[:3]) else np.float32
+    color = np.ones((part.display.height, part.display.width, 4), dtype)
+    for k in range(3):
+        color[..., k] = _extended(planes[k], data, part.display)
+    depth = None
+    if choice.depth is not None:
+        _refuse(
+            path,
+            choice.depth,
+            np.isnan(planes[3]),
+            "NaN",
+            "Give every pixel a depth in metres; the sky may be infinite.",
+        )
+        depth = _extended(planes[3].astype(np.float32), data, part.display)
+    return Scene(color, depth, part.display, data)
 
 
-def _channels(path: Path) -> dict[str, np.ndarray]:
-    if not path.exists():
-        raise UserError(f"{path}: no such file. Check the path.")
-    if path.is_dir():
-        raise UserError(f"{path}: is a folder. Name an EXR file in it.")
-    if not os.access(path, os.R_OK):
-        raise UserError(f"{path}: may not be read. Check its permissions.")
+def _slices(inner: Window, outer: Window) -> tuple[slice, slice]:
+    """Rows and columns of `inner` in an array that covers `outer`."""
+    top, left = inner.top - outer.top, inner.left - outer.left
+    return slice(top, top + inner.height), slice(left, left + inner.width)
+
+
+def _extended(plane: np.ndarray, data: Window, display: Window) -> np.ndarray:
+    """The plane over the display window, its border repeated outwards, as clamp addressing does at the border."""
+    if data == display:
+        return plane
+    rows, columns = _slices(data, display)
+    around = (rows.start, display.height - rows.stop), (columns.start, display.width - columns.stop)
+    return np.pad(plane, around, mode="edge")
+
+
+def _planes(path: Path, parts: tuple[Part, ...], wanted: list[tuple[int, str]]) -> list[np.ndarray]:
+    """(H, W) pixels of channels, each given by its part's number and its name."""
     said: list[str] = []
     try:
-        with _overheard(said):
-            return _read_channels(path)
-    except UserError:
+        with _overheard(said), OpenEXR.File(str(path), separate_channels=True) as file:
+            # the library leaves out the parts that it could not read
+            if len(file.parts) != len(parts):
+                raise ValueError("not all of its pixels can be decoded")
+            planes = [np.asarray(file.channels(number)[name].pixels) for number, name in wanted]
+    except MemoryError:
         raise
     except Exception as error:
-        reason = " ".join((said[0] if said else str(error)).split())
+        # the library's own words come before those of the call that then finds nothing: "... part 0 - words"
+        reason = exr_header.printable(said[0].rpartition(" - ")[2] if said else str(error))
+        if "MemoryError" in reason or "bad_alloc" in reason:
+            raise MemoryError(reason) from error
         raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again.") from error
+    for (number, name), plane in zip(wanted, planes, strict=True):
+        window = parts[number].data
+        if plane.shape != (window.height, window.width):
+            raise UserError(f"{path}: channel {exr_header.printable(name)} is not of its window's size. Save it again.")
+    return planes
 
 
 @contextlib.contextmanager
 def _overheard(said: list[str]):
-    """Collect what the library prints on its own, in C to descriptor 2 and in Python: a refusal must be one line."""
+    """Collect what the library prints on its own, in C to descriptors 1 and 2 and in Python: a refusal is one line."""
     python_text = io.StringIO()
+    flush = ctypes.CDLL(None).fflush
     with tempfile.TemporaryFile() as c_text:
-        kept = os.dup(2)
-        os.dup2(c_text.fileno(), 2)
+        kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
+        flush(None)
+        for descriptor in kept:
+            os.dup2(c_text.fileno(), descriptor)
         try:
             with contextlib.redirect_stdout(python_text):
                 yield
         finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+            flush(None)
+            for descriptor, copy in kept.items():
+                os.dup2(copy, descriptor)
+                os.close(copy)
             c_text.seek(0)
-            said += [
-                line for line in (python_text.getvalue() + c_text.read().decode(errors="replace")).splitlines() if line
-            ]
-
-
-def _read_channels(path: Path) -> dict[str, np.ndarray]:
-    header = OpenEXR.File(str(path), separate_channels=True, header_only=True).header()
-    low, high = header["dataWindow"]
-    width, height = int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1
-    if width <= 0 or height <= 0:
-        raise UserError(f"{path}: the image is empty ({width} x {height} pixels). Save it with at least one pixel.")
-    if width * height > MAX_PIXELS:
-        raise UserError(f"{path}: {width} x {height} pixels are more than {MAX_PIXELS}. Crop or scale it.")
-    with OpenEXR.File(str(path), separate_channels=True) as file:
-        return {name: np.asarray(channel.pixels) for name, channel in file.channels().items()}
-
-
-def _depth(path: Path, channels: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    if name not in channels:
-        raise UserError(
-            f"{path}: no depth channel {name!r} (it has {_listed(channels)}). "
-            "Name one with --depth-channel, or give --coc."
-        )
-    depth = channels[name].astype(np.float32)
-    if depth.shape != shape:
-        raise UserError(f"{path}: depth channel {name!r} differs in size from the colour. Save both at one size.")
-    _refuse(path, name, np.isnan(depth), "NaN", "Give every pixel a depth in metres; the sky may be infinite.")
-    return depth
+            text = python_text.getvalue() + c_text.read().decode(errors="replace")
+            said += [line for line in text.splitlines() if line.strip()]
 
 
 def _refuse(path: Path, name: str, bad: np.ndarray, what: str, advice: str) -> None:
     if bad.any():
         row, column = np.argwhere(bad)[0]
         raise UserError(
-            f"{path}: {int(bad.sum())} pixels of channel {name} are {what}, "
+            f"{path}: {int(bad.sum())} pixels of channel {exr_header.printable(name)} are {what}, "
             f"the first at column {column}, row {row}. {advice}"
         )
 
 
-def _listed(channels: dict[str, np.ndarray]) -> str:
-    return " ".join(channels) or "none"
+def write(path: Path, pixels: np.ndarray, data: Window | None = None, display: Window | None = None) -> None:
+    """Write (H, W, 4) float16 or float32 as R G B A, ZIP-compressed; the file appears complete or not at all.
 
-
-def write(path: Path, pixels: np.ndarray) -> None:
-    """Write (H, W, 4) float16 or float32 as R G B A, ZIP-compressed; the file appears complete or not at all."""
+    `pixels` fill the data window. Both windows are the image where none are given.
+    """
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    for name, window in (("dataWindow", data), ("displayWindow", display)):
+        if window is not None:
+            header[name] = ((window.left, window.top), (window.right, window.bottom))
 
     def save(partial: Path) -> None:
         with OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels)}) as file:

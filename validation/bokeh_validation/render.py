@@ -24,6 +24,7 @@ class Request:
     target: Path
     settings: methods.Settings
     depth_channel: str = "Z"
+    layer: str | None = None
     driver: str | None = None
     adapter: str | None = None
     png: Path | None = None
@@ -119,12 +120,17 @@ def _loaded(name: str, adapter: str | None) -> drivers.Driver:
 
 
 def render(request: Request) -> tuple[np.ndarray, drivers.Driver]:
-    """Read, blur, write. Returns the result (H, W, 4), alpha = the CoC after the passes, and its driver."""
+    """Read, blur, write. Returns the result (H, W, 4), alpha = the CoC after the passes, and its driver.
+
+    H x W are the pixels that the file has: where its data window is not its display window, the passes see the display
+    window, and what they made of the rest is left out.
+    """
     check(request.settings)
     exr.check_writable(request.target)
     if request.png is not None:
         exr.check_writable(request.png)
-    scene = exr.read(request.source, None if request.settings.coc is not None else request.depth_channel)
+    depth_channel = None if request.settings.coc is not None else request.depth_channel
+    scene = exr.read(request.source, depth_channel, request.layer)
     driver = pick_driver(request.driver, request.adapter)
     plan = methods.plan(request.settings, scene.size)
     depth = scene.depth if scene.depth is not None else np.ones((scene.size[1], scene.size[0]), np.float32)
@@ -133,7 +139,8 @@ def render(request: Request) -> tuple[np.ndarray, drivers.Driver]:
         result = driver.run(plan.passes, textures, scene.size, scene.storage)["result"]
     except Unavailable as error:
         raise UserError(f"--driver {driver.name}: {error}.") from error
-    exr.write(request.target, result)
+    result = scene.with_data(result)
+    exr.write(request.target, result, scene.data, scene.display)
     if request.png is not None:
         pictures.write_png(request.png, pictures.display(result, tone_map=True))
     return result, driver
