@@ -33,9 +33,15 @@
 //           BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv, ...)
 //
 // CONTENTS
-//   [1] configuration   [2] porting   [3] circle of confusion: BokehCoCMap   [4] sample offsets: BokehMakeOffsets
-//   [5] line filter: BokehDepthOfField   [6] combine: BokehDepthOfFieldFinal   [7] naive gather: BokehNaiveGather
-//   [8] exact polygons: BokehExactFirst, BokehExactSecond   [9] debug views: BokehDebugCoC
+//   [1] configuration
+//   [2] porting: BokehSetViewport, BokehFetch
+//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap
+//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehCells, BokehNoise, BokehSegment
+//   [5] line filter: BokehDepthOfField; adaptive: BokehLineMean, BokehDepthOfFieldAdaptive
+//   [6] combine: BokehCombine, BokehDepthOfFieldFinal
+//   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
+//   [8] exact polygons: BokehExactFirst, BokehExactSecond; one target: BokehExactEdge
+//   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // ---------------------------------------------------------------------------------------------------------------------
 // [1] configuration

@@ -53,8 +53,9 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
     _end_programs()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:  # closed by the caller
+            stream.flush()
     # Mesa's and wgpu's libraries tear down in an order of their own; nothing is left to save here.
     os._exit(code if isinstance(code, int) else 0)
 

@@ -1,6 +1,7 @@
 """validation/run render as a user calls it: results, formats, and one line for every kind of bad input."""
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -218,6 +219,14 @@ def test_usage_errors():
     refused(run("render"), ["IN.exr"])
     refused(run("render", STREET), ["--output"])
     refused(run("bogus"), ["bogus"])
+
+
+def test_closed_output():
+    """`>&-`: the refusal is one line still."""
+    command = f"exec {shlex.quote(sys.executable)} -m bokeh_validation render nothing.exr -o out.exr >&-"
+    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
+    done = subprocess.run(["bash", "-c", command], stderr=subprocess.PIPE, text=True, env=environment)
+    refused(subprocess.CompletedProcess(command, done.returncode, "", done.stderr), ["nothing.exr: no such file"])
 
 
 def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:
