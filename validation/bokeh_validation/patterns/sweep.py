@@ -1,0 +1,135 @@
+"""Pictures that change from frame to frame: how far a pass may change a pixel, and a highlight smaller than a pixel.
+
+The bound, for one line of a pass between two frames, leakage test off. In units of the image's own pixels:
+
+  * Its input changes: a mean of samples changes by at most the largest change of a texel that they read.
+  * The CoC that the filter uses changes by d: a sample at middle + t half, |t| <= 1, units of the CoC, moves by at most
+    (|middle| + |half|) d on each axis, and reads what is at most that far along the steepest slope away. With cells of
+    a given length it moves no farther: they are counted from the line's beginning, and a last cell that grows keeps
+    its middle.
+  * The line has x cells and then x': the weights change by |x' - x| in all. With s the samples and M their mean,
+    M' - M = sum((w' - w)(s - M)) / x', at most |x' - x| / x' of the contrast.
+
+Slope, contrast and change are the largest within the line's reach. Of pictures that are mixed or combined by min or
+max, the result changes by no more than the one that changes most.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bokeh_validation.drivers.reference import SIDES
+from bokeh_validation.passes import Pass
+from bokeh_validation.reference import precision, segments
+from bokeh_validation.reference.segments import Segment
+
+Outputs = Mapping[str, np.ndarray]
+# one store cuts off a step at most, of 2^-10; two frames' stores differ by as much
+STORE_STEP = 2.0**-10
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a pass: where it is, and the texture that is averaged along it."""
+
+    segment: Segment
+    texture: str
+
+
+def lines(item: Pass) -> Iterator[Line]:
+    """All lines of a filter pass. Raises ValueError for an entry that has none."""
+    values = item.values()
+    angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
+    if item.entry.startswith(("BokehDepthOfField", "BokehAdaptive")):
+        length, middle = 1.0, (0.0, 0.0)
+        if item.entry.startswith("BokehAdaptive"):
+            length, middle = values["BokehLineLength"], (values["BokehLineCenterX"], values["BokehLineCenterY"])
+        yield Line(segments.line_segment(angle, length, middle, squeeze), item.inputs["ColorSamp"])
+        return
+    stem = item.entry.removesuffix("First").removesuffix("Second")
+    if stem not in SIDES:
+        raise ValueError(f"{item.entry} filters along no line")
+    sides, second = SIDES[stem], item.entry.endswith("Second")
+    slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
+    for k in range(2 if second else 1, sides // 2 + (1 if second else 0)):
+        texture = item.inputs[slots[k - 2] if second else "ColorSamp"]
+        yield Line(segments.polygon_edge(k, sides, angle, squeeze, second), texture)
+
+
+def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
+    """How far the colour that a pass writes may change from one frame to the next, (H, W, C - 1).
+
+    before, after  (H, W, C) float64: all that the pass reads, by name; the last channel is the CoC
+    """
+    center = item.inputs["ColorSamp"]
+    coc = (before[center][..., -1], after[center][..., -1])
+    found = [_line_change(line, item, before[line.texture], after[line.texture], coc) for line in lines(item)]
+    if "ColorSampB" in item.inputs and not item.entry.endswith("Second"):
+        other = item.inputs["ColorSampB"]
+        found.append(np.abs(after[other] - before[other])[..., :-1])
+    return np.max(found, axis=0)
+
+
+def _line_change(line: Line, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
+    """The sum in the module's text, for one line."""
+    values, (height, width) = item.values(), before.shape[:2]
+    spacing = values["BokehSpacing"]
+    used = [segments.filter_coc(c, height, spacing) * height for c in coc]
+    moved = np.abs(used[1] - used[0])
+    reach = np.abs(line.segment.middle) + np.abs(line.segment.half)
+    # a sample reads the texels around it
+    radius = [int(np.ceil(r * max(u.max() for u in used))) + 1 for r in reach]
+    cells = [np.full(moved.shape, float(item.samples))] * 2
+    if spacing > 0.0:
+        cells = [np.clip(2 * line.segment.half_length * u / spacing, 1.0, item.samples) for u in used]
+    change = largest_within(np.abs(after - before), radius)
+    across, down = _slopes(after, radius)
+    place = 2 * precision.SOFTWARE.place(max(width, height))
+    change += (reach[0] * moved + place)[..., None] * across + (reach[1] * moved + place)[..., None] * down
+    contrast = largest_within(after, radius) + largest_within(-after, radius)
+    change += (np.abs(cells[1] - cells[0]) / cells[1])[..., None] * contrast
+    change += (STORE_STEP + 2 * (item.samples + 8) * precision.FLOAT_STEP) * largest_within(after + change, radius)
+    return change[..., :-1]
+
+
+def _slopes(image: np.ndarray, radius: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Largest difference between neighbours, across and down, within a reach."""
+    across = np.abs(np.diff(image, axis=1, append=image[:, -1:]))
+    down = np.abs(np.diff(image, axis=0, append=image[-1:]))
+    return largest_within(across, radius), largest_within(down, radius)
+
+
+def largest_within(image: np.ndarray, radius: list[int]) -> np.ndarray:
+    """Largest value within so many pixels (across, down) of each pixel of (H, W, C)."""
+    for axis, reach in ((1, radius[0]), (0, radius[1])):
+        padding = [(0, 0)] * image.ndim
+        padding[axis] = (reach, reach)
+        image = np.moveaxis(np.pad(image, padding, mode="edge"), axis, 0)
+        width, wanted = 1, 2 * reach + 1
+        while width < wanted:
+            # a window twice as wide, or as wide as is wanted, is two that overlap
+            further = min(width, wanted - width)
+            image = np.maximum(image[:-further], image[further:])
+            width += further
+        image = np.moveaxis(image, 0, axis)
+    return image
+
+
+# Columns of the integral over a pixel; what that leaves out is far below a half float's step
+DISC_COLUMNS = 2048
+
+
+def disc(size: tuple[int, int], center: tuple[float, float], diameter: float) -> np.ndarray:
+    """Share of each pixel that a disc covers, (H, W) float64, by its area; the disc is inside the image.
+
+    center  in pixels from the image's corner (pixel centres at .5)
+    """
+    (left, right), (top, bottom) = ((int(c - diameter / 2), int(np.ceil(c + diameter / 2))) for c in center)
+    x = left + (np.arange((right - left) * DISC_COLUMNS) + 0.5) / DISC_COLUMNS - center[0]
+    half = np.sqrt(np.maximum((diameter / 2) ** 2 - x**2, 0.0))
+    y = (np.arange(top, bottom) - center[1])[:, None]
+    covered = np.clip(half, y, y + 1) - np.clip(-half, y, y + 1)
+    image = np.zeros((size[1], size[0]))
+    image[top:bottom, left:right] = covered.reshape(bottom - top, right - left, DISC_COLUMNS).mean(axis=-1)
+    return image
