@@ -454,7 +454,7 @@ vec4 BokehDepthOfField(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 l
     float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     for (int i = 0; i < numSamples; i++)
@@ -521,7 +521,7 @@ vec4 BokehDepthOfFieldAdaptive(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv
     float CoC = BokehFilterCoC(result.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
         vec4 mean = BokehLineMean(ColorSamp, DepthSamp, uv, segment, CoC,
             result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
         result = BokehResolve(mean, 1.0, result, blurCoC);
@@ -568,7 +568,7 @@ vec4 BokehNaiveGather(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D Kernel
     int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     vec2 scale = vec2(centerPixel.a / aspectRatio, centerPixel.a);
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
@@ -597,7 +597,7 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
     float bleedingBias, float bleedingMult, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
-    float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     for (int j = 0; j < side; j++)
@@ -710,7 +710,7 @@ mat4 BokehExactFirst(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float si
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
         vec2 axis = vec2(cos(rotation), sin(rotation));
         vec4 B1 = BokehLineMean(ColorSamp, DepthSamp, uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
@@ -762,7 +762,7 @@ vec4 BokehExactSecond(sampler2D ColorSamp, sampler2D ColorSampB, sampler2D Color
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
         vec2 axis = vec2(cos(rotation), sin(rotation));
         float weight = BokehExactWeight(2.0, sides);
         float totalWeight = weight;
@@ -813,7 +813,7 @@ vec4 BokehExactEdge(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D Previous
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(DepthSamp, uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
         vec2 axis = vec2(cos(rotation), sin(rotation));
         float turn = 6.28318531 / sides;
         vec4 sum = sin(turn) * BokehLineMean(ColorSamp, DepthSamp, uv,
@@ -827,7 +827,8 @@ vec4 BokehExactEdge(sampler2D ColorSamp, sampler2D DepthSamp, sampler2D Previous
         {
             sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(EarlierSamp, uv);
         }
-        sum = max(sum / BokehExactWeight(k + 1.0, sides), vec4(0.0, 0.0, 0.0, 0.0));
+        vec4 most = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        sum = clamp(sum / BokehExactWeight(k + 1.0, sides), vec4(0.0, 0.0, 0.0, 0.0), most);
         result = vec4(sum.rgb, centerPixel.a);
     }
     return result;

@@ -475,7 +475,7 @@ float4 BokehDepthOfField(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), flo
     int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     BOKEH_LOOP for (int i = 0; i < numSamples; i++)
@@ -542,7 +542,7 @@ float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSa
     float CoC = BokehFilterCoC(result.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
         float4 mean = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv, segment, CoC,
             result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
         result = BokehResolve(mean, 1.0, result, blurCoC);
@@ -590,7 +590,7 @@ float4 BokehNaiveGather(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKE
     float aspectRatio, int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
     float2 scale = float2(centerPixel.a / aspectRatio, centerPixel.a);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
@@ -619,7 +619,7 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2
     int side, float bleedingBias, float bleedingMult, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
     BOKEH_LOOP for (int j = 0; j < side; j++)
@@ -732,7 +732,7 @@ float4x4 BokehExactFirst(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), flo
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
         float2 axis = float2(cos(rotation), sin(rotation));
         float4 B1 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
@@ -784,7 +784,7 @@ float4 BokehExactSecond(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(ColorSampB), BOK
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
         float2 axis = float2(cos(rotation), sin(rotation));
         float weight = BokehExactWeight(2.0, sides);
         float totalWeight = weight;
@@ -835,7 +835,7 @@ float4 BokehExactEdge(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKEH_
     float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r;
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
         float2 axis = float2(cos(rotation), sin(rotation));
         float turn = 6.28318531 / sides;
         float4 sum = sin(turn) * BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
@@ -849,7 +849,8 @@ float4 BokehExactEdge(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKEH_
         {
             sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(BOKEH_ARGUMENT(EarlierSamp), uv);
         }
-        sum = max(sum / BokehExactWeight(k + 1.0, sides), float4(0.0, 0.0, 0.0, 0.0));
+        float4 most = float4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        sum = clamp(sum / BokehExactWeight(k + 1.0, sides), float4(0.0, 0.0, 0.0, 0.0), most);
         result = float4(sum.rgb, centerPixel.a);
     }
     return result;

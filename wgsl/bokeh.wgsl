@@ -417,7 +417,7 @@ fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Dept
     blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
     for (var i: i32 = 0; i < numSamples; i++)
@@ -485,7 +485,7 @@ fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, ColorSampSampler: sampl
     let CoC: f32 = BokehFilterCoC(result.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
         let mean: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv, segment, CoC,
             result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
         result = BokehResolve(mean, 1.0, result, blurCoC);
@@ -535,7 +535,7 @@ fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Depth
     numSamples: i32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
     let scale: vec2f = vec2f(centerPixel.a / aspectRatio, centerPixel.a);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
@@ -565,7 +565,7 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
     bleedingMult: f32, blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
     for (var j: i32 = 0; j < side; j++)
@@ -678,7 +678,7 @@ fn BokehExactFirst(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthS
     let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
         let axis: vec2f = vec2f(cos(rotation), sin(rotation));
         let B1: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
             BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
@@ -731,7 +731,7 @@ fn BokehExactSecond(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, Color
     let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
         let axis: vec2f = vec2f(cos(rotation), sin(rotation));
         var weight: f32 = BokehExactWeight(2.0, sides);
         var totalWeight: f32 = weight;
@@ -784,7 +784,7 @@ fn BokehExactEdge(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
     let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r;
+        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
         let axis: vec2f = vec2f(cos(rotation), sin(rotation));
         let turn: f32 = 6.28318531 / sides;
         var sum: vec4f = sin(turn) * BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
@@ -798,7 +798,8 @@ fn BokehExactEdge(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
         {
             sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(EarlierSamp, EarlierSampSampler, uv);
         }
-        sum = max(sum / BokehExactWeight(k + 1.0, sides), vec4f(0.0, 0.0, 0.0, 0.0));
+        let most: vec4f = vec4f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        sum = clamp(sum / BokehExactWeight(k + 1.0, sides), vec4f(0.0, 0.0, 0.0, 0.0), most);
         result = vec4f(sum.rgb, centerPixel.a);
     }
     return result;

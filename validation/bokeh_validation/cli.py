@@ -466,6 +466,36 @@ def bench(
 
 
 @app.command()
+def mutants(
+    only: Annotated[list[str] | None, typer.Option(metavar="NAME", help="This mutant; may be given again.")] = None,
+    kind: Annotated[list[str] | None, typer.Option(help="Those of a kind, such as sign; may be given again.")] = None,
+    sample: Annotated[int | None, typer.Option(metavar="N", help="So many of them, at random.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results here as well.")] = None,
+) -> None:
+    """Break the shaders, one mistake at a time: the tests must catch each. A complete run goes into the report."""
+    from bokeh_validation import exr, paths
+    from bokeh_validation.mutants import catalog, output, results, runner
+
+    chosen = catalog.chosen(only, kind, sample)
+    if json_file is not None:
+        exr.check_writable(json_file)
+    started = time.monotonic()
+    bar, step = _progress("mutants", runner.steps(chosen))
+    with bar:
+        done = runner.run(chosen, step, runner.remaining())
+    seconds = time.monotonic() - started
+    targets = [json_file] if json_file else []
+    if len(chosen) == len(catalog.MUTANTS):
+        paths.ensured(results.default_path().parent)
+        targets.append(results.default_path())
+    for target in targets:
+        results.write(target, done.results, seconds)
+    for line in output.lines(done, seconds):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+    raise typer.Exit(0 if done.ok else EXIT_FAILED)
+
+
+@app.command()
 def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
     everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,

@@ -11,7 +11,7 @@ NEAR, FAR = 0.1, 200.0
 CAMERA = methods.Camera(0.05, 0.05, 5.0, max_coc=1.0)
 # float32: seven operations of the formulas at 2^-24 each, a division counts for 2.5 (Vulkan's allowance)
 ROUNDINGS = 12 * 2.0**-24
-# Vulkan and WebGPU let log2 be off by 3 steps, exp2 by 3 + 2 x of 2^-23, where x = log2(1 + FAR) < 8; 3 roundings beside
+# Vulkan and WebGPU let log2 be off by 3 steps, exp2 by 3 + 2 x of 2^-23, where x = log2(1 + FAR) < 8; and 3 roundings
 LOGARITHM_ROUNDINGS = 8 * np.log(2) * 4 * 2.0**-23 + (3 + 2 * 8) * 2.0**-23 + 3 * 2.0**-24
 # Formats: largest distance of a stored number from the wanted one
 FORMATS = {

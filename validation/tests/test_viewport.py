@@ -108,6 +108,21 @@ def test_places_and_sizes(size, viewport, driver):
         assert metrics.compare(part, wanted, driver.software).outside == 0
 
 
+def test_a_column(driver):
+    """An image one pixel wide has no room for the inset: it is the image alone, where what is around is finite.
+
+    Black surroundings would darken it by 1/128 if the fetch were moved by the inset. The rounding of uv moves it by 8
+    steps of 2^-24 of the width, a GPU by its sub-texel step; then a step of half floats.
+    """
+    size, viewport = (8, 8), (3, 1, 1, 5)
+    color = np.zeros((8, 8, 4), np.float16)
+    inside(color, viewport)[:] = 1.0
+    plan = methods.in_viewport(methods.plan(methods.Settings("exact", "square", coc=0.5), (1, 5)), viewport, size)
+    output = driver.run(plan.passes, {"color": color, "depth": np.ones((8, 8), np.float32)}, size)["result"]
+    off = np.abs(inside(output, viewport)[..., :3].astype(float) - 1.0)
+    assert off.max() <= 2 * (8 * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8) + 2.0**-11)
+
+
 def test_same_picture_as_alone(driver):
     """Away from its edges, the part is the picture that it would be alone: fetches move by float32 roundings only.
 

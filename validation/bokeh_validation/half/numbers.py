@@ -4,8 +4,9 @@ A scalar is an array (N, 1), a vector (N, components), mat4 (N, 16): N inputs at
 literal is a Python number and takes the precision of what it meets. Integers are int64 arrays, conditions bool arrays.
 
 Rounding. IEEE 754 binary16, to nearest even, after every operation: NumPy computes one in float32 and rounds it, which
-is the same for + - * / and sqrt, since 24 bits are at least 2 * 11 + 2. sin, cos, exp2 and log2 come rounded from float32. What
-does not fit becomes infinite. Numbers below 2^-14 keep what bits they have, or become 0 (`flush`): devices do either.
+is the same for + - * / and sqrt, since 24 bits are at least 2 * 11 + 2. sin, cos, exp2 and log2 come rounded from
+float32. What does not fit becomes infinite. Numbers below 2^-14 keep what bits they have, or become 0 (`flush`):
+devices do either.
 """
 
 from dataclasses import dataclass
@@ -177,7 +178,7 @@ class Bounds:
         fl(x) = x (1 + d) + e,  |d| <= u,  |e| <= half of the smallest step (all of SMALLEST_NORMAL with flush)
         (x + a) (y + b) - x y   = x b + y a + a b
         (x + a) / (y + b) - x/y = (a - (x / y) b) / (y + b)
-        min, max, floor, ceil, sqrt, exp2 and log2 do not fall: they are between what they make of x - |a| and of x + |a|
+        min, max, floor, ceil, sqrt, exp2, log2 do not fall: they are between what they make of x - |a| and of x + |a|
         |sin(x + a) - sin(x)| <= |a|
         a comparison that the errors leave open may take either branch: the error is then that of the worse one
 
@@ -187,7 +188,7 @@ class Bounds:
     UNITS = {HALF: 2.0**-11, FLOAT: 2.0**-24}
     SMALLEST = {HALF: 2.0**-25, FLOAT: 2.0**-150}
     LARGEST = {HALF: HALF_OVERFLOW, FLOAT: 3.4e38}
-    # sin, cos, sqrt, exp2 and log2 of NumPy's float32 are off by up to 4 of its roundings, where half floats have one of 2^-11
+    # sin, cos, sqrt, exp2, log2 of NumPy's float32 are off by up to 4 of its roundings; half floats have one of 2^-11
     LIBRARY_ROUNDINGS = {HALF: 1.0 + 4 * 2.0**-13, FLOAT: 4.0}
 
     def __init__(self, precision: Precision = HALF, flush: bool = False):

@@ -1,0 +1,180 @@
+"""What a mutant of the shaders was needed for to be noticed: no other test looked at it (validation/run mutants)."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import load
+from test_drivers import HOSTILE_COLOR, compared, noise_case
+
+from bokeh_validation import methods, metrics, passes, paths, shaders
+from bokeh_validation.passes import Pass
+from bokeh_validation.patterns.model import depth_of, flat
+from bokeh_validation.reference import listings
+
+# The drivers that run programs of the harness's own (passes.Pass.sources), one of each language
+OWN_PROGRAMS = ("egl", "dxc", "wgpu")
+
+
+def changed(plain: np.ndarray, output: np.ndarray) -> bool:
+    """Whether a switch matters, or testing it would mean nothing: as test_drivers.test_settings_matter has it."""
+    return (metrics.steps(plain, output) > metrics.FAR_STEPS).mean() > 0.02
+
+
+def test_a_sensor_of_no_height(driver):
+    """It counts as one of BOKEH_MIN_DEPTH, as in the reference: 0 in focus and not 0 / 0, and elsewhere not infinite.
+
+    So small an aperture that the CoC stays below MaxCoC even so. As COC_ROUNDINGS of the reference: 16 roundings of
+    2^-24, the focus distance is exact in float32 and its difference from the depths loses nothing.
+    """
+    camera = methods.Camera(2.0**-20, 0.0625, 4.0, sensor_height=0.0, max_coc=1.0)
+    depth = np.array([[2.0, 4.0, 8.0, 1024.0]], np.float32)
+    item = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", camera.parameters())
+    textures = {"color": flat((4, 1)), "depth": depth}
+    coc = driver.run([item], textures, (4, 1), "float", keep=("coc",))["coc"][0, :, 3]
+    values = (camera.aperture_diameter, camera.focal_length, camera.focus_distance, 0.0, camera.max_coc)
+    wanted = listings.circle_of_confusion(depth[0].astype(np.float64), *values)
+    assert wanted[1] == 0.0 and 0.0 < wanted[[0, 2, 3]].min() and wanted.max() < camera.max_coc
+    np.testing.assert_allclose(coc, wanted, rtol=listings.COC_ROUNDINGS * 2.0**-24)
+
+
+def test_every_channel_is_made_safe(driver):
+    """Red, green and blue alike: NaN and negative become 0, infinite the largest half float."""
+    hostile = np.array(HOSTILE_COLOR, np.float16)
+    color = np.ones((3, len(hostile), 4), np.float16)
+    for channel in range(3):
+        color[channel, :, channel] = hostile
+    item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
+    output = driver.run([item], {"color": color}, (len(hostile), 3))["result"]
+    wanted = np.ones((3, len(hostile), 3))
+    for channel in range(3):
+        wanted[channel, :, channel] = listings.safe_color(hostile.astype(np.float64))
+    np.testing.assert_array_equal(output[..., :3], wanted)
+
+
+CALLS = {
+    "glsl": "layout(location = 0) out vec4 Result;\nin vec2 BokehUV;\nvoid main()\n{\n"
+    "    Result = vec4(BokehMakeOffsets(vec2(0.25, 0.5), 0, 1), BokehMakeOffsets(vec2(0.25, 0.5), 1, 2));\n}\n",
+    "hlsl": "float4 BokehCall_PS(BOKEH_INPUT) : BOKEH_OUTPUT\n{\n"
+    "    return float4(BokehMakeOffsets(float2(0.25, 0.5), 0, 1), BokehMakeOffsets(float2(0.25, 0.5), 1, 2));\n}\n",
+    "wgsl": "@fragment fn BokehCall_PS(input: BokehVertex) -> @location(0) vec4f\n{\n"
+    "    return vec4f(BokehMakeOffsets(vec2f(0.25, 0.5), 0, 1), BokehMakeOffsets(vec2f(0.25, 0.5), 1, 2));\n}\n",
+}
+
+
+@pytest.mark.parametrize("name", OWN_PROGRAMS)
+def test_a_line_of_one_sample(name):
+    """BokehMakeOffsets of one sample is one end of the line, where the distance between samples would be 0 / 0.
+
+    WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
+    """
+    sources = {
+        "glsl": f"{shaders.GLSL_VERSIONS['330']}\n{paths.library('glsl').read_text(encoding='ascii')}{CALLS['glsl']}",
+        "hlsl": shaders.hlsl(6) + CALLS["hlsl"],
+        "wgsl": shaders.wgsl() + CALLS["wgsl"],
+    }
+    item = Pass("BokehCall", {}, "result", sources=sources)
+    output = load(name).run([item], {}, (1, 1))["result"][0, 0]
+    np.testing.assert_array_equal(output, [-0.25, -0.5, 0.25, 0.5])
+
+
+def test_a_line_of_no_length(driver):
+    """An adaptive line of length 0 beside the pixel is one sample there: the image moved by its middle.
+
+    Everything is a power of two: uv, and with it the place of the sample, is exact.
+    """
+    width, height, coc = 64, 32, 0.25
+    color = noise_case((width, height), methods.Settings()).color
+    first = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", {"BokehConstantCoC": coc, "BokehMaxCoC": 1.0})
+    parameters = {
+        "BokehAspectRatio": width / height,
+        "BokehImageWidth": float(width),
+        "BokehImageHeight": float(height),
+        "BokehSpacing": 1.0,
+        "BokehBleedingBias": 1.0,
+        "BokehLineLength": 0.0,
+        "BokehLineCenterX": 0.5,
+        "BokehLineCenterY": -0.25,
+    }
+    line = Pass("BokehAdaptive", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
+    textures = {"color": color, "depth": depth_of((width, height), 5.0)}
+    output = driver.run([first, line], textures, (width, height))["result"]
+    # the CoC is 8 pixels: 4 to the right and 2 up
+    np.testing.assert_array_equal(output[2:, :-4, :3], color[:-2, 4:, :3])
+
+
+@pytest.mark.parametrize("targets", [True, False], ids=["at once", "one by one"])
+@pytest.mark.parametrize("aperture", methods.EXACT)
+def test_jitter_of_the_exact_passes(aperture, targets, driver):
+    """Few samples on a wide blur, so that the noise acts in every pass: as the reference says, and not as without."""
+    settings = methods.Settings(
+        "exact", aperture, coc=0.5, camera=methods.Camera(max_coc=1.0), max_samples=3, spacing=1.0, jitter=1.0, frame=5
+    )
+    case = noise_case((61, 48), replace(settings, targets=targets))
+    output, comparison = compared(driver, case)
+    assert comparison.outside == 0, comparison
+    plain, _ = compared(driver, replace(case, settings=replace(case.settings, jitter=0.0)))
+    assert changed(plain, output)
+
+
+@pytest.mark.parametrize("mode", [2, 3])
+def test_debug_views_of_a_pinhole(mode, driver):
+    """MaxCoC 0 counts as BOKEH_MIN_DEPTH: in focus black and not 0 / 0, and elsewhere not infinite."""
+    small = 2.0**-21  # half of BOKEH_MIN_DEPTH, and a half float
+    coc = flat((2, 1))
+    coc[0, :, 3] = 0.0, small
+    parameters = {"BokehDebugMode": float(mode), "BokehMaxCoC": 0.0, "BokehFocusDistance": 4.0}
+    view = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
+    output = driver.run([view], {"coc": coc, "depth": depth_of((2, 1), 8.0)}, (2, 1), "float")["result"][0]
+    # the alpha is read through the linear filter at a place that is exact: at two pixels uv is 1/4 and 3/4
+    grey = small / listings.MIN_DEPTH
+    tints = {2: [1.0, 1.0, 1.0], 3: [0.1, 0.4, 1.0]}[mode]
+    wanted = [[0.0, 0.0, 0.0, 1.0], [*(grey * tint for tint in tints), 1.0]]
+    # a division counts for 2.5 roundings, as Vulkan allows, beside the rounding of BOKEH_MIN_DEPTH and two products
+    np.testing.assert_allclose(output, wanted, rtol=6 * 2.0**-24)
+
+
+@pytest.mark.parametrize("method", ["naive", "naive-grid"])
+def test_squeeze_of_the_naive_methods(method, driver):
+    """The squeeze narrows the table and the grid as it does the lines."""
+    settings = methods.Settings(method, "hexagon", camera=methods.Camera(0.1, 0.05, 4.0, max_coc=0.3), rotation=20.0)
+    case = noise_case((61, 48), settings)
+    squeezed = replace(case, settings=replace(settings, squeeze=0.5))
+    output, comparison = compared(driver, squeezed)
+    assert comparison.outside == 0, comparison
+    plain, _ = compared(driver, case)
+    assert changed(plain, output)
+
+
+def test_constant_coc_is_clamped(driver):
+    """A constant CoC below 0 is 0, one above MaxCoC is that."""
+    for value, wanted in ((-0.5, 0.0), (0.125, 0.125), (0.5, 0.25)):
+        parameters = {"BokehConstantCoC": value, "BokehMaxCoC": 0.25}
+        item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", parameters)
+        output = driver.run([item], {"color": flat((4, 2), 1.0)}, (4, 2))["result"]
+        np.testing.assert_array_equal(output[..., 3], wanted)
+
+
+def test_defaults():
+    """Section [1] has the values that the harness takes where nobody says, and the limits of the reference."""
+    camera, settings = methods.Camera(), methods.Settings()
+    wanted = {
+        "BOKEH_NUM_SAMPLES": methods.PAPER_SAMPLES,
+        "BOKEH_SENSOR_HEIGHT": camera.sensor_height,
+        "BOKEH_MAX_COC": camera.max_coc,
+        "BOKEH_BLEEDING_BIAS": settings.bleeding_bias,
+        "BOKEH_BLEEDING_MULT": settings.bleeding_mult,
+        "BOKEH_MAX_COLOR": listings.MAX_COLOR,
+        "BOKEH_MIN_DEPTH": listings.MIN_DEPTH,
+        "BOKEH_MAX_DEPTH": listings.MAX_DEPTH,
+    }
+    for language in paths.LANGUAGES:
+        text = paths.library(language).read_text(encoding="ascii")
+        for name, value in wanted.items():
+            (found,) = re.findall(rf"^(?:#define|const|override) {name}(?:: \w+ =)? ([\d.]+);?$", text, re.MULTILINE)
+            assert float(found) == value, (language, name)
+    assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
+    assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
+    assert passes.PARAMETERS["BokehBleedingBias"] == settings.bleeding_bias
+    assert passes.PARAMETERS["BokehBleedingMult"] == settings.bleeding_mult
