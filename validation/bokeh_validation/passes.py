@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from bokeh_validation import shaders
 
 # Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/inputs.md).
@@ -113,3 +115,7 @@ class Pass:
         if unknown:
             raise KeyError(f"no such parameter: {', '.join(sorted(unknown))}")
         return {**PARAMETERS, **self.parameters}
+
+    def given(self) -> dict[str, float]:
+        """`values` as a device gets them, in float32: depth in focus is exactly the focus distance there."""
+        return {name: float(np.float32(value)) for name, value in self.values().items()}

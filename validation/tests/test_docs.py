@@ -74,3 +74,15 @@ def test_paper_names_exist():
     for language in paths.LANGUAGES:
         for name in names:
             assert re.search(rf"\b{name}\(", library(language)), f"{name} in {language}"
+
+
+def test_pitfalls_name_tests():
+    """Every test that docs/pitfalls.md names is there, and every row has its four cells."""
+    text = (paths.ROOT / "docs/pitfalls.md").read_text(encoding="utf-8")
+    named = re.findall(r"`(test_\w+\.py)(?:::(test_\w+))?`", text)
+    assert len(named) > 40
+    for file, name in named:
+        source = (paths.VALIDATION / "tests" / file).read_text(encoding="utf-8")
+        assert not name or re.search(rf"^(?:    )?def {name}\(", source, re.MULTILINE), f"{file}::{name}"
+    for row in re.findall(r"^\| .* \|$", text, re.MULTILINE):
+        assert row.count(" | ") == 3, row

@@ -173,7 +173,7 @@ def test_defaults():
         text = paths.library(language).read_text(encoding="ascii")
         for name, value in wanted.items():
             (found,) = re.findall(rf"^(?:#define|const|override) {name}(?:: \w+ =)? ([\d.]+);?$", text, re.MULTILINE)
-            assert float(found) == value, (language, name)
+            assert np.float32(found) == np.float32(value), (language, name)
     assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
     assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
     assert passes.PARAMETERS["BokehBleedingBias"] == settings.bleeding_bias

@@ -106,7 +106,7 @@ def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None
 
 def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:
     """What a pass writes to each of its targets."""
-    values = item.values()
+    values = item.given()
     if item.entry == "BokehCoCMap":
         depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
         coc = listings.circle_of_confusion(

@@ -90,7 +90,7 @@ class Emulator:
                 places.append(Place(place.astype(np.float32), counts))
             return _read(image, place, nearest or not slots[texture])
 
-        constants = {**item.constants, **item.values(), "BokehUV": uv, **bound}
+        constants = {**item.constants, **item.given(), "BokehUV": uv, **bound}
         written = Evaluator(self.numbers, self.choice, constants, fetch).main(item.entry)
         shape = (height, width, 4)
         return [

@@ -9,10 +9,10 @@ import numpy as np
 
 from bokeh_validation.reference import sampling
 from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.listings import leakage_weight
+from bokeh_validation.reference.listings import leakage_weight, safe_depth
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
-BAND_ROWS = 60
+BAND_ROWS = 16
 THREADS = 2
 
 
@@ -76,6 +76,8 @@ class Table:
     def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
         """See Pattern."""
         del rows
+        # no CoC is off by more than 1, also where the pass before left it open
+        coc_error = np.minimum(coc_error, 1.0)
         turned = line * self.height * coc
         for x, y in self.offsets * self.height:
             yield Sample(x * coc, y * coc, 1.0, abs(x) * coc_error + turned, abs(y) * coc_error + turned)
@@ -97,14 +99,17 @@ def gather(
     """
     depth = np.asarray(depth, np.float64)
     middle = at_center(image if center is None else center, precision)
-    fields = _error_fields(image) if precision else None
+    fields = _error_fields(image, precision) if precision else None
 
     def band(start: int) -> Image:
         rows = slice(start, min(start + BAND_ROWS, image.value.shape[0]))
         return _gather_rows(image, middle, depth, pattern, leakage, blur_coc, precision, fields, rows)
 
+    starts = range(0, image.value.shape[0], BAND_ROWS)
+    if len(starts) == 1:
+        return band(0)
     with ThreadPoolExecutor(THREADS) as pool:
-        bands = list(pool.map(band, range(0, image.value.shape[0], BAND_ROWS)))
+        bands = list(pool.map(band, starts))
     value = np.concatenate([b.value for b in bands])
     if precision is None:
         return Image(value)
@@ -124,26 +129,28 @@ def at_center(image: Image, precision: Precision | None) -> Image:
 
 @dataclass(frozen=True)
 class _ErrorFields:
-    """Per texel, what bounds the error of a sample taken there; each (H W, 4)."""
+    """Per texel, what bounds the error of a sample taken there; each (H W, 4).
 
-    stored: np.ndarray
+    still         of one that is where it should be: what is stored is off, and the filter rounds
+    across, down  for each texel that it may be off its place
+    """
+
+    still: np.ndarray
     across: np.ndarray
     down: np.ndarray
-    largest: np.ndarray
 
 
-def _error_fields(image: Image) -> _ErrorFields:
+def _error_fields(image: Image, precision: Precision) -> _ErrorFields:
     across, down = sampling.slopes(image.value)
-    stored = sampling.neighbourhood(image.error)
-    largest = sampling.neighbourhood(np.abs(image.value))
-    return _ErrorFields(*(field.reshape(-1, 4) for field in (stored, across, down, largest)))
+    still = sampling.neighbourhood(image.error) + precision.filter * sampling.neighbourhood(np.abs(image.value))
+    return _ErrorFields(*(field.reshape(-1, 4) for field in (still, across, down)))
 
 
 def _gather_rows(image, middle, depth, pattern, leakage, blur_coc, precision, fields, rows) -> Image:
     """`gather` for some rows: bands keep the working set in the processor's cache."""
     center = middle.value[rows]
     center_coc = center[..., 3]
-    center_depth = depth[rows]
+    center_depth = safe_depth(depth[rows])
     flat_depth = depth.reshape(-1)
     y, x = np.mgrid[rows, 0 : image.size[0]] + 0.5
     color, total = np.zeros_like(center), np.zeros_like(center_coc)
@@ -189,8 +196,9 @@ class _Bound:
         shift_y = self.precision.place(height) + item.shift_y
         texel = sampling.nearest_index(x, y, self.size)
         fields = self.fields
-        error = fields.stored[texel] + self.precision.filter * fields.largest[texel]
-        error += shift_x[..., None] * fields.across[texel] + shift_y[..., None] * fields.down[texel]
+        error = fields.still.take(texel, axis=0)
+        across, down = fields.across.take(texel, axis=0), fields.down.take(texel, axis=0)
+        error += shift_x[..., None] * across + shift_y[..., None] * down
         # the slopes are those of 3 x 3 texels: they say nothing of a sample that may be elsewhere
         error[np.maximum(shift_x, shift_y) > 0.5] = np.inf
 
@@ -200,32 +208,39 @@ class _Bound:
         tolerance = self.center_error[..., 3] + error[..., 3] + FLOAT_STEP
         surely = (farthest < center_depth) & (margin > tolerance)
         maybe = (nearest < center_depth) & (margin > -tolerance)
-        lowest = np.where(maybe, np.clip((coc - error[..., 3]) * leakage.mult, 0.0, 1.0), 1.0)
-        highest = np.where(surely, np.clip((coc + error[..., 3]) * leakage.mult, 0.0, 1.0), 1.0)
+        # no CoC is off by more than 1: an infinite error times a multiplier of 0 would be none
+        coc_error = np.minimum(error[..., 3], 1.0)
+        lowest = np.where(maybe, np.clip((coc - coc_error) * leakage.mult, 0.0, 1.0), 1.0)
+        highest = np.where(surely, np.clip((coc + coc_error) * leakage.mult, 0.0, 1.0), 1.0)
         most = item.weight + item.open_weight
         open_weight = np.maximum(highest - leak, leak - lowest) * most + leak * item.open_weight
 
-        counted = (most > 0.0) & np.ones_like(leak, bool)
+        share = leak * item.weight + open_weight
+        counted = share > 0.0
         error[~counted] = 0.0
-        self.samples += (leak * item.weight + open_weight)[..., None] * error
+        self.samples += share[..., None] * error
         self.open_samples += open_weight[..., None] * np.abs(sample - self.center)
         self.open_weight += open_weight
-        self.largest = np.where(counted[..., None], np.maximum(self.largest, np.abs(sample)), self.largest)
+        np.maximum(self.largest, np.abs(sample), out=self.largest, where=counted[..., None])
         self.undecided |= counted & maybe & ~surely & (lowest < 1.0)
 
     def _depth_range(self, depth, x, y, shift_x, shift_y, texel) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest and largest depth that the nearest filter may return."""
+        """Smallest and largest depth that the nearest filter may return.
+
+        NaN stands for any: Direct3D 9 finds it nearer, IEEE 754 does not, and GLSL and WGSL leave it open.
+        """
         nearest = depth[texel]
         farthest = nearest.copy()
         open_x = np.floor(x - shift_x) != np.floor(x + shift_x)
         open_y = np.floor(y - shift_y) != np.floor(y + shift_y)
         at = np.nonzero(open_x | open_y)
-        for sign_x in (-1, 1):
+        for sign_x in (-1, 1) if at[0].size else ():
             for sign_y in (-1, 1):
                 index = sampling.nearest_index(x[at] + sign_x * shift_x[at], y[at] + sign_y * shift_y[at], self.size)
                 nearest[at] = np.minimum(nearest[at], depth[index])
                 farthest[at] = np.maximum(farthest[at], depth[index])
-        return nearest, farthest
+        unknown = np.isnan(nearest)
+        return np.where(unknown, -np.inf, nearest), np.where(unknown, np.inf, farthest)
 
     def finish(self, value, total, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Error of the mean (rows, W, 4), and which pixels are undecided (rows, W)."""

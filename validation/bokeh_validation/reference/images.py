@@ -51,6 +51,6 @@ def rounded(value: np.ndarray, dtype: type, rounding: str) -> np.ndarray:
 
 
 def step(value: np.ndarray, dtype: type) -> np.ndarray:
-    """Distance from a magnitude to the next larger number of `dtype`."""
-    largest = float(np.finfo(dtype).max)
-    return np.spacing(np.minimum(value, largest / 2).astype(dtype)).astype(np.float64)
+    """Distance from a magnitude to the next larger number of `dtype`; at the largest one, that to the one before."""
+    last_but_one = np.nextafter(np.finfo(dtype).max, dtype(0)).astype(np.float64)
+    return np.spacing(np.minimum(value, last_but_one).astype(dtype)).astype(np.float64)

@@ -11,7 +11,7 @@ from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.precision import FLOAT_STEP
 
 MAX_COLOR = 65504.0
-MIN_DEPTH = 1e-6
+MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
 # A division counts for 2.5, as Vulkan allows; the formula of the CoC has three, five other operations, and margin.
 COC_ROUNDINGS = 16

@@ -26,16 +26,17 @@ def bilinear(pixels: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     right = np.clip(x0 + 1, 0, width - 1).astype(np.int64)
     top = np.clip(y0, 0, height - 1).astype(np.int64) * width
     bottom = np.clip(y0 + 1, 0, height - 1).astype(np.int64) * width
-    upper = flat[top + left] * (1 - fx) + flat[top + right] * fx
-    lower = flat[bottom + left] * (1 - fx) + flat[bottom + right] * fx
+    # take: NumPy copies a texel at once, and with flat[...] number by number, ten times slower
+    upper = flat.take(top + left, axis=0) * (1 - fx) + flat.take(top + right, axis=0) * fx
+    lower = flat.take(bottom + left, axis=0) * (1 - fx) + flat.take(bottom + right, axis=0) * fx
     return upper * (1 - fy) + lower * fy
 
 
 def neighbourhood(pixels: np.ndarray, combine=np.maximum) -> np.ndarray:
     """Maximum (or minimum) over 3 x 3 texels with clamp, per channel."""
-    rows = np.pad(pixels, ((1, 1), (0, 0), (0, 0)), mode="edge")
+    rows = np.concatenate([pixels[:1], pixels, pixels[-1:]])
     rows = combine(combine(rows[:-2], rows[1:-1]), rows[2:])
-    columns = np.pad(rows, ((0, 0), (1, 1), (0, 0)), mode="edge")
+    columns = np.concatenate([rows[:, :1], rows, rows[:, -1:]], axis=1)
     return combine(combine(columns[:, :-2], columns[:, 1:-1]), columns[:, 2:])
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from bokeh_validation import apertures
 from bokeh_validation.reference.gather import Leakage, Sample, gather
 from bokeh_validation.reference.images import Image
+from bokeh_validation.reference.listings import MAX_COLOR
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 # Interleaved gradient noise (Jimenez 2014)
@@ -49,8 +50,8 @@ class Quality:
 
     spacing    pixels between samples; 0: exactly max_samples
     jitter     (H, W) phase of each pixel's samples, -0.5 .. 0.5; or 0
-    open       (H, W) how far off the jitter may be
-    undecided  (H, W) bool: a device's noise may come out at the other end of its range
+    open       (H, W) how far off the jitter may be; all of its range where a device's may be at the other end
+    undecided  (H, W) bool: where that is so
     """
 
     spacing: float
@@ -105,7 +106,7 @@ def quality(size: tuple[int, int], spacing: float, max_samples: int, amount: flo
     if amount <= 0.0:
         return Quality(spacing, max_samples)
     value, error, wraps = noise(size, frame)
-    return Quality(spacing, max_samples, amount * value, amount * error, wraps)
+    return Quality(spacing, max_samples, amount * value, amount * np.where(wraps, 1.0, error), wraps)
 
 
 def filter_coc(coc, image_height: float, spacing: float):
@@ -205,9 +206,12 @@ def weight(k: int, sides: int) -> float:
 
 
 def mixed(parts: list[tuple[float, Image]], center: Image) -> Image:
-    """Weighted mean of images, not below 0, with the CoC of `center`; weights may be negative, their sum is not."""
+    """Weighted mean of images, not below 0 nor above MAX_COLOR, with the CoC of `center`.
+
+    Weights may be negative, their sum is not.
+    """
     total = sum(w for w, _ in parts)
-    value = np.maximum(sum(w * part.value for w, part in parts) / total, 0.0)
+    value = np.clip(sum(w * part.value for w, part in parts) / total, 0.0, MAX_COLOR)
     value[..., 3] = center.value[..., 3]
     if center.error is None:
         return Image(value)

@@ -1,0 +1,137 @@
+"""Colour and depth that no renderer should hand over, what docs/inputs.md says that each counts as, and its reach."""
+
+from collections.abc import Iterator, Mapping
+from math import cos, sin
+
+import numpy as np
+
+from bokeh_validation import methods
+from bokeh_validation.passes import Pass
+from bokeh_validation.reference import sampling, segments
+from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
+
+# A half-float channel and what it counts as; 6e-8 is the smallest denormal half float
+COLOR = (
+    (np.nan, 0.0),
+    (np.inf, MAX_COLOR),
+    (-np.inf, 0.0),
+    (-1.0, 0.0),
+    (-MAX_COLOR, 0.0),
+    (-6e-8, 0.0),
+    (-0.0, 0.0),
+    (6e-8, 6e-8),
+    (MAX_COLOR, MAX_COLOR),
+)
+# Depth, metres, and what it counts as
+DEPTH = (
+    (np.nan, MIN_DEPTH),
+    (np.inf, MAX_DEPTH),
+    (-np.inf, MIN_DEPTH),
+    (-1.0, MIN_DEPTH),
+    (0.0, MIN_DEPTH),
+    (1e-30, MIN_DEPTH),
+    (1e30, MAX_DEPTH),
+)
+
+
+def reach(plan: methods.Plan, clean: Mapping[str, np.ndarray], bad: np.ndarray, bad_depth: np.ndarray) -> np.ndarray:
+    """Which pixels of the result may differ from those of an image without the bad pixels, (H, W) bool.
+
+    clean      every texture that the passes write, for the image without them: the CoC of each pass
+    bad        (H, W) bool: pixels with bad colour or depth
+    bad_depth  (H, W) bool: those with bad depth, which every pass reads
+
+    Every pass gathers, so a pixel changes only where a texel that it reads has: its own, or one under a sample. The
+    samples lie on lines whose places follow from the pixel's own CoC, and where nothing in reach changed that is the
+    clean image's. A line is followed in steps of STEP texels at most, so a sample is within STEP / 2 of a step. What a
+    device may be off (reference/precision.py: 2^-8 of a texel, 2^-11 of the CoC for the line's angle, 2^-11 for the
+    stored CoC) is less than 0.05 texels for a CoC below 40. Together that is less than half a texel, and a place less
+    than half a texel from one in texel i is less than 1 from that texel's centre. The linear filter reads texels whose
+    centres are less than 1 from the place: i - 1, i, i + 1 and no others. Hence 3 x 3 texels around each step.
+    """
+    touched = {"coc": bad}
+    for item in plan.passes[1:]:
+        alpha = clean[item.inputs["ColorSamp"]][..., 3].astype(np.float64)
+        found = np.zeros_like(bad)
+        for name in _colors(item).values():
+            found |= _grown(touched[name] | bad_depth)
+        for slot, middle, half in _lines(item, plan):
+            found |= _on_line(_grown(touched[item.inputs[slot]] | bad_depth), _used(item, alpha), middle, half)
+        touched |= dict.fromkeys(item.outputs, found)
+    return touched[plan.result]
+
+
+STEP = 0.8
+
+
+def _colors(item: Pass) -> dict[str, str]:
+    return {slot: name for slot, name in item.inputs.items() if slot.startswith("ColorSamp")}
+
+
+def _grown(mask: np.ndarray) -> np.ndarray:
+    """3 x 3 texels around each."""
+    return sampling.neighbourhood(mask[..., None])[..., 0]
+
+
+def _used(item: Pass, coc: np.ndarray) -> np.ndarray:
+    """The CoC that a pass scales its lines by, texels."""
+    values = item.values()
+    fixed = item.entry.startswith(("BokehDepthOfField", "BokehNaive"))
+    return coc.shape[0] * segments.filter_coc(coc, coc.shape[0], 0.0 if fixed else values["BokehSpacing"])
+
+
+def _on_line(mask: np.ndarray, coc: np.ndarray, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Where a line, in units of the pixel's CoC, meets a texel of the mask. `coc` in texels."""
+    height, width = mask.shape
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    count = 2 + int(np.ceil(2.0 * np.abs(half).max() * coc.max() / STEP))
+    found = np.zeros_like(mask)
+    for t in np.linspace(-1.0, 1.0, count):
+        place = middle + t * half
+        found |= mask.reshape(-1)[sampling.nearest_index(x + place[0] * coc, y + place[1] * coc, (width, height))]
+    return found
+
+
+def _lines(item: Pass, plan: methods.Plan) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """(slot, middle, half) of every line that a pass samples, units of the CoC, x right, y down."""
+    values = item.values()
+    angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
+    stem = item.entry.removeprefix("Bokeh")
+    slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
+    nothing = np.zeros(2)
+
+    def half(angle: float) -> np.ndarray:
+        return 0.5 * np.array([squeeze * cos(angle), sin(angle)])
+
+    def edges(sides: int, ks: range, second: bool) -> Iterator[segments.Segment]:
+        return (segments.polygon_edge(k, sides, angle, squeeze, second) for k in ks)
+
+    if stem.startswith("DepthOfField"):
+        yield "ColorSamp", nothing, half(angle)
+    elif stem.startswith("Adaptive"):
+        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
+        line = segments.line_segment(angle, values["BokehLineLength"], middle, squeeze)
+        yield "ColorSamp", line.middle, line.half
+    elif stem == "NaiveGather":
+        for x, y in plan.tables["kernel"][0, :, :2].astype(np.float64):
+            yield "ColorSamp", np.array([squeeze * x, y]), nothing
+    elif stem == "NaiveGrid":
+        for t in np.linspace(-1.0, 1.0, item.samples):
+            yield "ColorSamp", t * half(values["BokehAngleB"]), half(angle)
+    elif stem == "ExactEdge":
+        k = round(values["BokehEdge"])
+        for line in edges(round(values["BokehSides"]), range(k, k + 1), False):
+            yield "ColorSamp", line.middle, line.half
+    else:
+        second = stem.endswith("Second")
+        sides = methods.EXACT[stem.removesuffix("First").removesuffix("Second").lower()]
+        first_edge = 2 if second else 1
+        ks = range(first_edge, sides // 2 + first_edge - 1)
+        for k, line in zip(ks, edges(sides, ks, second), strict=True):
+            yield slots[k - 2] if second else "ColorSamp", line.middle, line.half
+
+
+def sprinkled(random: np.random.Generator, pixels: np.ndarray, pairs, share: float) -> np.ndarray:
+    """The pixels with about `share` of their numbers replaced by the first numbers of some of `pairs`."""
+    chosen = random.choice(np.array([bad for bad, _ in pairs]), pixels.shape).astype(pixels.dtype)
+    return np.where(random.random(pixels.shape) < share, chosen, pixels)

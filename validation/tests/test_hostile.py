@@ -1,0 +1,324 @@
+"""Bad input on every driver: it counts as docs/inputs.md says, and changes no pixels but those that reach it."""
+
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+
+import numpy as np
+import pytest
+from conftest import load
+from hostile import COLOR, DEPTH, reach, sprinkled
+
+from bokeh_validation import drivers, metrics
+from bokeh_validation.methods import Camera, Settings
+from bokeh_validation.passes import PARAMETERS
+from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.reference.listings import safe_color
+
+SIZE = (96, 64)
+CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
+ADAPTIVE = {"spacing": 1.0, "jitter": 1.0, "max_samples": 5}
+METHODS = {
+    "paper": Settings("paper", "hexagon", camera=CAMERA),
+    "paper star, CoC kept": Settings("paper", "star", camera=CAMERA, blur_coc=False, rotation=10.0),
+    "paper triangle": Settings("paper", "triangle", camera=CAMERA),
+    "paper adaptive": Settings("paper", "octagon", camera=CAMERA, **ADAPTIVE),
+    "exact": Settings("exact", "hexagon", camera=CAMERA, squeeze=0.7),
+    "exact decagon": Settings("exact", "decagon", camera=CAMERA),
+    "exact, one target": Settings("exact", "octagon", camera=CAMERA, targets=False),
+    "exact adaptive": Settings("exact", "hexagon", camera=CAMERA, **ADAPTIVE),
+    "naive": Settings("naive", "hexagon", camera=CAMERA),
+    "naive-grid": Settings("naive-grid", "square", 5, camera=CAMERA, rotation=20.0),
+}
+# The engine's alpha, which counts for nothing
+ALPHA = (np.nan, np.inf, -np.inf)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# single bad pixels
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One picture three times; bad pixels are 16 texels and more from each other, in blurs of up to 8.
+
+    bad      with one pixel of every bad value
+    counted  with what each counts as in its place
+    clean    with ordinary pixels there
+    color    (H, W) bool: where the bad colour is
+    depth    (H, W) bool: where the bad depth is
+    """
+
+    bad: Case
+    counted: Case
+    clean: Case
+    color: np.ndarray
+    depth: np.ndarray
+
+
+@cache
+def scene(method: str) -> Scene:
+    """Random colour over a slope with steps: CoC from 0 to 6 texels, and every outcome of the leakage test."""
+    random = np.random.default_rng(5)
+    width, height = SIZE
+    color = random.lognormal(0.0, 0.7, (height, width, 4)).astype(np.float16)
+    steps = np.kron(random.choice([0.7, 1.0], (8, 12)), np.ones((8, 8)))
+    depth = (np.linspace(2.5, 9.0, width) * steps).astype(np.float32)
+    colors, depths = (color.copy(), color.copy()), (depth.copy(), depth.copy())
+    where = np.zeros((2, height, width), bool)
+    places = iter([(9 + 15 * row, 8 + 16 * column) for row in range(4) for column in range(6)])
+    for pair in COLOR:
+        place = next(places)
+        where[0][place] = True
+        for pixels, value in zip(colors, pair, strict=True):
+            pixels[place][:3] = value
+    for pair in DEPTH:
+        place = next(places)
+        where[1][place] = True
+        for pixels, value in zip(depths, pair, strict=True):
+            pixels[place] = value
+    for value in ALPHA:
+        colors[0][next(places)][3] = value
+    settings = METHODS[method]
+    bad, counted = (Case("bad", settings, *pixels) for pixels in zip(colors, depths, strict=True))
+    return Scene(bad, counted, Case("clean", settings, color, depth), *where)
+
+
+@lru_cache(maxsize=64)
+def outputs(method: str, driver: str, which: str) -> dict[str, np.ndarray]:
+    """All textures that the passes write for one of the three pictures of a Scene."""
+    return everything(load(driver), getattr(scene(method), which))
+
+
+def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str, np.ndarray]:
+    """All textures that a case's passes write, with some parameters changed in every pass."""
+    passes = [replace(item, parameters={**item.parameters, **changes}) for item in case.plan.passes]
+    names = [name for item in passes for name in item.outputs]
+    return driver.run(passes, case.textures(), case.size, keep=names)
+
+
+def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(H, W) bool: pixels that are not the same to the bit, but for the sign of 0."""
+    return (a != b).any(axis=-1)
+
+
+def assert_safe(found: dict[str, np.ndarray]) -> None:
+    """Every number of every texture is finite and not negative."""
+    for name, pixels in found.items():
+        assert np.isfinite(pixels).all(), f"{name}: {np.count_nonzero(~np.isfinite(pixels))} numbers are not finite"
+        assert (pixels >= 0).all(), f"{name}: {np.count_nonzero(pixels < 0)} numbers are negative"
+
+
+def assert_right(driver: drivers.Driver, case: Case) -> None:
+    """All textures are safe and the result is within the reference's interval."""
+    found = everything(driver, case)
+    assert_safe(found)
+    wanted = expected(case, driver.software, driver.rounding)["result"]
+    comparison = metrics.compare(found["result"], wanted, driver.software)
+    assert comparison.outside == 0, comparison
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bad_pixels_count_as_documented(method, driver):
+    """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
+    bad, counted = (outputs(method, driver.name, which) for which in ("bad", "counted"))
+    assert_safe(bad)
+    for name in bad:
+        where = np.argwhere(differing(bad[name], counted[name]))
+        assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_damage_is_confined(method, driver):
+    """No pixel but those that reach a bad one (hostile.reach) is another than without it, to the bit.
+
+    Each bad pixel itself is another, or the test would show nothing; alpha is none of them and reaches nowhere.
+    """
+    seen = scene(method)
+    bad, clean = (outputs(method, driver.name, which) for which in ("bad", "clean"))
+    changed = differing(bad["result"], clean["result"])
+    reached = reach(seen.clean.plan, clean, seen.color | seen.depth, seen.depth)
+    where = np.argwhere(changed & ~reached)
+    assert not len(where), f"{len(where)} pixels, the first in row, column {where[0]}"
+    assert changed[seen.color | seen.depth].all()
+    # 16 pixels of 6144, each in reach of those around it within two blurs of up to 6 texels
+    assert reached.mean() < 0.3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_damage_is_what_the_reference_says(method, driver):
+    """Where bad pixels do reach, and everywhere else, the result is within the derived interval."""
+    wanted = expected(scene(method).bad, driver.software, driver.rounding)["result"]
+    comparison = metrics.compare(outputs(method, driver.name, "bad")["result"], wanted, driver.software)
+    assert comparison.outside == 0, comparison
+
+
+def test_reach_is_not_too_wide():
+    """In float64, most of what naive's reach has in it does change: it is no excuse for anything to change."""
+    seen = scene("naive")
+    bad, clean = outputs("naive", "reference", "bad"), outputs("naive", "reference", "clean")
+    changed = differing(bad["result"], clean["result"])
+    reached = reach(seen.clean.plan, clean, seen.color | seen.depth, seen.depth)
+    assert not (changed & ~reached).any()
+    assert changed.sum() > 0.7 * reached.sum()
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# a third of all pixels bad: cameras, sample counts, sizes
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> Case:
+    """Random colour and depth, that share of all numbers bad, alpha too. `size` is (width, height)."""
+    random = np.random.default_rng(11)
+    width, height = size
+    color = random.lognormal(0.0, 1.0, (height, width, 4)).astype(np.float16)
+    depth = random.choice([0.5, 2.0, 4.0, 30.0], (height, width)).astype(np.float32)
+    return Case("littered", settings, sprinkled(random, color, COLOR, share), sprinkled(random, depth, DEPTH, share))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_in_focus_nothing_changes(method, driver):
+    """CoC 0 everywhere: the safe colours come out as they are, to the bit.
+
+    64 and 32 are powers of two, so that uv is exact in float32 and the linear filter at a texel's centre is a copy.
+    """
+    case = littered((64, 32), replace(METHODS[method], camera=replace(CAMERA, max_coc=0.0)))
+    found = everything(driver, case)
+    np.testing.assert_array_equal(found["result"][..., :3], safe_color(case.color[..., :3]).astype(np.float16))
+    np.testing.assert_array_equal(found["result"][..., 3], 0.0)
+
+
+CAMERAS = {
+    "focus at the near plane": replace(CAMERA, focus_distance=0.1),
+    "focus at infinity": replace(CAMERA, focus_distance=1e9),
+    "focus at the focal length": replace(CAMERA, focus_distance=CAMERA.focal_length),
+    "focus before the focal length": replace(CAMERA, focus_distance=0.01),
+    "focus at the camera": replace(CAMERA, focus_distance=0.0),
+    "MaxCoC 0": replace(CAMERA, max_coc=0.0),
+    "MaxCoC 1": replace(CAMERA, aperture_diameter=1.0, max_coc=1.0),
+    "a pinhole": replace(CAMERA, aperture_diameter=0.0),
+    "no sensor": replace(CAMERA, sensor_height=0.0),
+}
+
+
+@pytest.mark.parametrize("method", ["paper", "exact adaptive"])
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_cameras_at_their_limits(camera, method, driver):
+    """Whole pictures, not the CoC alone (test_inputs.py has that): safe, and within the interval."""
+    assert_right(driver, littered((25, 18), replace(METHODS[method], camera=CAMERAS[camera])))
+
+
+# More than 254 turns of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
+MOST_SAMPLES = {"d3d9": 254}
+# Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
+MOST_SIDE = {"naive": 90, "naive-grid": 24}
+
+
+@pytest.mark.parametrize("count", ["fewest", "most"])
+@pytest.mark.parametrize("method", ["paper", "paper adaptive", "exact", "exact adaptive", "naive", "naive-grid"])
+def test_sample_counts(method, count, driver):
+    """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
+    samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
+    settings = replace(METHODS[method], aperture="square", samples=samples, max_samples=samples)
+    if settings.spacing > 0.0:
+        # a hundredth of a pixel: the blur asks for more samples than there may be
+        settings = replace(settings, spacing=0.01)
+    assert_right(driver, littered((9, 7), settings, 0.1))
+
+
+@pytest.mark.parametrize("size", [(1, 4096), (4096, 1), (1, 1), (3, 2)], ids=str)
+@pytest.mark.parametrize("method", ["paper", "exact", "naive-grid", "exact adaptive"])
+def test_thin_images(method, size, driver):
+    """One column, one row, one pixel; a CoC of 0.02 is 82 texels high in the first.
+
+    uv is off by 4096 * 8 * 2^-24 texels, 1/512. Beside a clipped highlight of 65504 that is 128, so that the interval
+    is wide there; between the others it is narrow.
+    """
+    camera = replace(CAMERA, max_coc=0.02)
+    assert_right(driver, littered(size, replace(METHODS[method], camera=camera), 0.05))
+
+
+@pytest.mark.parametrize("aperture", ["octagon", "decagon"])
+def test_clipped_highlights_do_not_overflow(aperture, driver):
+    """Targets one by one from 65504 everywhere, in steps of a half float: a sum of three is not above the largest.
+
+    sin and cos may be off by 2^-11 (precision.py), 32 at 65504; from 65520 up a half float is infinite.
+    """
+    random = np.random.default_rng(2)
+    color = random.choice(np.array([65504.0, 65472.0, np.inf]), (16, 16, 4)).astype(np.float16)
+    depth = np.ones((16, 16), np.float32)
+    for rotation in (0.0, 20.0, 45.0):
+        settings = Settings("exact", aperture, None, rotation, Camera(max_coc=1.0), coc=0.3, targets=False)
+        assert_right(driver, Case("clipped", settings, color, depth))
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# parameters out of range
+# ----------------------------------------------------------------------------------------------------------------------
+
+CAMERA_ONLY = ("paper",)
+LINES = ("paper adaptive",)
+COUNTED = ("paper adaptive", "exact adaptive")
+ALL = ("paper", "exact adaptive", "exact, one target", "naive")
+# Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
+MISTAKES = {
+    "BokehApertureDiameter": (CAMERA_ONLY, (-1.0, 1e30)),
+    "BokehFocalLength": (CAMERA_ONLY, (-0.05, 0.0, 1e30)),
+    "BokehFocusDistance": (CAMERA_ONLY, (-1.0, 0.0, 1e30)),
+    "BokehSensorHeight": (CAMERA_ONLY, (-1.0, 0.0)),
+    "BokehMaxCoC": (ALL, (2.0, 1e4)),
+    "BokehAspectRatio": (ALL, (0.0, -1.5, 1e-6, 7.0, 1e30)),
+    "BokehAngle": (ALL, (1e4, 1e9)),
+    "BokehBleedingBias": (ALL, (-1.0, -0.02, 1e30)),
+    "BokehBleedingMult": (ALL, (0.0, -30.0, 1e30)),
+    "BokehLineLength": (LINES, (0.0, -1.0, 1e30)),
+    "BokehLineCenterX": (LINES, (1e30,)),
+    "BokehSqueeze": (ALL, (0.0, -1.0, 1e30)),
+    "BokehSpacing": (COUNTED, (-1.0, 1e-30, 1e30)),
+    "BokehImageWidth": (COUNTED, (0.0, -64.0)),
+    "BokehImageHeight": (COUNTED, (0.0, -64.0, 1e30)),
+    "BokehJitter": (COUNTED, (-5.0, 5.0, 1e30)),
+    "BokehFrame": (COUNTED, (-1.0, 1e9)),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_parameters_out_of_range(name, driver):
+    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
+    readers, values = MISTAKES[name]
+    for method in readers:
+        case = littered((24, 16), METHODS[method], 0.1)
+        for value in values:
+            try:
+                assert_safe(everything(driver, case, **{name: value}))
+            except AssertionError as error:
+                raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
+
+
+def test_all_parameters_have_mistakes():
+    """A new parameter needs its row: all that the filters read but switches, and what is in another row's place."""
+    others = {"BokehConstantCoC", "BokehAngleB", "BokehBlurCoC", "BokehUseMax", "BokehDebugMode", "BokehLineCenterY"}
+    others |= {"BokehSides", "BokehEdge", "BokehDepthKind", "BokehNear", "BokehFar"}
+    # read only where BOKEH_VIEWPORT is 1: test_viewport.py
+    others |= {"BokehViewportX", "BokehViewportY", "BokehTextureWidth", "BokehTextureHeight"}
+    assert set(MISTAKES) | others == set(PARAMETERS)
+
+
+# method, a parameter out of range, what docs/inputs.md says it counts as
+EQUIVALENTS = [
+    ("exact adaptive", "BokehSpacing", -1.0, 0.0),
+    ("exact adaptive", "BokehImageHeight", -64.0, 0.0),
+    ("paper", "BokehBleedingMult", -30.0, 0.0),
+    ("paper", "BokehFocusDistance", -1.0, 0.0),
+    ("paper", "BokehApertureDiameter", -1.0, 0.0),
+    ("paper", "BokehSensorHeight", -1.0, 0.0),
+]
+
+
+@pytest.mark.parametrize(("method", "name", "wrong", "right"), EQUIVALENTS)
+def test_parameters_count_as_documented(method, name, wrong, right, driver):
+    """To the bit."""
+    case = littered((24, 16), METHODS[method], 0.1)
+    found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
+    assert not differing(found, wanted).any()
