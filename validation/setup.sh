@@ -162,6 +162,8 @@ set_up || exit 1
 export PYTHONPATH="$validation"
 # Everything that is written on the way goes to the cache folder.
 export PYTHONPYCACHEPREFIX="$cache/pycache"
+# Images of containers set this against files beside the sources. There are none, and every start would compile all.
+unset PYTHONDONTWRITEBYTECODE
 export PIP_CACHE_DIR="$cache/pip"
 export MPLCONFIGDIR="$cache/matplotlib"
 export MESA_SHADER_CACHE_DIR="$cache/mesa"

@@ -112,7 +112,7 @@ def _everything(adapter: str | None, quick: bool) -> int:
     matrix = _matrix(quick)
     _print_matrix(matrix)
     runtimes, missing = _drivers(None, adapter, quick)
-    probes, scenes = _probes(runtimes), _scenes(runtimes, quick)
+    probes, scenes = _probes(runtimes, quick), _scenes(runtimes, quick)
     _print_probes(probes, missing)
     _print_scenes(scenes)
     captures, engines_ok = ([], True) if quick else _engines([n for n, e in _samples().items() if not e.slow])
@@ -566,13 +566,12 @@ def _matrix(quick: bool):
         return matrices.run(variants, step)
 
 
-def _probes(runtimes):
-    from bokeh_validation import patterns as probes
+def _probes(runtimes, quick: bool = False):
     from bokeh_validation import suite
 
-    bar, step = _progress("probe", len(runtimes) * len(probes.PROBES))
+    bar, step = _progress("probe", len(runtimes) * len(suite.probes(quick)))
     with bar:
-        return suite.run_probes(runtimes, step)
+        return suite.run_probes(runtimes, step, quick)
 
 
 def _scenes(runtimes, quick: bool = False):

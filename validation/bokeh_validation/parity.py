@@ -75,14 +75,14 @@ def check(texts: Texts | None = None) -> list[Difference]:
     """
     files = _files(texts)
     libraries = {language: library(language, files[LIBRARY[language]]) for language in LANGUAGES}
-    found = list(_rules(files, libraries))
+    found = list(_rules(files))
     for compare in (_headers, _sections, _functions, _comments):
         found += compare(libraries)
     found += configuration.check(
         {language: one.others.get(CONFIGURATION, ()) for language, one in libraries.items()},
         {language: one.comments.get(CONFIGURATION, ()) for language, one in libraries.items()},
     )
-    found += passes.check({language: files[PASSES[language]] for language in LANGUAGES})
+    found += _passes(tuple(files[PASSES[language]] for language in LANGUAGES))
     found += _reasons(files)
     return found
 
@@ -200,43 +200,61 @@ def _at(line: int, text: str) -> str:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def _rules(files: Mapping[str, str], libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    for language in LANGUAGES:
-        one = libraries[language]
-        key, text = LIBRARY[language], files[LIBRARY[language]]
-        tokens = tokenize(text)
-        later = [function for function in one.functions if function.section > PORTING]
-        findings = [
-            *rules.text_findings(text),
-            *rules.token_findings(tokens),
-            *rules.name_findings([item for part in one.sections for item in part.items], language),
-            *(finding for function in later for finding in rules.sampling_findings(function)),
-            *(finding for function in later for finding in rules.portable_findings(function)),
-            *((line, what, function.name) for function in later for line, what in function.problems),
-        ]
-        yield from (Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
+# The tests change one file a thousand times over: what was found in the others is kept.
+KEPT = 64
 
-        key, text = PASSES[language], files[PASSES[language]]
-        tokens = tokenize(text)
-        top = items(tokens)
-        entries = [normal.function(item, language, 0, text) for item in top if item.kind == "function"]
-        findings = [
-            *rules.text_findings(text),
-            *rules.token_findings(tokens),
-            *rules.name_findings(top, language, exempt=("main",) if language == "glsl" else ()),
-            *(finding for entry in entries if entry for finding in rules.sampling_findings(entry)),
-        ]
-        yield from (Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
+
+def _rules(files: Mapping[str, str]) -> Iterator[Difference]:
+    for language in LANGUAGES:
+        yield from _library_rules(language, files[LIBRARY[language]])
+        yield from _passes_rules(language, files[PASSES[language]])
+
+
+@lru_cache(maxsize=KEPT)
+def _library_rules(language: str, text: str) -> tuple[Difference, ...]:
+    one = library(language, text)
+    later = [function for function in one.functions if function.section > PORTING]
+    findings = [
+        *rules.text_findings(text),
+        *rules.token_findings(tokenize(text)),
+        *rules.name_findings([item for part in one.sections for item in part.items], language),
+        *(finding for function in later for finding in rules.sampling_findings(function)),
+        *(finding for function in later for finding in rules.portable_findings(function)),
+        *((line, what, function.name) for function in later for line, what in function.problems),
+    ]
+    key = LIBRARY[language]
+    return tuple(Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
+
+
+@lru_cache(maxsize=KEPT)
+def _passes_rules(language: str, text: str) -> tuple[Difference, ...]:
+    tokens = tokenize(text)
+    top = items(tokens)
+    entries = [normal.function(item, language, 0, text) for item in top if item.kind == "function"]
+    findings = [
+        *rules.text_findings(text),
+        *rules.token_findings(tokens),
+        *rules.name_findings(top, language, exempt=("main",) if language == "glsl" else ()),
+        *(finding for entry in entries if entry for finding in rules.sampling_findings(entry)),
+    ]
+    key = PASSES[language]
+    return tuple(Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
+
+
+@lru_cache(maxsize=KEPT)
+def _passes(texts: tuple[str, ...]) -> tuple[Difference, ...]:
+    return tuple(passes.check(dict(zip(LANGUAGES, texts, strict=True))))
 
 
 def _deviations(files: Mapping[str, str]) -> list[Deviation]:
-    shader_files = (*LIBRARY.values(), *PASSES.values())
-    return [
-        Deviation(key, token.line, reason)
-        for key in shader_files
-        for token in tokenize(files[key])
-        if (reason := marked_reason(token)) is not None
-    ]
+    return [one for key in (*LIBRARY.values(), *PASSES.values()) for one in _marked(key, files[key])]
+
+
+@lru_cache(maxsize=KEPT)
+def _marked(key: str, text: str) -> tuple[Deviation, ...]:
+    return tuple(
+        Deviation(key, token.line, reason) for token in tokenize(text) if (reason := marked_reason(token)) is not None
+    )
 
 
 def _reasons(files: Mapping[str, str]) -> Iterator[Difference]:

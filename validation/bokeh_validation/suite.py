@@ -43,11 +43,18 @@ def real_drivers(names: Iterable[str] | None = None, adapter: str | None = None)
     return found, missing
 
 
-def run_probes(runtimes: Iterable[Driver], progress: Progress = lambda _: None) -> list[ProbeResult]:
+def probes(quick: bool = False) -> tuple[patterns.Probe, ...]:
+    """Every probe; `quick`: with less of the exact polygons."""
+    return patterns.QUICK_PROBES if quick else patterns.PROBES
+
+
+def run_probes(
+    runtimes: Iterable[Driver], progress: Progress = lambda _: None, quick: bool = False
+) -> list[ProbeResult]:
     """Every probe on every driver."""
     results = []
     for driver in runtimes:
-        for probe in patterns.PROBES:
+        for probe in probes(quick):
             results.append(patterns.run(probe, driver))
             progress(f"{driver.name}: {probe.name}")
     return results

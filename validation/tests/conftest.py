@@ -7,6 +7,8 @@ import pytest
 from bokeh_validation import drivers
 from bokeh_validation.errors import Unavailable
 
+pytest_plugins = ("side_by_side",)
+
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 _loaded: dict[str, object] = {}
 

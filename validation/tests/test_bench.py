@@ -14,6 +14,8 @@ from bokeh_validation import methods, shaders
 from bokeh_validation.bench import floors, growth, measure, output, reads, request, rows, session
 from bokeh_validation.errors import UserError
 
+pytestmark = pytest.mark.alone
+
 SIZE = (72, 64)
 DRIVERS = ("osmesa", "wgpu")
 

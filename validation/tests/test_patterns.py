@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import load
 
 from bokeh_validation import methods, patterns
 from bokeh_validation.drivers.reference import Reference
@@ -16,6 +17,15 @@ def test_probe(probe, driver):
     result = patterns.run(probe, driver)
     assert not [f"{c.name}: {c.value:.5g}, allowed {c.low:.5g} .. {c.high:.5g}" for c in result.checks if not c.ok]
     assert not [str(c) for r in result.cases for c in r.comparisons.values() if not c.ok]
+
+
+def test_quick_probes():
+    """All probes under their names; the exact polygons, which have fewer rotations there, show what they must."""
+    assert [probe.name for probe in patterns.QUICK_PROBES] == [probe.name for probe in patterns.PROBES]
+    fewer = [probe for probe in patterns.QUICK_PROBES if probe not in patterns.PROBES]
+    assert {probe.name for probe in fewer} == {f"exact-{aperture}" for aperture in methods.EXACT}
+    for probe in fewer:
+        assert patterns.run(probe, load("egl")).ok, probe.name
 
 
 def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:

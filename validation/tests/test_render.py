@@ -70,8 +70,11 @@ def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
 
 def test_every_option_reaches_the_shader(tmp_path):
     """Each option changes the result, on a driver, and as the reference says."""
-    source = tmp_path / "in.exr"
-    source.write_bytes(STREET.read_bytes())
+    whole = exr.read(STREET)
+    # the middle shows every option as the whole does, in a quarter of the time
+    rows, columns = slice(120, 360), slice(160, 480)
+    channels = {name: np.ascontiguousarray(whole.color[rows, columns, i]) for i, name in enumerate("RGB")}
+    source = save(tmp_path / "in.exr", {**channels, "Z": np.ascontiguousarray(whole.depth[rows, columns])})
     scene = exr.read(source)
     # a larger aperture than the scene's own: with that, the leakage test never bites
     base = methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15)

@@ -13,7 +13,7 @@ import tarfile
 from functools import cache
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 from bokeh_validation.compilers import spirv_facts
 from bokeh_validation.compilers.result import CompileResult, accepted
 from bokeh_validation.errors import Unavailable
@@ -148,6 +148,7 @@ def library_path() -> Path:
     return paths.cache_folder() / f"dxc-{VERSION}" / member
 
 
+@locks.one_at_a_time("dxc")
 def fetch() -> Path:
     """Download the pinned package, check its hash, keep the one library of it."""
     target = library_path()

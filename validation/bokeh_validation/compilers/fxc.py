@@ -5,6 +5,7 @@ version and hash. A small program of ours (windows/fxc.c) loads it, on Windows o
 """
 
 import hashlib
+import os
 import re
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import programs, server
@@ -47,6 +48,7 @@ class Budget:
 BUDGETS = {"ps_3_0": Budget(512, 224, 16, 32), "vs_3_0": Budget(512, 256, 4, 32)}
 
 
+@locks.one_at_a_time("fxc")
 def fetch() -> Path:
     """Download the pinned package, check its hash, keep the one library of it."""
     target = paths.cache_folder() / f"fxc-{VERSION}" / LIBRARY
@@ -91,7 +93,7 @@ class Compiler:
         program = programs.build("fxc", ["fxc.c"], ["-lversion"])
         beside = program.with_name(LIBRARY)
         if not beside.exists():
-            partial = beside.with_suffix(".partial")
+            partial = beside.with_suffix(f".{os.getpid()}.partial")
             partial.write_bytes(fetch().read_bytes())
             partial.rename(beside)
         self._server = server.Server(program)
@@ -254,7 +256,7 @@ def bytecode(source: str, profile: str, entry: str) -> bytes:
     if not result.ok:
         raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
     paths.ensured(kept.parent)
-    partial = kept.with_suffix(".partial")
+    partial = kept.with_suffix(f".{os.getpid()}.partial")
     partial.write_bytes(result.binary)
     partial.replace(kept)
     return result.binary

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from bokeh_validation import paths, pictures
+from bokeh_validation import locks, paths, pictures
 from bokeh_validation.compilers import fxc
 from bokeh_validation.engines import process
 from bokeh_validation.errors import Unavailable
@@ -66,6 +66,7 @@ def run(name: str, folder: Path) -> None:
         pictures.write_png(folder / "picture.png", np.asarray(picture.convert("RGB")))
 
 
+@locks.one_at_a_time("direct3d")
 def build(name: str) -> Path:
     """NAME.exe in the cache folder, built anew when a source or the command has changed.
 

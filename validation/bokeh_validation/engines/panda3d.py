@@ -5,7 +5,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 from bokeh_validation.engines import opengl, process
 from bokeh_validation.errors import Unavailable
 
@@ -15,6 +15,7 @@ SECONDS = 120
 INSTALL_SECONDS = 400
 
 
+@locks.one_at_a_time("panda3d")
 def python() -> Path:
     """Interpreter of the environment that has Panda3D; made on first use. Raises errors.Unavailable."""
     base = paths.cache_folder() / "engines/panda3d"

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
-from bokeh_validation import browser, paths
+from bokeh_validation import browser, locks, paths
 from bokeh_validation.engines import process
 from bokeh_validation.errors import Unavailable
 
@@ -99,6 +99,7 @@ def opened(kind: str) -> Iterator[Sample]:
         session.close()
 
 
+@locks.one_at_a_time("threejs")
 def installed() -> Path:
     """node_modules with what package-lock.json pins, installed on first use. Raises Unavailable, RuntimeError."""
     lock = (FOLDER / "package-lock.json").read_bytes()

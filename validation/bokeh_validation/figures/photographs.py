@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import exr, methods, paths
+from bokeh_validation import exr, locks, methods, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
@@ -54,6 +54,7 @@ VIEWS = {
 }
 
 
+@locks.one_at_a_time("photographs")
 def fetch(name: str) -> Path:
     """A panorama of the package as EXR in the cache folder. Raises Unavailable."""
     target = paths.cache_folder() / f"photographs-{VERSION}" / f"{name}.exr"

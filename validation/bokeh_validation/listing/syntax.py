@@ -83,7 +83,8 @@ class Section:
         return items(self.tokens)
 
 
-@lru_cache(maxsize=64)
+# files, and every directive of theirs
+@lru_cache(maxsize=512)
 def tokenize(text: str) -> tuple[Token, ...]:
     """All tokens but space. Characters of no token become kind 'unknown', so that nothing is passed over in silence."""
     tokens: list[Token] = []

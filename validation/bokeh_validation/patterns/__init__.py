@@ -1,8 +1,14 @@
-"""Test images, each with what it must show. `PROBES` holds all of them in the order of the report."""
+"""Test images, each with what it must show.
+
+PROBES        all of them in the order of the report
+QUICK_PROBES  the same, the exact polygons at one rotation
+"""
 
 from bokeh_validation.patterns import exact, impulse, scenes, two_points
 from bokeh_validation.patterns.model import Check, Probe, ProbeResult, run
 
-PROBES: tuple[Probe, ...] = (*impulse.PROBES, *two_points.PROBES, *scenes.PROBES, *exact.PROBES)
+_PAPER = (*impulse.PROBES, *two_points.PROBES, *scenes.PROBES)
+PROBES: tuple[Probe, ...] = (*_PAPER, *exact.PROBES)
+QUICK_PROBES: tuple[Probe, ...] = (*_PAPER, *exact.QUICK_PROBES)
 
-__all__ = ["PROBES", "Check", "Probe", "ProbeResult", "run"]
+__all__ = ["PROBES", "QUICK_PROBES", "Check", "Probe", "ProbeResult", "run"]

@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import wine
 
@@ -25,6 +25,7 @@ def _compiler() -> str:
     raise Unavailable(f"{COMPILERS[0]} is not on this machine; {wine.INSTALL}")
 
 
+@locks.one_at_a_time("windows")
 def build(name: str, sources: Sequence[str], libraries: Sequence[str] = ()) -> Path:
     """NAME.exe from C files of this folder, in a folder of the cache that is keyed by all sources and options.
 
