@@ -7,6 +7,7 @@ from bokeh_validation.mutants.killers import (
     ADAPTIVE_STAR,
     ADAPTIVE_TRIANGLE,
     CLIPPED,
+    COUNTED,
     DEBUG,
     DEFAULTS,
     DEPTH_ENDS,
@@ -40,6 +41,12 @@ def _argued(name: str, kind: str, function: str, old: str, new: str, *killers: S
 
 def _configured(name: str, old: str, new: str, *killers: Selection) -> Mutant:
     return Mutant(name, "configuration", (Edit("library", None, old, new, 2),), killers)
+
+
+def _raw_depth(name: str, function: str) -> Mutant:
+    """Without the guard on the centre's depth: only on Direct3D 9 is every sample nearer than NaN."""
+    edit = ("BokehSafeDepth(BokehFetchNearest", "(BokehFetchNearest")
+    return _mutant(f"{name}-raw-depth", "guard", function, *edit, COUNTED)
 
 
 def _survivor(test: str) -> Selection:
@@ -157,6 +164,8 @@ LINE_FILTER = (
             "centerPixel.a, centerDepth, samplePixel.a", PAPER),
     _mutant("filter-swapped-depth", "axis", "BokehDepthOfField", "(sampleDepth, samplePixel.a, centerDepth,",
             "(centerDepth, samplePixel.a, sampleDepth,", PAPER),
+    _raw_depth("filter", "BokehDepthOfField"),
+    _raw_depth("adaptive", "BokehDepthOfFieldAdaptive"),
     _mutant("mean-half-length", "constant", "BokehLineMean", "2.0 * length", "length", ADAPTIVE_HEXAGON),
     _mutant("mean-last-cell", "dropped sample", "BokehLineMean", "ceil(cells)", "floor(cells)", ADAPTIVE_HEXAGON),
     _mutant("mean-one-more", "off-by-one", "BokehLineMean", "i >= count", "i > count", ADAPTIVE_HEXAGON),
@@ -188,7 +197,9 @@ NAIVE_GATHER = (
     _mutant("naive-next-texel", "off-by-one", "BokehNaiveGather", "(i) + 0.5", "(i) + 1.5", NAIVE),
     _mutant("naive-block", "dropped sample", "BokehNaiveGather", "start + 128", "start + 127", NAIVE),
     _mutant("naive-axes", "axis", "BokehNaiveGather", ".rg", ".gr", NAIVE),
+    _raw_depth("naive", "BokehNaiveGather"),
     _mutant("grid-one-side", "axis", "BokehNaiveGrid", "lineEndU, i", "lineEndV, i", GRID),
+    _raw_depth("grid", "BokehNaiveGrid"),
     _mutant("grid-row", "dropped sample", "BokehNaiveGrid", "j < side", "j < side - 1", GRID),
     _mutant("grid-column", "dropped sample", "BokehNaiveGrid", "i < side", "i < side - 1", GRID),
     _mutant("grid-weight", "dropped sample", "BokehNaiveGrid", "totalWeight += weight", "totalWeight += 1.0", GRID),
@@ -212,18 +223,21 @@ EXACT_POLYGONS = (
             EXACT_FIXED),
     _mutant("target-third", "dropped sample", "BokehExactTarget", " + B3 * w3", "", EXACT_TARGETS),
     _mutant("target-coc", "axis", "BokehExactTarget", "mean.rgb, CoC", "mean.rgb, mean.a", EXACT_FIXED),
+    _raw_depth("first", "BokehExactFirst"),
     _mutant("first-edge", "angle", "BokehExactFirst", "BokehPolygonEdge(2.0", "BokehPolygonEdge(1.0", EXACT_FIXED),
     _mutant("first-axis", "axis", "BokehExactFirst", "cos(rotation), sin(rotation)", "sin(rotation), cos(rotation)",
             EXACT_FIXED),
     _mutant("first-order", "axis", "BokehExactFirst", "(T2, T3,", "(T3, T2,", EXACT_TARGETS),
     _mutant("first-octagon", "off-by-one", "BokehExactFirst", "sides > 7.0", "sides > 9.0", EXACT_TARGETS),
     _mutant("first-decagon", "axis", "BokehExactFirst", "B1, B2, B3, B4", "B1, B2, B3, B3", EXACT_TARGETS),
+    _raw_depth("second", "BokehExactSecond"),
     _mutant("second-weight", "off-by-one", "BokehExactSecond", "BokehExactWeight(3.0", "BokehExactWeight(2.0",
             EXACT_FIXED),
     _mutant("second-total", "dropped sample", "BokehExactSecond", "totalWeight += weight;", "", EXACT_FIXED, count=3),
     _mutant("second-edge", "angle", "BokehExactSecond", "BokehPolygonEdge(5.0", "BokehPolygonEdge(4.0", EXACT_DECAGON),
     _mutant("second-coc", "axis", "BokehExactSecond", "totalWeight, centerPixel.a", "totalWeight, CoC",
             EXACT_HEXAGON),
+    _raw_depth("one-by-one", "BokehExactEdge"),
     _mutant("one-by-one-earlier", "off-by-one", "BokehExactEdge", "k > 2.5", "k > 3.5", EXACT_DECAGON),
     _mutant("one-by-one-sign", "sign", "BokehExactEdge", "sum -=", "sum +=", EXACT_DECAGON),
     _mutant("one-by-one-angle", "angle", "BokehExactEdge", "cos(turn)", "sin(turn)", EXACT_HEXAGON),
