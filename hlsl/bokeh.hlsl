@@ -49,9 +49,9 @@
 //
 //   name                  default    range     meaning
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
-//   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
+//   BOKEH_ADAPTIVE_SAMPLES  1.0     0.0, 1.0  0.0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
 //                                             not read BokehSpacing and BokehJitter then
-//   BOKEH_VIEWPORT        0.0        0 or 1    1: the image is a part of its textures, see BokehSetViewport
+//   BOKEH_VIEWPORT        0.0        0.0, 1.0  1.0: the image is a part of its textures, see BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -123,8 +123,8 @@
 #endif
 
 // where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
-static float4 bokehViewport = float4(0.0, 0.0, 1.0, 1.0);
-static float4 bokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
+static float4 BokehViewport = float4(0.0, 0.0, 1.0, 1.0);
+static float4 BokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
 
 // Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
 //   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
@@ -137,8 +137,8 @@ void BokehSetViewport(float4 viewport, float2 textureSize)
     if (BOKEH_VIEWPORT > 0.5)
     {
         float2 inset = min(float2(0.5078125, 0.5078125), viewport.zw * 0.5);
-        bokehViewport = viewport / textureSize.xyxy;
-        bokehViewportBounds = float4(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+        BokehViewport = viewport / textureSize.xyxy;
+        BokehViewportBounds = float4(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
     }
 }
 
@@ -148,7 +148,7 @@ float2 BokehToTexture(float2 uv)
     float2 coords = uv;
     if (BOKEH_VIEWPORT > 0.5)
     {
-        coords = clamp(bokehViewport.xy + uv * bokehViewport.zw, bokehViewportBounds.xy, bokehViewportBounds.zw);
+        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy, BokehViewportBounds.zw);
     }
     return coords;
 }
@@ -192,14 +192,16 @@ float4 BokehFetchTable(BOKEH_TEXTURE(tex), float2 uv)
 //   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then
+//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then.
+//                 Infinity, however it is spelt, is BOKEH_MAX_DEPTH
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
 float BokehCoC(float S2, float A, float f, float S1, float sensorHeight, float MaxCoC)
 {
-    float magnification = f / max(S1 - f, BOKEH_MIN_DEPTH);
-    float c = A * magnification * (abs(S2 - S1) / S2);
+    float focus = min(S1, BOKEH_MAX_DEPTH);
+    float magnification = f / max(focus - f, BOKEH_MIN_DEPTH);
+    float c = A * magnification * (abs(S2 - focus) / S2);
     return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
 }
 
@@ -229,7 +231,8 @@ float BokehSafeDepth(float S2)
 
 // Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
 //   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
-//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar
+//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar, or
+//                 infinite where zNear is less than zFar / 2^24: BokehSafeDepth catches that
 float BokehDepthFromWindow(float depth, float zNear, float zFar)
 {
     return zNear * zFar / (zFar - depth * (zFar - zNear));
@@ -244,7 +247,12 @@ float BokehDepthFromReversed(float depth, float zNear, float zFar)
 // Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
 float BokehDepthFromInfinite(float depth, float zNear)
 {
-    return zNear / max(depth, zNear / BOKEH_MAX_DEPTH);
+    float stored = zNear / BOKEH_MAX_DEPTH;
+    if (depth >= stored)
+    {
+        stored = depth;
+    }
+    return zNear / stored;
 }
 
 // Depth: depth of clip space, -1 (near) .. 1 (far), z / w in OpenGL, to metres
@@ -265,13 +273,18 @@ float BokehDepthFromFraction(float depth, float zFar)
     return depth * zFar;
 }
 
-// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js with logarithmicDepthBuffer)
+// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js's WebGLRenderer)
 float BokehDepthFromLogarithmic(float depth, float zFar)
 {
-    return exp2(depth * log2(zFar + 1.0)) - 1.0;
+    float stored = 0.0;
+    if (depth >= 0.0)
+    {
+        stored = depth;
+    }
+    return exp2(stored * log2(zFar + 1.0)) - 1.0;
 }
 
-// Depth: any of the above to metres, for one pass that makes depth linear
+// Depth: any of the above to metres, made safe, for one pass that makes depth linear
 //   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
 //                 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
 float BokehLinearDepth(float depth, float kind, float zNear, float zFar)
@@ -309,7 +322,7 @@ float BokehLinearDepth(float depth, float kind, float zNear, float zFar)
     {
         S2 = BokehDepthFromWindow(depth, zNear, zFar);
     }
-    return S2;
+    return BokehSafeDepth(S2);
 }
 
 // Listing 1: colour as it is, CoC beside it in alpha

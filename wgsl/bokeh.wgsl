@@ -47,9 +47,9 @@
 //
 //   name                  default    range     meaning
 //   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); an override constant
-//   BOKEH_ADAPTIVE_SAMPLES  1.0     0 or 1    0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
+//   BOKEH_ADAPTIVE_SAMPLES  1.0     0.0, 1.0  0.0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
 //                                             not read BokehSpacing and BokehJitter then
-//   BOKEH_VIEWPORT        0.0        0 or 1    1: the image is a part of its textures, see BokehSetViewport
+//   BOKEH_VIEWPORT        0.0        0.0, 1.0  1.0: the image is a part of its textures, see BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
 //   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
@@ -76,8 +76,8 @@ const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 //   A texture and its sampler travel as two parameters, Name and NameSampler.
 
 // where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
-var<private> bokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
-var<private> bokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
+var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
+var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 
 // Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
 //   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
@@ -90,8 +90,8 @@ fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
     if (BOKEH_VIEWPORT > 0.5)
     {
         let inset: vec2f = min(vec2f(0.5078125, 0.5078125), viewport.zw * 0.5);
-        bokehViewport = viewport / textureSize.xyxy;
-        bokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+        BokehViewport = viewport / textureSize.xyxy;
+        BokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
     }
 }
 
@@ -101,7 +101,7 @@ fn BokehToTexture(uv: vec2f) -> vec2f
     var coords: vec2f = uv;
     if (BOKEH_VIEWPORT > 0.5)
     {
-        coords = clamp(bokehViewport.xy + uv * bokehViewport.zw, bokehViewportBounds.xy, bokehViewportBounds.zw);
+        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy, BokehViewportBounds.zw);
     }
     return coords;
 }
@@ -133,14 +133,16 @@ fn BokehFetchTable(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4
 //   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then
+//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then.
+//                 Infinity, however it is spelt, is BOKEH_MAX_DEPTH
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
 fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
 {
-    let magnification: f32 = f / max(S1 - f, BOKEH_MIN_DEPTH);
-    let c: f32 = A * magnification * (abs(S2 - S1) / S2);
+    let focus: f32 = min(S1, BOKEH_MAX_DEPTH);
+    let magnification: f32 = f / max(focus - f, BOKEH_MIN_DEPTH);
+    let c: f32 = A * magnification * (abs(S2 - focus) / S2);
     return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
 }
 
@@ -170,7 +172,8 @@ fn BokehSafeDepth(S2: f32) -> f32
 
 // Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
 //   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
-//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar
+//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar, or
+//                 infinite where zNear is less than zFar / 2^24: BokehSafeDepth catches that
 fn BokehDepthFromWindow(depth: f32, zNear: f32, zFar: f32) -> f32
 {
     return zNear * zFar / (zFar - depth * (zFar - zNear));
@@ -185,7 +188,12 @@ fn BokehDepthFromReversed(depth: f32, zNear: f32, zFar: f32) -> f32
 // Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
 fn BokehDepthFromInfinite(depth: f32, zNear: f32) -> f32
 {
-    return zNear / max(depth, zNear / BOKEH_MAX_DEPTH);
+    var stored: f32 = zNear / BOKEH_MAX_DEPTH;
+    if (depth >= stored)
+    {
+        stored = depth;
+    }
+    return zNear / stored;
 }
 
 // Depth: depth of clip space, -1 (near) .. 1 (far), z / w in OpenGL, to metres
@@ -206,13 +214,18 @@ fn BokehDepthFromFraction(depth: f32, zFar: f32) -> f32
     return depth * zFar;
 }
 
-// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js with logarithmicDepthBuffer)
+// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js's WebGLRenderer)
 fn BokehDepthFromLogarithmic(depth: f32, zFar: f32) -> f32
 {
-    return exp2(depth * log2(zFar + 1.0)) - 1.0;
+    var stored: f32 = 0.0;
+    if (depth >= 0.0)
+    {
+        stored = depth;
+    }
+    return exp2(stored * log2(zFar + 1.0)) - 1.0;
 }
 
-// Depth: any of the above to metres, for one pass that makes depth linear
+// Depth: any of the above to metres, made safe, for one pass that makes depth linear
 //   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
 //                 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
 fn BokehLinearDepth(depth: f32, kind: f32, zNear: f32, zFar: f32) -> f32
@@ -250,7 +263,7 @@ fn BokehLinearDepth(depth: f32, kind: f32, zNear: f32, zFar: f32) -> f32
     {
         S2 = BokehDepthFromWindow(depth, zNear, zFar);
     }
-    return S2;
+    return BokehSafeDepth(S2);
 }
 
 // Listing 1: colour as it is, CoC beside it in alpha

@@ -192,6 +192,7 @@ def test_in_focus_nothing_changes(method, driver):
 CAMERAS = {
     "focus at the near plane": replace(CAMERA, focus_distance=0.1),
     "focus at infinity": replace(CAMERA, focus_distance=1e9),
+    "focus at the largest float": replace(CAMERA, focus_distance=3.4e38),
     "focus at the focal length": replace(CAMERA, focus_distance=CAMERA.focal_length),
     "focus before the focal length": replace(CAMERA, focus_distance=0.01),
     "focus at the camera": replace(CAMERA, focus_distance=0.0),
@@ -261,11 +262,12 @@ CAMERA_ONLY = ("paper",)
 LINES = ("paper adaptive",)
 COUNTED = ("paper adaptive", "exact adaptive")
 ALL = ("paper", "exact adaptive", "exact, one target", "naive")
+READERS = {**METHODS, "constant CoC": Settings("exact", "square", coc=0.05, camera=CAMERA)}
 # Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
 MISTAKES = {
     "BokehApertureDiameter": (CAMERA_ONLY, (-1.0, 1e30)),
     "BokehFocalLength": (CAMERA_ONLY, (-0.05, 0.0, 1e30)),
-    "BokehFocusDistance": (CAMERA_ONLY, (-1.0, 0.0, 1e30)),
+    "BokehFocusDistance": (CAMERA_ONLY, (-1.0, 0.0, 1e30, float("inf"))),
     "BokehSensorHeight": (CAMERA_ONLY, (-1.0, 0.0)),
     "BokehMaxCoC": (ALL, (2.0, 1e4)),
     "BokehAspectRatio": (ALL, (0.0, -1.5, 1e-6, 7.0, 1e30)),
@@ -280,6 +282,9 @@ MISTAKES = {
     "BokehImageHeight": (COUNTED, (0.0, -64.0, 1e30)),
     "BokehJitter": (COUNTED, (-5.0, 5.0, 1e30)),
     "BokehFrame": (COUNTED, (-1.0, 1e9)),
+    "BokehConstantCoC": (("constant CoC",), (-1.0, 5.0, 1e30)),
+    "BokehSides": (("exact, one target",), (0.0, 1.0, 2.0, -6.0, 5.0, 1e30)),
+    "BokehEdge": (("exact, one target",), (0.0, -1.0, 1.5, 9.0, 1e30)),
 }
 
 
@@ -288,7 +293,7 @@ def test_parameters_out_of_range(name, driver):
     """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
     readers, values = MISTAKES[name]
     for method in readers:
-        case = littered((24, 16), METHODS[method], 0.1)
+        case = littered((24, 16), READERS[method], 0.1)
         for value in values:
             try:
                 assert_safe(everything(driver, case, **{name: value}))
@@ -298,8 +303,9 @@ def test_parameters_out_of_range(name, driver):
 
 def test_all_parameters_have_mistakes():
     """A new parameter needs its row: all that the filters read but switches, and what is in another row's place."""
-    others = {"BokehConstantCoC", "BokehAngleB", "BokehBlurCoC", "BokehUseMax", "BokehDebugMode", "BokehLineCenterY"}
-    others |= {"BokehSides", "BokehEdge", "BokehDepthKind", "BokehNear", "BokehFar"}
+    # switches, the second of two alike, and those of BokehLinearDepth: test_inputs.py
+    others = {"BokehAngleB", "BokehBlurCoC", "BokehUseMax", "BokehDebugMode", "BokehLineCenterY"}
+    others |= {"BokehDepthKind", "BokehNear", "BokehFar"}
     # read only where BOKEH_VIEWPORT is 1: test_viewport.py
     others |= {"BokehViewportX", "BokehViewportY", "BokehTextureWidth", "BokehTextureHeight"}
     assert set(MISTAKES) | others == set(PARAMETERS)
@@ -311,6 +317,8 @@ EQUIVALENTS = [
     ("exact adaptive", "BokehImageHeight", -64.0, 0.0),
     ("paper", "BokehBleedingMult", -30.0, 0.0),
     ("paper", "BokehFocusDistance", -1.0, 0.0),
+    ("paper", "BokehFocusDistance", float("inf"), 1e9),
+    ("paper", "BokehFocusDistance", 3.4e38, 1e9),
     ("paper", "BokehApertureDiameter", -1.0, 0.0),
     ("paper", "BokehSensorHeight", -1.0, 0.0),
 ]

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bokeh_validation import methods, metrics
+from bokeh_validation import methods, metrics, paths, variants
 from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
-from bokeh_validation.reference import listings, precision
+from bokeh_validation.reference import images, listings, precision
 
 SIZE = (90, 70)
 # not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows
@@ -19,6 +19,7 @@ SETTINGS = {
     "paper, a sample a pixel": methods.Settings("paper", "hexagon", spacing=1.0, jitter=1.0, camera=CAMERA),
     "exact": methods.Settings("exact", "decagon", rotation=11.0, camera=CAMERA),
     "exact, a sample a pixel": methods.Settings("exact", "hexagon", spacing=1.5, jitter=1.0, frame=3, camera=CAMERA),
+    "exact, three targets": methods.Settings("exact", "octagon", rotation=5.0, camera=CAMERA),
     "exact, one target": methods.Settings("exact", "octagon", targets=False, squeeze=0.6, camera=CAMERA),
     "naive": methods.Settings("naive", "hexagon", 7, camera=CAMERA),
     "naive grid": methods.Settings("naive-grid", "square", 5, camera=CAMERA),
@@ -158,3 +159,51 @@ def test_linear_depth(driver):
     # the nearest number of 24 bits, times far, and two operations
     np.testing.assert_allclose(inside(output, VIEWPORT)[..., 0], metres, rtol=4 * 2.0**-24, atol=2.0**-23 * 100.0)
     assert not output[: VIEWPORT[1]].any(), "a new target holds 0 around the viewport"
+
+
+@pytest.mark.parametrize("mode", range(4))
+def test_debug_views(mode, driver):
+    """Of the part alone, as those of an image that is the whole texture."""
+    color, depth = picture(VIEWPORT[2:])
+    textures = {"color": color, "depth": depth}
+    parameters = {**CAMERA.parameters(), "BokehDebugMode": float(mode)}
+    passes = (
+        Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters),
+        Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters),
+    )
+    alone = driver.run(passes, textures, VIEWPORT[2:])["result"]
+    part_of = methods.in_viewport(methods.Plan(passes, {}), VIEWPORT, SIZE)
+    output = driver.run(part_of.passes, {name: framed(part, SIZE, VIEWPORT) for name, part in textures.items()}, SIZE)
+    # all but depth is read by a linear filter, off by the inset at most: 1/128 of the step to the next texel in x and
+    # y; and both are stored
+    step = 0.0 if mode == 1 else 2 * alone[..., :3].max() / 128
+    off = np.abs(inside(output["result"], VIEWPORT)[..., :3].astype(float) - alone[..., :3])
+    assert (off <= step + 2 * images.step(np.abs(alone[..., :3].astype(float)), np.float16)).all()
+
+
+def test_every_pass_uses_the_viewport():
+    """Each entry but the vertex shader says first where its image is, in every language."""
+    for language in paths.LANGUAGES:
+        text = paths.passes(language).read_text(encoding="ascii")
+        assert text.count("    BokehUseViewport();\n") == len(variants.ENTRIES) - 1, language
+
+
+# Parameter -> what it may be by mistake or before a frame has set it
+MISTAKES = {
+    "BokehViewportX": (-500.0, 1e30),
+    "BokehViewportY": (-500.0, 1e30),
+    "BokehTextureWidth": (0.0, -70.0, 1e30),
+    "BokehTextureHeight": (0.0, -70.0, 1e30),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_parameters_out_of_range(name, driver):
+    """Finite and not negative where all that there is to read is, from colour that is not."""
+    color, depth = picture(SIZE)
+    color[::3, ::5] = np.nan
+    plan = methods.in_viewport(methods.plan(SETTINGS["exact"], VIEWPORT[2:]), VIEWPORT, SIZE)
+    for value in MISTAKES[name]:
+        passes = [replace(item, parameters={**item.parameters, name: value}) for item in plan.passes]
+        output = driver.run(passes, {"color": color, "depth": depth}, SIZE)["result"]
+        assert np.isfinite(output).all() and (output >= 0).all(), value

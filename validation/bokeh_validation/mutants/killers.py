@@ -13,6 +13,7 @@ def on(driver: str, file: str, *names: str) -> Selection:
 PARITY = Selection(("test_parity.py",), "test_the_checkout_passes")
 LIMITS = on("egl", INPUTS, "test_camera_at_its_limits")
 DEPTHS = on("egl", INPUTS, "test_same_coc_from_every_convention", "32")
+BAD_DEPTHS = on("egl", INPUTS, "test_bad_depth_of_every_convention")
 DEPTH_ENDS = on("egl", INPUTS, "test_ends_of_the_range")
 HOSTILE = on("egl", DRIVERS, "test_first_pass_makes_hostile_pixels_safe")
 REJECTED = on("egl", DRIVERS, "rejected")

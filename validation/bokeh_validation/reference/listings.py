@@ -20,8 +20,10 @@ COC_ROUNDINGS = 16
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
     """Section 4.1: CoC diameter of a thin lens, fraction of the image height, 0 .. max_coc. All lengths in metres.
 
-    A focus distance at or before the focal length, where no lens can focus, counts as MIN_DEPTH behind it.
+    A focus distance at or before the focal length, where no lens can focus, counts as MIN_DEPTH behind it; an
+    infinite one is MAX_DEPTH.
     """
+    focus_distance = min(focus_distance, MAX_DEPTH)
     magnification = focal_length / max(focus_distance - focal_length, MIN_DEPTH)
     c = aperture_diameter * magnification * np.abs(depth - focus_distance) / depth
     return np.clip(c / max(sensor_height, MIN_DEPTH), 0.0, max_coc)
@@ -52,19 +54,20 @@ DEPTH_KINDS = {
 
 
 def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
-    """Depth of a convention (a value of DEPTH_KINDS) to metres along the view axis."""
-    with np.errstate(divide="ignore"):
-        return {
+    """Depth of a convention (a value of DEPTH_KINDS) to metres along the view axis, made safe."""
+    with np.errstate(all="ignore"):
+        metres = {
             0: lambda: depth,
             1: lambda: near * far / (far - depth * (far - near)),
             2: lambda: near * far / (near + depth * (far - near)),
-            3: lambda: near / np.maximum(depth, near / MAX_DEPTH),
+            3: lambda: near / np.where(depth >= near / MAX_DEPTH, depth, near / MAX_DEPTH),
             4: lambda: 2.0 * near * far / (far + near - depth * (far - near)),
             5: lambda: near + depth * (far - near),
             6: lambda: near + (1.0 - depth) * (far - near),
             7: lambda: depth * far,
-            8: lambda: (1.0 + far) ** depth - 1.0,
+            8: lambda: (1.0 + far) ** np.where(depth >= 0.0, depth, 0.0) - 1.0,
         }[kind]()
+    return safe_depth(metres)
 
 
 def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
