@@ -73,6 +73,10 @@ fn bokehDebug(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, N
     return BokehDebugDepth(S2, focusDistance);
 }`;
 
+const LOGARITHMIC =
+  'PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / log(far / near) is none ' +
+  "of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
+
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode });
 const quad = new QuadMesh();
 let rendererState;
@@ -135,6 +139,8 @@ export class PolygonBokehNode extends Node {
   // Makes the materials, once. three.js calls it when the node is first used.
   setup(builder) {
     if (!builder.renderer.backend.isWebGPUBackend) throw new Error('PolygonBokehNode needs WebGPU: it is WGSL');
+    // For an orthographic camera three.js leaves the logarithm out.
+    if (builder.renderer.logarithmicDepthBuffer && !this.camera.isOrthographicCamera) throw new Error(LOGARITHMIC);
     // three.js makes no sampler for a texture with nearest filters, but a depth texture's is nearest whatever it says.
     const nearest = new DepthTexture(1, 1);
     nearest.minFilter = LinearFilter;

@@ -166,8 +166,7 @@ export class PolygonBokehPass extends Pass {
   render(renderer, writeBuffer, readBuffer) {
     const { cocMap, debug, metres } = this.materials;
     const output = this.renderToScreen ? null : writeBuffer;
-    // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
-    this.uniforms.depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
+    this.uniforms.depthKind.value = this.depthKind(renderer);
     this.uniforms.cameraNear.value = this.camera.near;
     this.uniforms.cameraFar.value = this.camera.far;
     this.draw(renderer, metres, this.depth, readBuffer.depthTexture);
@@ -175,6 +174,15 @@ export class PolygonBokehPass extends Pass {
     if (this.uniforms.debugMode.value > 0) this.draw(renderer, debug, output, this.depth.texture, this.coc.texture);
     else if (this.method === 'exact') this.drawExact(renderer, output);
     else this.drawPaper(renderer, output);
+  }
+
+  // What the depth texture holds, as BokehLinearDepth counts. three.js itself leaves the logarithm of 1 + metres out
+  // for an orthographic camera and for a reversed buffer; it sets reversedDepth.
+  depthKind(renderer) {
+    const { isOrthographicCamera, reversedDepth } = this.camera;
+    if (isOrthographicCamera) return reversedDepth ? 6 : 5;
+    if (renderer.capabilities.logarithmicDepthBuffer) return 8;
+    return reversedDepth ? 2 : 1;
   }
 
   drawExact(renderer, output) {

@@ -10,7 +10,7 @@ const SHAPES = { hexagon: 6, octagon: 8 };
 //   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
 //   read(frame)                   its pixels, first row in memory first: { color, depth, result }
 //   picture(frame)                what a canvas shows, a PNG
-//   reversed()                    a renderer with a reversed depth buffer
+//   other(options)                another renderer, with another kind of depth buffer
 const samples = {
   async webgl() {
     const { WebGLRenderer } = await import('three');
@@ -42,7 +42,7 @@ const samples = {
         return { color, depth: pixels(renderer, bokeh.depth, Float32Array, 1), result };
       },
       picture: ({ renderer }) => new Promise((done) => renderer.domElement.toBlob(done)),
-      reversed: () => new WebGLRenderer({ reversedDepthBuffer: true }),
+      other: (options) => new WebGLRenderer(options),
     };
   },
 
@@ -79,8 +79,8 @@ const samples = {
         canvas.getContext('2d').putImageData(new ImageData(shown, target.width, target.height), 0, 0);
         return canvas.convertToBlob();
       },
-      async reversed() {
-        const renderer = new WebGPURenderer({ reversedDepthBuffer: true });
+      async other(options) {
+        const renderer = new WebGPURenderer(options);
         await renderer.init();
         return renderer;
       },
@@ -127,16 +127,21 @@ function settings(uniforms) {
   };
 }
 
-// Depth in metres as the passes read it, and as a ray finds it, at some pixels, by every kind of camera and buffer:
-// [{ name, drawn: [...], met: [...] }]
+const BUFFERS = { reversed: { reversedDepthBuffer: true }, logarithmic: { logarithmicDepthBuffer: true } };
+
+// Depth in metres as the passes read it, and as a ray finds it, at some pixels, by every kind of camera and buffer but
+// the one that is refused: [{ name, drawn: [...], met: [...] }]
 export async function depths(kind) {
   const sample = await samples[kind]();
   const orthographic = new OrthographicCamera(-3.2, 3.2, 2.4, -2.4, 0.1, 100);
   orthographic.position.copy(sample.camera.position);
   orthographic.quaternion.copy(sample.camera.quaternion);
   const found = [];
-  for (const [buffer, renderer] of Object.entries({ usual: sample.renderer, reversed: await sample.reversed() })) {
+  const renderers = { usual: sample.renderer };
+  for (const [buffer, options] of Object.entries(BUFFERS)) renderers[buffer] = await sample.other(options);
+  for (const [buffer, renderer] of Object.entries(renderers)) {
     const cameras = { perspective: sample.camera.clone(), orthographic: orthographic.clone() };
+    if (kind === 'webgpu' && buffer === 'logarithmic') delete cameras.perspective;
     for (const [view, camera] of Object.entries(cameras)) {
       const { depth } = await sample.read(sample.draw({}, [WIDTH, HEIGHT], { camera, renderer }));
       found.push({ name: `${view}, ${buffer}`, ...probed(sample, camera, depth, kind === 'webgl') });
@@ -160,6 +165,28 @@ function probed({ scene }, camera, depth, bottomUp) {
     }
   }
   return { drawn, met };
+}
+
+// The same frame from the usual depth buffer and from a logarithmic one: { near, camera, frames: [usual, logarithmic] },
+// frames with color, depth and result, whose alpha is the CoC. Where the latter is refused: { said: [...] }.
+export async function logarithmic(kind) {
+  const sample = await samples[kind]();
+  const found = { near: sample.camera.near, said: [], frames: [] };
+  const { error } = console;
+  console.error = (...words) => found.said.push(words.join(' '));
+  try {
+    for (const renderer of [sample.renderer, await sample.other(BUFFERS.logarithmic)]) {
+      // a camera of its own: three.js notes in it what the renderer's depth buffer is
+      const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
+      if (found.said.length > 0) break;
+      found.camera = settings(frame.bokeh.uniforms).camera;
+      const arrays = Object.entries(await sample.read(frame));
+      found.frames.push(Object.fromEntries(arrays.map(([name, array]) => [name, base64(array)])));
+    }
+  } finally {
+    console.error = error;
+  }
+  return found;
 }
 
 // The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }

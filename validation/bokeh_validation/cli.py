@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -37,6 +38,7 @@ QuickOption = Annotated[bool, typer.Option("--quick", help="One driver, few vari
 
 def main() -> None:
     """Run the command line; every refusal is one line on standard error and exit code 2."""
+    signal.signal(signal.SIGTERM, _stop)
     try:
         code = app(standalone_mode=False)
     except UserError as error:
@@ -58,6 +60,12 @@ def main() -> None:
             stream.flush()
     # Mesa's and wgpu's libraries tear down in an order of their own; nothing is left to save here.
     os._exit(code if isinstance(code, int) else 0)
+
+
+def _stop(*_) -> None:
+    """A request to end is as an interruption from the keyboard; a second one does not disturb the first."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def _end_programs() -> None:

@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import io
 import os
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,6 +81,7 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
             path,
             name,
             ~np.isfinite(plane),
+            data,
             "NaN or infinite",
             "Clean it, for example by clamping, before it is blurred.",
         )
@@ -93,6 +95,7 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
             path,
             choice.depth,
             np.isnan(planes[3]),
+            data,
             "NaN",
             "Give every pixel a depth in metres; the sky may be infinite.",
         )
@@ -143,7 +146,7 @@ def _planes(path: Path, parts: tuple[Part, ...], wanted: list[tuple[int, str]]) 
 def _overheard(said: list[str]):
     """Collect what the library prints on its own, in C to descriptors 1 and 2 and in Python: a refusal is one line."""
     python_text = io.StringIO()
-    flush = ctypes.CDLL(None).fflush
+    flush = _flush()
     with tempfile.TemporaryFile() as c_text:
         kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
         flush(None)
@@ -162,12 +165,18 @@ def _overheard(said: list[str]):
             said += [line for line in text.splitlines() if line.strip()]
 
 
-def _refuse(path: Path, name: str, bad: np.ndarray, what: str, advice: str) -> None:
+def _flush():
+    """fflush() of the C library that the process has. On Windows each extension may have its own: nothing is done."""
+    return (lambda stream: None) if sys.platform == "win32" else ctypes.CDLL(None).fflush
+
+
+def _refuse(path: Path, name: str, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
+    """Where any pixel of the window is bad: the first, in the file's coordinates."""
     if bad.any():
-        row, column = np.argwhere(bad)[0]
+        row, column = np.unravel_index(bad.argmax(), bad.shape)
         raise UserError(
             f"{path}: {int(bad.sum())} pixels of channel {exr_header.printable(name)} are {what}, "
-            f"the first at column {column}, row {row}. {advice}"
+            f"the first at column {window.left + column}, row {window.top + row}. {advice}"
         )
 
 

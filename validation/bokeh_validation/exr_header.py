@@ -24,8 +24,9 @@ MAX_HEADER = 16 << 20
 # Attributes and channels of all parts together; the library keeps some hundred bytes for each.
 MAX_ENTRIES = 1 << 16
 MAX_CHUNKS = 1 << 22
-# Tiles may be larger than the image up to this side.
-TILE = 1024
+# The library makes room for whole tiles. Those that are no larger than the image in either direction cover less than
+# ROOM times its pixels: so much is let pass, and as much of SMALL, as small images come in tiles larger than they are.
+ROOM, SMALL = 4, 1024 * 1024
 
 MAGIC = 20000630
 TILED, DEEP, MULTI_PART = 0x200, 0x800, 0x1000
@@ -79,13 +80,19 @@ class Channel:
 
 @dataclass(frozen=True)
 class Part:
-    """One image of the file. `name` is empty in a file of one part; `chunks` is the length of its table."""
+    """One image of the file.
+
+    name    empty in a file of one part
+    chunks  length of its table
+    room    (columns, rows) that the library makes room for: the data window, or its tiles as a whole
+    """
 
     name: str
     channels: tuple[Channel, ...]
     data: Window
     display: Window
     chunks: int
+    room: tuple[int, int]
 
 
 def read(path: Path) -> tuple[Part, ...]:
@@ -227,16 +234,28 @@ def _part(path: Path, attributes: dict, tiled: bool) -> Part:
         raise _Broken(f"compression {compression} is unknown")
     if tiled:
         across, down, mode = numbers("tiles", "IIB")
-        # the library makes room for whole tiles, however little of them the image fills
-        if not 0 < across <= max(data.width, TILE) or not 0 < down <= max(data.height, TILE):
-            raise _Broken(f"its tiles of {across} x {down} pixels do not go with its size")
+        room = _whole_tiles(path, data, across, down)
         chunks = _tiles(data, across, down, mode)
     else:
+        room = data.width, data.height
         chunks = math.ceil(data.height / ROWS[compression])
     if "chunkCount" in attributes and numbers("chunkCount", "i")[0] != chunks:
         raise _Broken(f"its header counts {numbers('chunkCount', 'i')[0]} chunks of pixels, its size says {chunks}")
     name = attributes.get("name", b"").rstrip(b"\0").decode(errors="replace")
-    return Part(name, attributes["channels"], data, display, chunks)
+    return Part(name, attributes["channels"], data, display, chunks, room)
+
+
+def _whole_tiles(path: Path, data: Window, across: int, down: int) -> tuple[int, int]:
+    """(columns, rows) of the tiles of the first level, however little of them the image fills."""
+    if not across or not down:
+        raise _Broken(f"it has tiles of {across} x {down} pixels")
+    columns, rows = (-(-length // side) * side for length, side in ((data.width, across), (data.height, down)))
+    if columns * rows > ROOM * max(SMALL, data.width * data.height):
+        raise UserError(
+            f"{path}: its tiles of {across} x {down} pixels cover {columns} x {rows} for an image of {data.width} x "
+            f"{data.height}. Save it in smaller tiles or as scan lines."
+        )
+    return columns, rows
 
 
 def _tiles(data: Window, across: int, down: int, mode: int) -> int:
@@ -262,9 +281,9 @@ def _tiles(data: Window, across: int, down: int, mode: int) -> int:
 
 def _unpacked(part: Part) -> int:
     """Bytes of the part's pixels in memory."""
+    columns, rows = part.room
     return sum(
-        math.ceil(part.data.width / c.sampled[0]) * math.ceil(part.data.height / c.sampled[1]) * SIZES[c.kind]
-        for c in part.channels
+        math.ceil(columns / c.sampled[0]) * math.ceil(rows / c.sampled[1]) * SIZES[c.kind] for c in part.channels
     )
 
 

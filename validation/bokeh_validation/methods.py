@@ -75,8 +75,9 @@ PAPER_SAMPLES = 13
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
 EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
-# The noise of the passes of one frame must not be the same.
-FRAMES_BETWEEN_PASSES = 16
+# The noise of the passes of one frame must not be the same. Another frame shifts its phase, and after 64 it repeats: 6
+# keeps any two of six passes at least a tenth of the range apart, in the mean over the pixels.
+FRAMES_BETWEEN_PASSES = 6
 
 
 def default_samples(method: str, aperture: str) -> int:

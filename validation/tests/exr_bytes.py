@@ -2,6 +2,7 @@
 
 import math
 import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +89,18 @@ def tiled(path: Path, channels: dict[str, np.ndarray], side: tuple[int, int], mo
     head = header(kinds, (0, 0, width - 1, height - 1), flags=TILED, more=more)
     path.write_bytes(with_table(head, chunks))
     return path
+
+
+def wide_tile(width: int, across: int, down: int) -> bytes:
+    """A whole file: an image of one row of zeros in one zipped tile, across >= width; 1045 bytes for a width of 65536.
+
+    The compression stores differences plus 128.
+    """
+    kinds = rgbz()
+    size = width * sum(np.dtype(kind).itemsize for kind in kinds.values())
+    packed = zlib.compress(b"\0" + b"\x80" * (size - 1))
+    head = header(kinds, (0, 0, width - 1, 0), flags=TILED, compression=3, more=tiles_attribute(across, down))
+    return with_table(head, [struct.pack("<iiiii", 0, 0, 0, 0, len(packed)) + packed])
 
 
 def _levels(width: int, height: int, mode: int) -> list[tuple[int, int, int, int]]:

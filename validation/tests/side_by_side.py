@@ -68,8 +68,11 @@ def pytest_collection_modifyitems(items):
 def pytest_runtest_protocol(item):
     """Nothing else runs while a test does that is marked `alone`.
 
-    Everyone comes through the entrance, where the one that waits to be alone stands: nobody gets past it.
+    Everyone comes through the entrance, where the one that waits to be alone stands: nobody gets past it. Only one of
+    several processes does: one by itself may be the child of a test that is inside, which waits for it.
     """
+    if not hasattr(item.config, "workerinput"):
+        return (yield)
     alone = item.get_closest_marker("alone") is not None
     with ExitStack() as until_the_end:
         with locks.held(ENTRANCE):

@@ -4,6 +4,7 @@ import dataclasses
 import io
 import json
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -170,6 +171,21 @@ class TestShaders:
         shown = {name: [int(n) for n in numbers] for name, *numbers in (row.strip("| ").split(" | ") for row in table)}
         del largest["FullScreen"]
         assert shown == largest
+
+    def test_slots_of_the_viewport(self):
+        """docs/performance.md and docs/inputs.md: how many slots more BOKEH_VIEWPORT takes in shader model 3."""
+        more = []
+        for row in (row for row in ROWS if row.id == "hlsl-sm3-viewport"):
+            programs = [
+                compiled(partial(fxc.build, variants.source(program), program.stage, program.function, 3))
+                for program in (row, dataclasses.replace(row, values=()))
+            ]
+            more.append(programs[0].facts["slots"] - programs[1].facts["slots"])
+        assert len(more) == 8
+        for name in ("performance", "inputs"):
+            text = (paths.ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+            (told,) = re.findall(r"eight entries compiled with it\D*(\d+) to (\d+)\s+slots", text)
+            assert told == (str(min(more)), str(max(more))), name
 
     def test_time(self, whole):
         """Half a second a program, on two cores that are busy otherwise too."""

@@ -2,10 +2,13 @@
 
 import re
 
+import numpy as np
 import pytest
+from conftest import load
 
-from bokeh_validation import passes, paths, shaders
+from bokeh_validation import methods, passes, paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang, naga
+from bokeh_validation.patterns.model import Case, depth_of, flat
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -64,6 +67,28 @@ def test_parameter_table():
     text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", text, re.MULTILINE)
     assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
+
+
+def test_parameter_buffer(monkeypatch):
+    """The buffer is as large as docs/inputs.md says: wgpu refuses one that is four bytes shorter, and says so."""
+    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
+    size = int(re.search(r"The buffer is (\d+) bytes", text)[1])
+    driver = load("wgpu")
+    case = Case("", methods.Settings("exact"), flat((8, 6), 1.0), depth_of((8, 6), 5.0))
+    whole = driver.device.create_bind_group
+
+    def run(bytes_bound: int) -> np.ndarray:
+        def bound(*, entries: list, **others):
+            assert entries[0]["binding"] == 0
+            entries[0]["resource"]["size"] = bytes_bound
+            return whole(entries=entries, **others)
+
+        monkeypatch.setattr(driver.device, "create_bind_group", bound)
+        return driver.run(case.plan.passes, case.textures(), case.size)["result"]
+
+    assert (run(size)[..., :3] > 0.0).all()
+    with pytest.raises(driver.wgpu.GPUValidationError, match=f"size {size - 4} where the shader expects {size}"):
+        run(size - 4)
 
 
 def test_paper_names_exist():

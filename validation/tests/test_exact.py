@@ -286,3 +286,38 @@ def test_jitter_leaves_dense_samples_alone():
             case = noise_case((61, 48), replace(settings, jitter=jitter))
             images.append(load("egl").run(case.plan.passes, case.textures(), case.size)["result"])
         np.testing.assert_array_equal(*images)
+
+
+@pytest.mark.parametrize("name", ["egl", "wgpu", "d3d9"])
+@pytest.mark.parametrize(
+    ("method", "aperture", "targets"),
+    [
+        ("paper", "octagon", True),
+        ("paper", "pentagon", True),
+        ("exact", "hexagon", True),
+        ("exact", "decagon", True),
+        ("exact", "decagon", False),
+    ],
+)
+def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name):
+    """No two passes of a frame have the same noise, and each pass has another in the next frame, on a device.
+
+    One pass at a time gets the next frame's number: what it writes changes, so it reads its own. Noise comes again
+    after segments.FRAMES frames.
+    """
+    driver = load(name)
+    settings = methods.Settings(method, aperture, camera=CAMERA, coc=0.3, spacing=1.0, max_samples=3, jitter=1.0)
+    settings = replace(settings, targets=targets)
+    case = noise_case((61, 48), settings)
+    following = replace(case, settings=replace(settings, frame=1)).plan.passes
+    passes = case.plan.passes
+    numbers = [item.parameters["BokehFrame"] % segments.FRAMES for item in passes[1:]]
+    assert len(set(numbers)) == len(numbers), numbers
+    written = [output for item in passes for output in item.outputs]
+    before = driver.run(passes, case.textures(), case.size, keep=written)
+    for index in range(1, len(passes)):
+        changed = (*passes[:index], following[index], *passes[index + 1 :])
+        after = driver.run(changed, case.textures(), case.size, keep=written)
+        for output in passes[index].outputs:
+            share = (after[output] != before[output]).any(axis=-1).mean()
+            assert share > 0.5, (output, share)

@@ -110,9 +110,12 @@ def test_chunks_of_parts(compression, tmp_path):
 
 
 @pytest.mark.parametrize("mode", (0, 1, 2, 17, 18), ids=("one", "mipmaps", "ripmaps", "mipmaps up", "ripmaps up"))
-@pytest.mark.parametrize("side", ((5, 7), (128, 128)), ids=str)
+@pytest.mark.parametrize("side", ((5, 7), (128, 128), (2048, 2048)), ids=str)
 def test_levels_of_tiles(mode, side, tmp_path):
-    """Level 0 of tiles with every kind of levels, rounded down and up, and of a tile larger than the image."""
+    """Level 0 of tiles with every kind of levels, rounded down and up, and of tiles larger than the image.
+
+    2048 x 2048 is exactly the most that tiles of an image as small as this may cover.
+    """
     channels = scene()
     same(exr.read(exr_bytes.tiled(tmp_path / "in.exr", channels, side, mode)), channels)
 
@@ -312,7 +315,29 @@ def test_windows(data, display, tmp_path):
     same(got, {name: plane[rows[near[1]]][:, columns[near[0]]] for name, plane in channels.items()})
     assert got.with_data(got.depth).shape == (len(inside[1]), len(inside[0]))
     channels["G"][rows[inside[1][0]], columns[inside[0][0]]] = np.nan
-    refusal(save(tmp_path / "nan.exr", channels, **header), "1 pixels of channel G", "column 0, row 0")
+    place = f"column {max(data[0], left)}, row {max(data[1], top)}. "
+    refusal(save(tmp_path / "nan.exr", channels, **header), "1 pixels of channel G", place)
+
+
+def test_the_first_bad_pixel(tmp_path):
+    """By rows, in the file's coordinates, which begin at the corner of its data window."""
+    channels = scene()
+    channels["Z"][[5, 4, 4], [1, 30, 31]] = np.nan
+    header = {"dataWindow": windows(100, -200, 41, 70), "displayWindow": windows(90, -199, 60, 80)}
+    refusal(save(tmp_path / "in.exr", channels, **header), "3 pixels of channel Z", "column 130, row -196. ")
+
+
+def test_without_a_c_library_to_ask(tmp_path, monkeypatch):
+    """On Windows, where ctypes takes no None for the process itself, what C prints is let be."""
+
+    def refused_none(name):
+        raise TypeError(name)
+
+    channels = scene()
+    path = save(tmp_path / "in.exr", channels)
+    monkeypatch.setattr(exr.ctypes, "CDLL", refused_none)
+    monkeypatch.setattr(sys, "platform", "win32")
+    same(exr.read(path), channels)
 
 
 def test_a_broken_part_is_not_skipped(tmp_path):
@@ -538,6 +563,12 @@ def many_channels_in_parts() -> bytes:
     return start + exr_bytes.header(kinds, SMALL)[8:] * 40 + b"\0"
 
 
+def many_channels_in_a_tile() -> bytes:
+    """300 channels of 8 x 8 pixels, in a tile of 2048 x 2048."""
+    kinds = {f"c{number:03}": "float32" for number in range(300)}
+    return exr_bytes.header(kinds, SMALL, flags=exr_bytes.TILED, more=exr_bytes.tiles_attribute(2048, 2048))
+
+
 def many_passes() -> bytes:
     """60 layers of 16k x 16k."""
     kinds = {f"p{number:02}.{name}": "float16" for number in range(60) for name in "BGR"}
@@ -569,6 +600,10 @@ HOSTILE = {
     "many passes": (many_passes(), "90.0 GiB unpacked"),
     "tiles of 1 x 1": (tiles_of(LARGE, 1, 1), "more than 4194304 chunks"),
     "tiles of nothing": (tiles_of(LARGE, 0, 0), "tiles of 0 x 0"),
+    "a wide tile": (exr_bytes.wide_tile(65536, 65536, 1024), "cover 65536 x 1024 for an image of 65536 x 1"),
+    "wide tiles": (tiles_of((0, 0, 65535, 0), 1024, 1024) + bytes(99), "cover 65536 x 1024"),
+    "a tile a pixel too large": (exr_bytes.wide_tile(2048, 2048, 2049), "cover 2048 x 2049"),
+    "many channels in a tile": (many_channels_in_a_tile(), "4.7 GiB unpacked"),
     "tiles of 2^31": (tiles_of(LARGE, 2**31 - 1, 2**31 - 1), "tiles of 2147483647"),
     "a tall tile": (tiles_of(SMALL, 8, 2**24) + bytes(99), "tiles of 8 x 16777216"),
     "an attribute of 2 GB": (with_attribute(b"", 2**31 - 1), "header is cut off"),
@@ -609,6 +644,28 @@ def test_a_bomb_takes_what_it_unpacks_to(tmp_path):
     assert 20 * size**2 < growth < (10 + 12 + 2) * size**2 + (32 << 20)
 
 
+def test_a_bad_bomb_takes_no_more(tmp_path):
+    """NaN everywhere is refused with the channels and the two masks in memory; 32 MB for the library as above."""
+    size = 3000
+    channels = {name: np.full((size, size), np.nan, np.float32 if name == "Z" else np.float16) for name in "RGBZ"}
+    save(tmp_path / "bomb", channels)
+    said, _, growth = read_all(tmp_path)["bomb"]
+    assert f"{size**2} pixels of channel R are NaN or infinite, the first at column 0, row 0" in said
+    assert 10 * size**2 < growth < (10 + 2) * size**2 + (32 << 20)
+
+
+def test_a_tile_takes_what_it_covers(tmp_path):
+    """The widest tiles that are let pass: 4 x 1024 x 1024 pixels of 10 bytes, the scene's 12 for each that is seen.
+
+    32 MB are allowed for the library as above.
+    """
+    for width, down in ((65536, 64), (2048, 2048)):
+        (tmp_path / f"{width}").write_bytes(exr_bytes.wide_tile(width, width, down))
+    for width, (said, _, growth) in read_all(tmp_path).items():
+        assert said == f"({width}, 1)"
+        assert growth < 10 * 4 * 1024**2 + 12 * int(width) + (32 << 20)
+
+
 def test_names_stay_in_one_line(tmp_path):
     """Line ends and terminal codes in a channel's name do not reach the message."""
     head = exr_bytes.header({"a\nb\x1b[31m": "float16"}, (0, 0, 3, 0))
@@ -621,6 +678,7 @@ def test_limits():
     text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
     assert exr_header.MAX_PIXELS == 16384**2 and "16384 x 16384 pixels" in text
     assert exr_header.MAX_BYTES == 4 * 2**30 and "4 GiB" in text
+    assert (exr_header.ROOM, exr_header.SMALL) == (4, 1024**2) and "4 times the image's pixels, or 4 x 1024" in text
 
 
 def test_command(tmp_path):

@@ -1,14 +1,22 @@
 """The mutants fit the shaders, cover them, and a run tells those that are caught from those that are not."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from threading import Event, Thread
 
 import pytest
 from test_render import run as command
 
 from bokeh_validation import parity, paths, report
 from bokeh_validation.errors import UserError
-from bokeh_validation.mutants import catalog, edits, output, results, runner, soundness
+from bokeh_validation.mutants import catalog, children, edits, output, results, runner, soundness
 from bokeh_validation.mutants.killers import HOSTILE, PARITY, TINY, on
 from bokeh_validation.mutants.model import (
     ALIVE,
@@ -85,7 +93,7 @@ def test_killers_are_there():
 
 def test_an_edit_that_does_not_fit_names_its_mutant():
     """The shaders have changed, or the function is gone."""
-    for mutant in (made("S2 - S3", "S2"), made("S2", "S3"), made("S2 - S1", "S2", within="BokehNoSuch")):
+    for mutant in (made("S2 - S3", "S2"), made("S2", "S3"), made("S2 - focus", "S2", within="BokehNoSuch")):
         with pytest.raises(UserError, match="mutant made here: 'S2.* stands [02] times in .* of hlsl/bokeh.hlsl"):
             edits.mutated(mutant)
 
@@ -94,11 +102,11 @@ def test_an_edit_keeps_to_its_place():
     """The body of the function and of no other; in GLSL's passes the main() of the entry."""
     for language in paths.LANGUAGES:
         before = edits.originals()
-        (key,) = edits.mutated(made("S2 - S1", "S1 - S2", languages=(language,)))
-        after = edits.mutated(made("S2 - S1", "S1 - S2", languages=(language,)))[key]
+        (key,) = edits.mutated(made("S2 - focus", "focus - S2", languages=(language,)))
+        after = edits.mutated(made("S2 - focus", "focus - S2", languages=(language,)))[key]
         lines = zip(before[key].splitlines(), after.splitlines(), strict=True)
         changed = [new for old, new in lines if new != old]
-        assert len(changed) == 1 and "abs(S1 - S2)" in changed[0]
+        assert len(changed) == 1 and "abs(focus - S2)" in changed[0]
     entry = Mutant("", "pass", (Edit("passes", "BokehDecagonFirst", "10.0", "8.0"),), (), ("glsl",))
     (text,) = edits.mutated(entry).values()
     assert text.index("8.0", text.index("== BOKEH_DECAGON_FIRST\n")) < text.index("== BOKEH_DECAGON_SECOND\n")
@@ -117,9 +125,9 @@ def test_spelling():
 def test_a_run():
     """Caught: one of all languages, one of each, one by the last resort. The others are what they are made to be."""
     harmless = made("metres, 35 mm film", "metres, 36 mm film", HOSTILE, within=None)
-    broken = made("S2 - S1", "S2 - S7", HOSTILE, languages=("wgsl",))
+    broken = made("S2 - focus", "S2 - S7", HOSTILE, languages=("wgsl",))
     argued = replace(harmless, argument="a comment")
-    nothing = made("S2 - S1", "S1 - S2", on("nodriver", "test_drivers.py"))
+    nothing = made("S2 - focus", "focus - S2", on("nodriver", "test_drivers.py"))
     caught = [BY_NAME[name] for name in ("coc-sign", "hlsl-upside-down", "glsl-upside-down", "wgsl-offsets")]
     late = replace(BY_NAME["coc-sign"], killers=(PARITY,))
     done = runner.run([*caught, harmless, broken, nothing, argued, late], last=TINY)
@@ -136,7 +144,7 @@ def test_a_run():
 
 def test_a_mutant_that_is_not_the_same_everywhere_proves_nothing():
     """One that says it is of all languages but that the parity check sees: a comment gone in its last line."""
-    longer = made("abs(S2 - S1)", "abs(S2 - S1) + 0.0 * (S2 + S1 + S2 + S1 + S2 + S1 + S2 + S1 + S2 + S1 + S2 + S1)")
+    longer = made("abs(S2 - focus)", "abs(S2 - focus) + 0.0 * (S2 + focus + S2 + focus + S2 + focus + S2 + focus + S2)")
     texts = edits.mutated(longer)
     assert soundness.seen_by_parity(texts)
     assert "not the same in all languages" in soundness.refusal(longer, texts, True)
@@ -163,6 +171,174 @@ def test_an_error_is_no_catch(workspace):
     assert seen["a"].test == "test_made.py::TestA::test_a" and "KeyError" in seen["a"].message
     assert seen["b"].test == "test_made.py::test_b" and "Timeout" in seen["b"].message
     assert seen["c"].message == "no test was run"
+
+
+# What becomes of a session of one passed test where pytest ends with this
+ENDS = {
+    "0": "",
+    "1": "pytest ended with 1: ",
+    "2": "pytest ended with 2: ",
+    "3": "pytest ended with 3: ",
+    "4": "pytest ended with 4: ",
+    "5": "pytest ended with 5: ",
+    "-9": "pytest ended with -9: ",
+}
+
+
+def passing(workspace: Workspace, more: str = "") -> Path:
+    """A test that passes, and what else is in its conftest.py; the test's file."""
+    (workspace.validation / "tests" / "conftest.py").write_text(more)
+    made = workspace.validation / "tests" / "test_made.py"
+    made.write_text("def test_made():\n    pass\n")
+    return made
+
+
+@pytest.mark.parametrize("code", ENDS)
+def test_an_exit_code_counts(code, workspace):
+    """Only 0 is a session without a failure, whatever the report says."""
+    end = "os.kill(os.getpid(), 9)" if code == "-9" else f"session.exitstatus = {code}"
+    hook = f"@pytest.hookimpl(trylast=True)\ndef pytest_sessionfinish(session):\n    {end}\n"
+    passing(workspace, f"import os, pytest\n{hook}")
+    session = workspace.test(Selection(("test_made.py",)))
+    assert session.message.startswith(ENDS[code]) and bool(session.message) == (code != "0")
+    assert session.ok == (code == "0") and not session.assertion and not session.test
+
+
+def test_a_failure_needs_its_exit_code(workspace):
+    """Interrupted after an assertion failed: an error. So is a file that cannot be imported, with what is wrong."""
+    made = passing(workspace, "def pytest_sessionfinish(session):\n    session.exitstatus = 2\n")
+    made.write_text("def test_made():\n    assert 1 == 2\n")
+    session = workspace.test(Selection(("test_made.py",)))
+    assert "pytest ended with 2: " in session.message and "1 == 2" in session.message and not session.assertion
+    passing(workspace).write_text("import nothing_of_this_name\n")
+    session = workspace.test(Selection(("test_made.py",)))
+    assert not session.ok and not session.assertion and session.message
+
+
+def processes_with(text: str) -> list[str]:
+    """Command lines of the processes, and their environments, that have this text; a zombie has neither."""
+    found = []
+    for process in Path("/proc").iterdir():
+        if process.name.isdigit() and int(process.name) != os.getpid():
+            try:
+                line = (process / "cmdline").read_bytes()
+                if text.encode() in line + (process / "environ").read_bytes():
+                    found.append(line.replace(b"\0", b" ").decode(errors="replace"))
+            except (FileNotFoundError, ProcessLookupError, PermissionError):
+                pass
+    return found
+
+
+def waited(condition: Callable[[], object], seconds: float) -> bool:
+    """Whether it holds within so many seconds."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+# A test that does not hear an interruption, and has started a program
+DEAF = """
+import signal, subprocess, sys, time
+from pathlib import Path
+def test_made():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(99)"])
+    Path(__file__).with_name("begun").touch()
+    child.wait()
+"""
+
+
+def test_a_session_out_of_time_takes_its_children_along(workspace, monkeypatch):
+    """Also where pytest does not listen."""
+    monkeypatch.setattr("bokeh_validation.mutants.workspace.SELECTION_S", 5)
+    monkeypatch.setattr(children, "ASKED_S", 0.5)
+    passing(workspace).write_text(DEAF)
+    session = workspace.test(Selection(("test_made.py",)))
+    assert session.message == "no end within 5 s" and 5 < session.seconds < 10 and not session.ok
+    assert (workspace.validation / "tests" / "begun").exists()
+    assert waited(lambda: not processes_with(str(workspace.root)), 5)
+
+
+def test_stopped(tmp_path, monkeypatch):
+    """Set while a session runs: it ends with its children, and no other begins."""
+    monkeypatch.setattr(children, "ASKED_S", 0.5)
+    stop, ended = Event(), []
+
+    def test() -> None:
+        try:
+            workspace.test(Selection(("test_made.py",)))
+        except children.Stopped:
+            ended.append(time.monotonic())
+
+    with Workspace(tmp_path / "copy", stop) as workspace:
+        passing(workspace).write_text(DEAF)
+        thread = Thread(target=test)
+        thread.start()
+        assert waited((workspace.validation / "tests" / "begun").exists, 60)
+        began = time.monotonic()
+        stop.set()
+        thread.join(60)
+        assert ended and ended[0] - began < 5 and waited(lambda: not processes_with(str(workspace.root)), 5)
+        with pytest.raises(children.Stopped):
+            workspace.test(Selection(("test_made.py",)))
+
+
+# The command, with a mutant that three selections of half a minute each are to catch
+SLOW = """
+import sys
+from dataclasses import replace
+from bokeh_validation import cli
+from bokeh_validation.mutants import catalog, model, runner, workspace
+
+TEST = '''
+import time
+from pathlib import Path
+def test_slow():
+    Path(__file__).with_name("begun").touch()
+    time.sleep(30)
+'''
+
+class Slow(workspace.Workspace):
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        (self.validation / "tests" / "test_slow.py").write_text(TEST)
+
+runner.Workspace = Slow
+killers = tuple(model.Selection(("test_slow.py",), word) for word in ("slow", "test", "test_slow"))
+chosen = [replace(catalog.MUTANTS[0], killers=killers)]
+catalog.chosen = lambda *_: chosen
+sys.argv = ["run", "mutants"]
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("name", ("SIGINT", "SIGTERM"))
+def test_interrupted(name, tmp_path):
+    """The command is gone within seconds, not half a minute, with its copies and its pytests."""
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-c", SLOW],
+        env={**os.environ, "PYTHONPATH": str(paths.VALIDATION), "TMPDIR": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+        # whoever runs this in the background has its children ignore it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    copies = f"{tmp_path}/bokeh-mutants-"
+    try:
+        sleeping = "bokeh-mutants-*/*/validation/tests/begun"
+        assert waited(lambda: len(list(tmp_path.glob(sleeping))) == runner.WORKERS, 60)
+        assert processes_with(copies) and process.poll() is None
+        process.send_signal(getattr(signal, name))
+        _, said = process.communicate(timeout=2 * children.ASKED_S)
+    finally:
+        process.kill()
+        process.wait()
+    # as Typer ends any command that is interrupted: what a shell says of one that SIGINT has ended, and not a word
+    assert (process.returncode, said) == (128 + signal.SIGINT, "")
+    assert not list(tmp_path.iterdir()) and waited(lambda: not processes_with(copies), 5)
 
 
 def test_shaders_are_put_back(workspace):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import side_by_side
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 
 TESTS = Path(__file__).parent
 
@@ -50,18 +50,32 @@ def test_units(a, b, together):
     assert (side_by_side.unit(a) == side_by_side.unit(b)) == together
 
 
-def test_alone(tmp_path):
-    """In two processes: others run at the same time, and never anything beside one that is marked."""
-    (tmp_path / "test_probe.py").write_text(PROBE)
+def probe(folder: Path, processes: int, text: str, seconds: float = 300) -> subprocess.CompletedProcess[str]:
+    """Run tests of this text with the plugin; their cache is in the folder."""
+    (folder / "test_probe.py").write_text(text)
     environment = {
         **{name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")},
         "PYTHONPATH": os.pathsep.join(map(str, (paths.VALIDATION, TESTS))),
-        "BOKEH_CACHE": str(tmp_path / "cache"),
+        "BOKEH_CACHE": str(folder / "cache"),
     }
-    command = [sys.executable, "-m", "pytest", "-p", "side_by_side", "-p", "no:cacheprovider", "-n", "2", "-q"]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+    command = [sys.executable, "-m", "pytest", "-p", "side_by_side", "-p", "no:cacheprovider", "-q"]
+    command += ["-n", str(processes)]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=seconds)
+
+
+def test_alone(tmp_path):
+    """In two processes: others run at the same time, and never anything beside one that is marked."""
+    done = probe(tmp_path, 2, PROBE)
     assert done.returncode == 0 and "10 passed" in done.stdout, done.stdout + done.stderr
     lines = [line.split() for line in (tmp_path / "times").read_text().splitlines()]
     times = [(name, float(start), float(end)) for name, start, end in lines]
     overlapping = [(a[0], b[0]) for a, b in combinations(times, 2) if a[1] < b[2] and b[1] < a[2]]
     assert overlapping and set(overlapping) == {("other", "other")}
+
+
+def test_the_child_of_a_test_does_not_wait(tmp_path, monkeypatch):
+    """A test that runs tests is inside, and another process waits at the entrance to be alone: the child must go on."""
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    with locks.held(side_by_side.ALONE, shared=True), locks.held(side_by_side.ENTRANCE):
+        done = probe(tmp_path, 0, "def test_in_the_child():\n    pass\n", 60)
+    assert done.returncode == 0 and "1 passed" in done.stdout, done.stdout + done.stderr

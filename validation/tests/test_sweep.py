@@ -23,6 +23,7 @@ from bokeh_validation.patterns.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
 
 DOCUMENT = (paths.ROOT / "docs/invariances.md").read_text(encoding="utf-8")
+PROSE = " ".join(DOCUMENT.split())  # without its line ends
 WIDE = methods.Camera(max_coc=1.0)
 SIZE = (72, 64)
 COARSE, FINE = 1 / 8, 1 / 64  # pixels of CoC from frame to frame
@@ -86,16 +87,21 @@ def test_coc_sweep(driver, method):
         assert max(shares) <= 1.0, (pixels[int(np.argmax(shares))], max(shares))
 
 
+@pytest.mark.parametrize("driver", ["egl", "wgpu"])
 @pytest.mark.parametrize("method", METHODS)
-def test_steps_as_stated(method):
-    """docs/invariances.md says how much a step of 1/8 pixel changes the result, in shares of the contrast in reach."""
+def test_steps_as_stated(method, driver):
+    """docs/invariances.md says how much a step of 1/8 pixel changes the result, in shares of the contrast in reach.
+
+    To half of the last digit on egl, which was measured and cuts half floats off. wgpu rounds to nearest: there 3 %
+    more or less, as the document says.
+    """
     (row,) = re.findall(rf"^\| {re.escape(method)} \| (.*) \|$", DOCUMENT, re.MULTILINE)
     told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
     base = METHODS[method]
     case = picture(base)
     pixels = np.arange(0.0, 0.2 * SIZE[1], COARSE)
     settings = (replace(base, coc=float(c) / SIZE[1]) for c in pixels)
-    results = [outputs["result"][..., 0] for _, outputs in frames(load("egl"), case, settings)]
+    results = [outputs["result"][..., 0] for _, outputs in frames(load(driver), case, settings)]
     green = case.color[..., 1:2].astype(np.float64)
     shares = []
     for coc, before, after in zip(pixels[1:], results, results[1:], strict=False):
@@ -104,7 +110,12 @@ def test_steps_as_stated(method):
         contrast = (sweep.largest_within(green, reach) + sweep.largest_within(-green, reach))[..., 0]
         shares.append(100 * (np.abs(after - before) / contrast).max())
     found = [max(s for s, c in zip(shares, pixels[1:], strict=True) if c > least) for least in (0.0, 2.0, 6.0)]
-    assert told == pytest.approx(found, abs=0.5)
+    other = 0.0 if driver == "egl" else 0.03
+    assert all(abs(t - f) <= 0.05 + other * t for t, f in zip(told, found, strict=True)), (told, found)
+    if base.spacing > 0.0:
+        at = pixels[1:][int(np.argmax(shares))]
+        line = {"paper": 1.0, "exact": np.sin(np.pi / methods.EXACT[base.aperture])}[base.method]
+        assert 0.5 < at <= 1.0 or 1.0 < at * line / base.spacing <= 2.0, at
 
 
 def test_a_rounded_count_is_caught():
@@ -151,7 +162,8 @@ def test_the_leakage_test_is_a_step():
     """Listing 3's test compares two CoC: in the frame in which it turns, the picture does step. A limit, not a promise.
 
     The dark half at 2 m comes into focus. Its samples count fully on the far half until the far CoC is larger by the
-    bias, then by 30 times their CoC, which is small there. With the test off no frame breaks the bound.
+    bias, then by 30 times their CoC, which is small there. With the test off no frame breaks the bound. By how
+    much it is broken is as docs/invariances.md says, to half of the last digit.
     """
     camera = methods.Camera(0.0285, 0.05, 5.0, max_coc=0.2)
     base = replace(METHODS["exact, spacing 1"], camera=camera)
@@ -167,7 +179,8 @@ def test_the_leakage_test_is_a_step():
     turned = np.diff((far > near + base.bleeding_bias).astype(int)) > 0
     assert turned.sum() == 1
     assert shares[False].max() <= 1.0
-    assert shares[True][turned] > 2.0, shares[True]
+    told = float(re.search(r"([\d.]+) times the bound in the test's scene", PROSE)[1])
+    assert told > 1.0 and shares[True][turned] == pytest.approx(told, abs=0.05)
 
 
 def highlight(settings: methods.Settings, diameter: float, place: float) -> Case:
@@ -210,18 +223,30 @@ def flicker(values: np.ndarray) -> float:
 LINEAR = [name for name in HIGHLIGHTS if name.startswith("exact")]
 
 
+def peak_slack(settings: methods.Settings) -> float:
+    """How far a peak may be off, relative: places by e on two axes, in two passes, of pictures no steeper than a pixel;
+    and the sums, (N + 8) roundings a pass.
+    """
+    return 4 * precision.SOFTWARE.place(96) + 2 * (settings.count + 8) * precision.FLOAT_STEP
+
+
 @pytest.mark.parametrize("name", LINEAR)
 @pytest.mark.parametrize("pixels", [0.0, 0.6, 0.75, 0.9, LARGE], ids="CoC {:g} px".format)
 def test_a_small_highlight_keeps_its_light(pixels, name):
     """A disc of 0.7 pixels moving by 1/16 pixel a frame: always the same light, in focus, fading in, and blurred.
 
     A sample shares out its light completely wherever it is. Its place is off by e, so the light of a pass by 2 e on
-    each axis; the sums round by (N + 8) 2^-24.
+    each axis; the sums round by (N + 8) 2^-24. docs/invariances.md states that bound, to half of the last digit for the
+    largest count, and an upper limit of what was measured.
     """
     settings = replace(HIGHLIGHTS[name], coc=pixels / 72)
     light = peaks(load("egl"), settings, 0.7)[0]
     allowed = 2 * (4 * precision.SOFTWARE.place(96) + (settings.count + 8) * precision.FLOAT_STEP)
-    assert np.abs(light - 1.0).max() <= allowed, light
+    off = np.abs(light - 1.0).max()
+    assert off <= allowed, light
+    told = re.search(r"off by up to ([\d.]+) %, bound ([\d.]+) % \(`test_a_small_highlight", PROSE)
+    measured, bound = (float(value) / 100 for value in told.groups())
+    assert off <= measured and allowed <= bound + 0.5e-5, (off, allowed)
 
 
 @pytest.mark.parametrize("name", LINEAR)
@@ -237,8 +262,7 @@ def test_flicker_is_the_ripple(name):
     single.color[36, 48, :3] = 1.0
     ripple = float_outputs(load("egl"), single)[..., 1]
     least = -sweep.largest_within(-ripple[..., None], [1, 1])[..., 0]
-    # places are off by e on two axes, in two passes, of pictures that are no steeper than a pixel
-    slack = 4 * precision.SOFTWARE.place(96) + 2 * (settings.count + 8) * precision.FLOAT_STEP
+    slack = peak_slack(settings)
     for diameter in DIAMETERS:
         found = peaks(load("egl"), settings, diameter)[1]
         assert found.max() <= ripple.max() * (1 + slack), (diameter, found.max(), ripple.max())
@@ -248,9 +272,10 @@ def test_flicker_is_the_ripple(name):
 @pytest.mark.parametrize("name", HIGHLIGHTS)
 @pytest.mark.parametrize("pixels", [0.0, 0.75, LARGE], ids="CoC {:g} px".format)
 def test_flicker_as_stated(pixels, name):
-    """docs/invariances.md says by how much the peak flickers, to a percentage point."""
+    """docs/invariances.md says by how much the peak flickers: to half of the last digit and what two peaks are off."""
     (row,) = re.findall(rf"^\| {pixels:g} \| {re.escape(name)} \| (.*) \|$", DOCUMENT, re.MULTILINE)
     told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
     settings = replace(HIGHLIGHTS[name], coc=pixels / 72)
     found = [100 * flicker(peaks(load("egl"), settings, diameter)[1]) for diameter in DIAMETERS]
-    assert told == pytest.approx(found, abs=1.0)
+    slack = [2 * peak_slack(settings) * (100 + value) for value in found]
+    assert all(abs(t - f) <= 0.5 + s for t, f, s in zip(told, found, slack, strict=True)), (told, found)

@@ -35,7 +35,8 @@ CANVAS = ("--enable-features=Vulkan", "--use-vulkan=swiftshader")
 # The sample's page knows nothing of captures: capture.js comes in when it is asked for.
 SCRIPT = """
 const asked = (name) => async (argument) => (await import("/integration/threejs/capture.js"))[name](argument);
-window.bokeh = Object.fromEntries(["capture", "depths", "views", "interaction"].map((name) => [name, asked(name)]));
+const names = ["capture", "depths", "logarithmic", "views", "interaction"];
+window.bokeh = Object.fromEntries(names.map((name) => [name, asked(name)]));
 """
 
 

@@ -260,7 +260,7 @@ EXACT_POLYGONS = (
 VIEWPORT = (
     _mutant("viewport-corner", "dropped sample", "BokehToTexture", "BokehViewport.xy + uv", "uv", VIEWPORTS),
     _mutant("viewport-size", "aspect", "BokehToTexture", "uv * BokehViewport.zw", "uv", VIEWPORTS),
-    _mutant("viewport-low", "guard", "BokehToTexture", "BokehViewportBounds.xy, bok", "vec2(0.0, 0.0), bok", VIEWPORTS),
+    _mutant("viewport-low", "guard", "BokehToTexture", "BokehViewportBounds.xy, Bok", "vec2(0.0, 0.0), Bok", VIEWPORTS),
     _mutant("viewport-high", "guard", "BokehToTexture", "BokehViewportBounds.zw)", "vec2(1.0, 1.0))", VIEWPORTS),
     _mutant("viewport-inset", "constant", "BokehSetViewport", "0.5078125, 0.5078125", "0.5, 0.5", VIEWPORTS),
     _mutant("viewport-narrow", "guard", "BokehSetViewport", "min(vec2(0.5078125, 0.5078125), viewport.zw * 0.5)",

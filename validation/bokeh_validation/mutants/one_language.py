@@ -31,7 +31,7 @@ def _renumbered(one: str, other: str) -> tuple[Edit, ...]:
 # fmt: off
 # In a library the parity check sees them, and so do the drivers of the language
 FORGOTTEN = (
-    _mutant("hlsl-coc-sign", "one language", "hlsl", Edit("library", "BokehCoC", "S2 - S1", "S2 + S1"),
+    _mutant("hlsl-coc-sign", "one language", "hlsl", Edit("library", "BokehCoC", "S2 - focus", "S2 + focus"),
             on("dxc", "test_inputs.py", "test_camera_at_its_limits")),
     _mutant("hlsl-combine", "one language", "hlsl", Edit("library", "BokehCombine", "min(a, b)", "max(a, b)"),
             on("d3d11", DRIVERS, SIZES, "paper")),

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from queue import SimpleQueue
-from threading import Lock
+from threading import Event, Lock
 
 from bokeh_validation import paths
 from bokeh_validation.mutants import edits, soundness
@@ -129,13 +129,19 @@ def steps(mutants: Sequence[Mutant]) -> int:
 def run(
     mutants: Sequence[Mutant], step: Callable[[str], None] = lambda text: None, last: Selection | None = None
 ) -> Run:
-    """First the tests without any change, then every mutant. Raises as Runner.mutant does."""
+    """First the tests without any change, then every mutant. Raises as Runner.mutant does.
+
+    Where it is interrupted, or one raises, the sessions that run are ended and no others begin.
+    """
+    stop = Event()
     for mutant in mutants:
         edits.mutated(mutant)
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bokeh-mutants-")))
-        workspaces = [stack.enter_context(Workspace(folder / str(number))) for number in range(WORKERS)]
+        workspaces = [stack.enter_context(Workspace(folder / str(number), stop)) for number in range(WORKERS)]
         pool = stack.enter_context(ThreadPoolExecutor(WORKERS))
+        # before the pool waits for its threads
+        stack.callback(stop.set)
         runner = Runner(workspaces, last)
         wanted = selections(mutants)
         _finished({pool.submit(runner.baseline, selection): str(selection) for selection in wanted}, step)

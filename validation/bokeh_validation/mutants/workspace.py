@@ -3,16 +3,17 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Event
 from xml.etree import ElementTree
 
 from bokeh_validation import paths
+from bokeh_validation.mutants import children
 from bokeh_validation.mutants.model import Selection
 
 # What the tests read but no mutant changes is not copied. The package itself must be: it finds the shaders by where
@@ -21,6 +22,8 @@ LINKED = ("docs", "integration", "README.md", "CHANGELOG.md", "LICENSE", ".ci")
 LINKED_VALIDATION = ("scenes", "stubs")
 # A test that takes longer hangs; so do all of them together
 TEST_S, SELECTION_S = 120, 1800
+# Exit codes of pytest; with any other it did not come to its end
+PASSED, FAILED, NO_TESTS = 0, 1, 5
 # How the message of a failed assertion begins, in contrast to that of any other exception, a time-out among them
 ASSERTION = re.compile(r"assert|AssertionError|Failed: (?!Timeout)")
 
@@ -50,10 +53,13 @@ class Workspace:
     """One copy in a folder of its own, to be removed by whoever named it. Not for several threads at once.
 
     A context manager: at the end of the block Python's compiled files are removed, where they are kept elsewhere.
+
+    stop   set by another thread to end the session that runs; there are no others then
     """
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, stop: Event | None = None):
         self.root = folder.resolve()
+        self.stop = stop or Event()
         self.validation = self.root / "validation"
         ignored = shutil.ignore_patterns("__pycache__", "*.pyc", *LINKED_VALIDATION)
         shutil.copytree(paths.VALIDATION, self.validation, ignore=ignored)
@@ -86,8 +92,9 @@ class Workspace:
                 (self.root / key).write_bytes(content)
 
     def test(self, selection: Selection) -> Session:
-        """Run tests on the copy until one fails."""
+        """Run tests on the copy until one fails. Raises Stopped."""
         report = self.root / "junit.xml"
+        said = self.root / "said.txt"
         report.unlink(missing_ok=True)
         command = [
             *(sys.executable, "-P", "-m", "pytest", "-c", str(self.validation / "pytest.ini")),
@@ -98,33 +105,44 @@ class Workspace:
         ]
         started = time.monotonic()
         try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, timeout=SELECTION_S, env=self._environment(), cwd=self.root
-            )
-        except subprocess.TimeoutExpired:
-            return Session(0, message=f"no end within {SELECTION_S} s", seconds=time.monotonic() - started)
-        seconds = time.monotonic() - started
-        if not report.exists():
-            said = (done.stdout + done.stderr).strip().splitlines() or ["no message"]
-            return Session(0, message=f"pytest ended with {done.returncode}: {said[-1]}", seconds=seconds)
-        return _session(report, seconds)
+            code = children.run(command, SELECTION_S, self.stop, said, self.root, self._environment())
+        except TimeoutError as error:
+            return Session(0, message=str(error), seconds=time.monotonic() - started)
+        last = said.read_text(errors="replace").strip().splitlines()[-1:] or ["no message"]
+        return _session(report, code, last[0], time.monotonic() - started)
 
     def _environment(self) -> dict[str, str]:
         # tests that run in a process of the test suite must not take themselves for one of its workers
         kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-        return {**kept, "PYTHONPATH": str(self.validation)}
+        # what is left by one that is killed goes with the copy
+        temporary = paths.ensured(self.root / "tmp")
+        return {**kept, "PYTHONPATH": str(self.validation), "TMPDIR": str(temporary)}
 
 
-def _session(report: Path, seconds: float) -> Session:
-    passed = 0
-    for case in ElementTree.parse(report).iter("testcase"):
+def _session(report: Path, code: int, last: str, seconds: float) -> Session:
+    """What the report says, if pytest's exit code says the same; else an error, with the last line that it printed."""
+    passed, failed = 0, None
+    for case in _cases(report):
         bad = [child for child in case if child.tag in ("failure", "error")]
         if bad:
-            said = " ".join(bad[0].get("message", "").split())
-            assertion = bad[0].tag == "failure" and bool(ASSERTION.match(said))
-            return Session(passed, _node(case), assertion, said, seconds)
+            failed = case, bad[0].tag, " ".join(bad[0].get("message", "").split())
+            break
         passed += case.find("skipped") is None
+    if code == FAILED and failed:
+        case, tag, said = failed
+        return Session(passed, _node(case), tag == "failure" and bool(ASSERTION.match(said)), said, seconds)
+    if failed or code not in (PASSED, NO_TESTS) or (code == NO_TESTS and passed):
+        said = failed[2] if failed else last
+        return Session(passed, message=f"pytest ended with {code}: {said}", seconds=seconds)
     return Session(passed, seconds=seconds, message="" if passed else "no test was run")
+
+
+def _cases(report: Path) -> list[ElementTree.Element]:
+    """Those of a report; none where it was not written to its end."""
+    try:
+        return list(ElementTree.parse(report).iter("testcase"))
+    except (FileNotFoundError, ElementTree.ParseError):
+        return []
 
 
 def _node(case: ElementTree.Element) -> str:
