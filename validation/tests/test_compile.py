@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -241,6 +242,16 @@ class TestCompilersNotice:
     @pytest.mark.parametrize("to_spirv", [True, False])
     def test_dxc_misses_an_entry_point(self, to_spirv):
         assert not compiled(lambda: dxc.build(shaders.hlsl(6), "frag", "BokehNone_PS", to_spirv)).ok
+
+    def test_a_program_with_dxc_ends_as_it_says(self):
+        """Its own status, and what it printed: the library's clean-up is left out at the end."""
+        compiled(lambda: dxc.build(shaders.hlsl(6), "frag", "BokehDebug_PS", True))
+        program = (
+            "import sys; from bokeh_validation import shaders; from bokeh_validation.compilers import dxc; "
+            "dxc.build(shaders.hlsl(6), 'frag', 'BokehDebug_PS', True); print('printed'); sys.exit(3)"
+        )
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stdout, done.stderr) == (3, "printed\n", "")
 
     def test_glslang_misses_an_entry_point(self):
         assert not compiled(lambda: glslang.hlsl(shaders.hlsl(5), "frag", "BokehNone_PS")).ok

@@ -117,7 +117,7 @@ def test_exact_on_noise(aperture, changes, driver):
     [
         {"spacing": 1.0},
         {"spacing": 1.0, "max_samples": 6},
-        {"spacing": 1.5, "max_samples": 4, "jitter": 1.0, "frame": 5},
+        {"spacing": 1.5, "max_samples": 4, "jitter": 1.0, "frame": 61},
         {"spacing": 1.0, "squeeze": 0.5, "rotation": 12.0},
         {"spacing": 1.0, "blur_coc": False},
         {"squeeze": 0.5},

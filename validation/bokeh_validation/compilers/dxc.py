@@ -80,11 +80,23 @@ class Interface:
         self.call(RELEASE, returns=ctypes.c_uint32)
 
 
+def _leave_without_it() -> None:
+    """End the process, once Python is done, without the library's own clean-up.
+
+    Beside Mesa's LLVM it waits for ever for a lock that is gone, or aborts the process that had succeeded.
+    """
+    program = ctypes.CDLL(None) if sys.platform == "linux" else None
+    # GNU's; its handlers are called with the exit status, which is what _exit takes
+    if hasattr(program, "on_exit"):
+        program.on_exit(program._exit, None)
+
+
 class Compiler:
     """A loaded DXC."""
 
     def __init__(self, library: Path):
         self.library = ctypes.CDLL(str(library))
+        _leave_without_it()
         self.instance = self._create(CLSID_COMPILER, IID_COMPILER3)
         self.version = self._version()
 

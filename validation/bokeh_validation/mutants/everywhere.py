@@ -172,7 +172,9 @@ LINE_FILTER = (
     _raw_depth("adaptive", "BokehDepthOfFieldAdaptive"),
     _mutant("mean-half-length", "constant", "BokehLineMean", "2.0 * length", "length", ADAPTIVE_HEXAGON),
     _mutant("mean-last-cell", "dropped sample", "BokehLineMean", "ceil(cells)", "floor(cells)", ADAPTIVE_HEXAGON),
-    _mutant("mean-one-more", "off-by-one", "BokehLineMean", "i >= count", "i > count", ADAPTIVE_HEXAGON),
+    _argued("mean-one-more", "off-by-one", "BokehLineMean", "i >= count", "i > count", ADAPTIVE_HEXAGON,
+            argument="One cell more, behind the end, has the length 0 (BokehCell): its sample counts nothing. It costs "
+            "a turn of the loop and no more."),
     _mutant("mean-no-aspect", "aspect", "BokehLineMean", "CoC / aspectRatio", "CoC", ADAPTIVE_HEXAGON),
     _mutant("mean-axis", "axis", "BokehLineMean", "segment.xy", "segment.yx", ADAPTIVE_TRIANGLE),
     _mutant("mean-sign", "sign", "BokehLineMean", "uv + segment", "uv - segment", ADAPTIVE_TRIANGLE),

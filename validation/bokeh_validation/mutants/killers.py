@@ -31,6 +31,7 @@ ADAPTIVE_TRIANGLE = on("egl", EXACT, "test_adaptive_paper_on_noise", "triangle")
 DEBUG = on("egl", DRIVERS, "test_debug_views")
 TINY = on("egl", DRIVERS, "test_depth_of_a_tenth_of_a_millimetre")
 COUNTED = on("d3d9", "test_hostile.py", "test_bad_pixels_count_as_documented")
-CLIPPED = on("egl", "test_hostile.py", "test_clipped_highlights_do_not_overflow")
+# where half floats are rounded to nearest: Mesa cuts off, and its sums never get there
+CLIPPED = on("webgpu", "test_hostile.py", "test_clipped_highlights_do_not_overflow")
 VIEWPORTS = on("egl", "test_viewport.py", "test_nothing_leaks_in")
 DEFAULTS = Selection((SURVIVORS,), "test_defaults")
