@@ -1,54 +1,58 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes on bokeh.glsl, GLSL. Version 0.1.0.
+// Ready-made passes on bokeh.glsl, GLSL. Version 0.2.0.
 // A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, this file.
 //
-//   #define BOKEH_PASS ...       reads                                  writes
-//   BOKEH_LINEAR_DEPTH           DepthSamp (any convention)             depth in metres, to an R32F target
-//   BOKEH_COC_MAP                ColorSamp, DepthSamp                   colour, CoC in alpha
-//   BOKEH_CONSTANT_COC           ColorSamp                              colour, the same CoC everywhere
-//   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp                   one line of the filter
-//   BOKEH_DEPTH_OF_FIELD_FINAL   ColorSamp, DepthSamp, ColorSampB       the same, min or max with ColorSampB
-//   BOKEH_ADAPTIVE               ColorSamp, DepthSamp                   a line of any length and place, adaptive
-//   BOKEH_ADAPTIVE_FINAL         ColorSamp, DepthSamp, ColorSampB       the same, min or max with ColorSampB
-//   BOKEH_NAIVE_GATHER           ColorSamp, DepthSamp, KernelSamp       a table of BOKEH_NUM_SAMPLES offsets
-//   BOKEH_NAIVE_GRID             ColorSamp, DepthSamp                   BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
-//   BOKEH_SQUARE_FIRST           ColorSamp, DepthSamp                   exact, first pass: 1 target
-//   BOKEH_SQUARE_SECOND          ColorSamp, DepthSamp                   exact, second pass: the finished square
-//   BOKEH_HEXAGON_FIRST          ColorSamp, DepthSamp                   2 targets
-//   BOKEH_HEXAGON_SECOND         ColorSamp, DepthSamp, ColorSampB       ColorSamp and so on: the targets in their order
-//   BOKEH_OCTAGON_FIRST          ColorSamp, DepthSamp                   3 targets
-//   BOKEH_OCTAGON_SECOND         ColorSamp, DepthSamp, ColorSampB .. C
-//   BOKEH_DECAGON_FIRST          ColorSamp, DepthSamp                   4 targets
-//   BOKEH_DECAGON_SECOND         ColorSamp, DepthSamp, ColorSampB .. D
-//   BOKEH_EXACT_EDGE             ColorSamp, DepthSamp, ColorSampB .. C  one target of the first pass, without MRT;
-//                                                                       B, C: the target before, the one before that
-//   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp        debug view
-//   BOKEH_FULL_SCREEN            -                                      (vertex shader) one triangle over the target
+//   #define BOKEH_PASS ...       reads                              writes
+//   BOKEH_LINEAR_DEPTH           DepthSamp (any convention)         depth in metres, to R32F
+//   BOKEH_COC_MAP                ColorSamp, DepthSamp               colour, CoC: paper, naive
+//   BOKEH_SIGNED_COC_MAP         ColorSamp, DepthSamp               colour, signed CoC: exact
+//   BOKEH_CONSTANT_COC           ColorSamp                          colour, the same CoC everywhere
+//   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp               one line of the filter
+//   BOKEH_DEPTH_OF_FIELD_FINAL   ColorSamp, DepthSamp, ColorSampB   the same, min or max with B
+//   BOKEH_ADAPTIVE               ColorSamp, DepthSamp               a line of any length and place
+//   BOKEH_ADAPTIVE_FINAL         ColorSamp, DepthSamp, ColorSampB   the same, min or max with B
+//   BOKEH_NAIVE_GATHER           ColorSamp, DepthSamp, KernelSamp   a table of offsets
+//   BOKEH_NAIVE_GRID             ColorSamp, DepthSamp               a grid of samples
+//   BOKEH_SQUARE_FIRST           ColorSamp                          exact, first pass: 1 target
+//   BOKEH_SQUARE_SECOND          ColorSamp                          exact, second pass: finished
+//   BOKEH_HEXAGON_FIRST          ColorSamp                          2 targets
+//   BOKEH_HEXAGON_SECOND         ColorSamp, ColorSampB              the targets in their order
+//   BOKEH_OCTAGON_FIRST          ColorSamp                          3 targets
+//   BOKEH_OCTAGON_SECOND         ColorSamp, ColorSampB .. C
+//   BOKEH_DECAGON_FIRST          ColorSamp                          4 targets
+//   BOKEH_DECAGON_SECOND         ColorSamp, ColorSampB .. D
+//   BOKEH_EXACT_EDGE             ColorSamp                          target T(BokehEdge)
+//   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp    debug view
+//   BOKEH_FULL_SCREEN            -                                  (vertex shader) one triangle
 //
-//   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below (docs/inputs.md has the
-//   table with units and offsets). Set 0: the block at binding 0, the six textures in their order at 1 to 6.
+//   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
+//   (docs/inputs.md has the table with units and offsets, and the block as a struct for C++, C#,
+//   Rust and JavaScript). Set 0: the block at binding 0, the six textures in their order at 1 to 6.
+//   Unused slots: a pass samples only what its row names. OpenGL needs nothing for the rest; under
+//   Vulkan their descriptors may be left out of the layout, or left unwritten.
 
 #define BOKEH_LINEAR_DEPTH 1
 #define BOKEH_COC_MAP 2
-#define BOKEH_CONSTANT_COC 3
-#define BOKEH_DEPTH_OF_FIELD 4
-#define BOKEH_DEPTH_OF_FIELD_FINAL 5
-#define BOKEH_ADAPTIVE 6
-#define BOKEH_ADAPTIVE_FINAL 7
-#define BOKEH_NAIVE_GATHER 8
-#define BOKEH_NAIVE_GRID 9
-#define BOKEH_SQUARE_FIRST 10
-#define BOKEH_SQUARE_SECOND 11
-#define BOKEH_HEXAGON_FIRST 12
-#define BOKEH_HEXAGON_SECOND 13
-#define BOKEH_OCTAGON_FIRST 14
-#define BOKEH_OCTAGON_SECOND 15
-#define BOKEH_DECAGON_FIRST 16
-#define BOKEH_DECAGON_SECOND 17
-#define BOKEH_EXACT_EDGE 18
-#define BOKEH_DEBUG 19
-#define BOKEH_FULL_SCREEN 20
+#define BOKEH_SIGNED_COC_MAP 3
+#define BOKEH_CONSTANT_COC 4
+#define BOKEH_DEPTH_OF_FIELD 5
+#define BOKEH_DEPTH_OF_FIELD_FINAL 6
+#define BOKEH_ADAPTIVE 7
+#define BOKEH_ADAPTIVE_FINAL 8
+#define BOKEH_NAIVE_GATHER 9
+#define BOKEH_NAIVE_GRID 10
+#define BOKEH_SQUARE_FIRST 11
+#define BOKEH_SQUARE_SECOND 12
+#define BOKEH_HEXAGON_FIRST 13
+#define BOKEH_HEXAGON_SECOND 14
+#define BOKEH_OCTAGON_FIRST 15
+#define BOKEH_OCTAGON_SECOND 16
+#define BOKEH_DECAGON_FIRST 17
+#define BOKEH_DECAGON_SECOND 18
+#define BOKEH_EXACT_EDGE 19
+#define BOKEH_DEBUG 20
+#define BOKEH_FULL_SCREEN 21
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
@@ -58,9 +62,9 @@
 
 #if BOKEH_PASS == BOKEH_FULL_SCREEN
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // vertex shader
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 #ifdef VULKAN
 #define BOKEH_VERTEX_ID gl_VertexIndex
@@ -70,7 +74,8 @@ layout(location = 0) out vec2 BokehUV;
 out vec2 BokehUV;
 #endif
 
-// Three vertices without a buffer. Clip y = -1 is the first row in memory, in OpenGL and in Vulkan: v runs with y.
+// Three vertices without a buffer. Clip y = -1 is the first row in memory, in OpenGL and in Vulkan:
+// v runs with y.
 void main()
 {
     BokehUV = vec2(BOKEH_VERTEX_ID == 1 ? 2.0 : 0.0, BOKEH_VERTEX_ID == 2 ? 2.0 : 0.0);
@@ -79,9 +84,9 @@ void main()
 
 #else
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // bindings
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 #ifdef VULKAN
 
@@ -144,6 +149,7 @@ BOKEH_PARAMETER(float, BokehViewportX)
 BOKEH_PARAMETER(float, BokehViewportY)
 BOKEH_PARAMETER(float, BokehTextureWidth)
 BOKEH_PARAMETER(float, BokehTextureHeight)
+BOKEH_PARAMETER(float, BokehPassIndex)
 
 #ifdef VULKAN
 };
@@ -151,25 +157,69 @@ BOKEH_PARAMETER(float, BokehTextureHeight)
 
 // what a pass writes: one target, or as many as the table says
 layout(location = 0) out vec4 BokehResult;
-#if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_FIRST
+#if BOKEH_PASS == BOKEH_HEXAGON_FIRST
 layout(location = 1) out vec4 BokehResultB;
-#endif
-#if BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_FIRST
+#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
+layout(location = 1) out vec4 BokehResultB;
 layout(location = 2) out vec4 BokehResultC;
-#endif
-#if BOKEH_PASS == BOKEH_DECAGON_FIRST
+#elif BOKEH_PASS == BOKEH_DECAGON_FIRST
+layout(location = 1) out vec4 BokehResultB;
+layout(location = 2) out vec4 BokehResultC;
 layout(location = 3) out vec4 BokehResultD;
 #endif
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // fragment shaders
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// what every pass begins with
+// what a pass without a filter begins with
 void BokehUseViewport()
 {
     vec4 viewport = vec4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
     BokehSetViewport(viewport, vec2(BokehTextureWidth, BokehTextureHeight));
+}
+
+// what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
+BokehFilter BokehBegin(vec2 uv, float passIndex)
+{
+    BokehUseViewport();
+    vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+    float noise = BokehNoise(uv, imageSize, BokehFrame, passIndex);
+    BokehFilter settings;
+    settings.aspectRatio = BokehAspectRatio;
+    settings.imageHeight = BokehImageHeight;
+    settings.spacing = BokehSpacing;
+    settings.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    settings.bleedingBias = BokehBleedingBias;
+    settings.bleedingMult = BokehBleedingMult;
+    return settings;
+}
+
+// one line of the filter, adaptive
+vec4 BokehAdaptiveLine(vec2 uv)
+{
+    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
+    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
+        BokehBlurCoC > 0.5);
+}
+
+// exact, first pass
+BokehTargets BokehFirst(vec2 uv, int sides)
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    return BokehExactFirst(BokehColorSamp, uv, polygon, settings);
+}
+
+// exact, second pass
+vec4 BokehSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp, vec2 uv,
+    int sides)
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    return BokehExactSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
 
 #if BOKEH_PASS == BOKEH_LINEAR_DEPTH
@@ -178,7 +228,7 @@ void main()
 {
     BokehUseViewport();
     float depth = BokehFetchNearest(BokehDepthSamp, BokehUV).r;
-    float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
+    float S2 = BokehLinearDepth(depth, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
     BokehResult = vec4(S2, S2, S2, 1.0);
 }
 
@@ -187,8 +237,17 @@ void main()
 void main()
 {
     BokehUseViewport();
-    BokehResult = BokehCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter, BokehFocalLength,
-        BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+    BokehResult = BokehCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter,
+        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+}
+
+#elif BOKEH_PASS == BOKEH_SIGNED_COC_MAP
+
+void main()
+{
+    BokehUseViewport();
+    BokehResult = BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter,
+        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
 }
 
 #elif BOKEH_PASS == BOKEH_CONSTANT_COC
@@ -196,57 +255,42 @@ void main()
 void main()
 {
     BokehUseViewport();
-    BokehResult = BokehPackCoC(BokehFetch(BokehColorSamp, BokehUV), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
+    vec4 color = BokehFetchNearest(BokehColorSamp, BokehUV);
+    BokehResult = BokehPackCoC(color, clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 }
 
 #elif BOKEH_PASS == BOKEH_DEPTH_OF_FIELD
 
 void main()
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
-        BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+    BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, settings,
+        BokehBlurCoC > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_DEPTH_OF_FIELD_FINAL
 
 void main()
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    BokehResult = BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, BOKEH_NUM_SAMPLES,
-        BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5, BokehColorSampB, BokehUseMax > 0.5);
+    BokehResult = BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, BokehUV,
+        lineEnd, settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_ADAPTIVE
 
 void main()
 {
-    BokehUseViewport();
-    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
-    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
-        0.5);
+    BokehResult = BokehAdaptiveLine(BokehUV);
 }
 
 #elif BOKEH_PASS == BOKEH_ADAPTIVE_FINAL
 
 void main()
 {
-    BokehUseViewport();
-    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
-    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    vec4 a = BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, BokehUV, segment, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC >
-        0.5);
+    vec4 a = BokehAdaptiveLine(BokehUV);
     BokehResult = BokehCombine(a, BokehFetch(BokehColorSampB, BokehUV), BokehUseMax > 0.5);
 }
 
@@ -254,143 +298,99 @@ void main()
 
 void main()
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
     BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV,
-        BokehAspectRatio / BokehSqueeze, BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+        settings, BokehBlurCoC > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_NAIVE_GRID
 
 void main()
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     vec2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
-    BokehResult = BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, BokehUV, lineEndU, lineEndV, BOKEH_NUM_SAMPLES,
-        BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+    BokehResult = BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, BokehUV, lineEndU, lineEndV,
+        settings, BokehBlurCoC > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_FIRST
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
-    BokehResult = T[0];
+    BokehResult = BokehFirst(BokehUV, 4).T2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_SECOND
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehDepthSamp,
-        BokehUV, 4.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
-        jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = BokehSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehColorSamp,
+        BokehUV, 4);
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_FIRST
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
-    BokehResult = T[0];
-    BokehResultB = T[1];
+    BokehTargets targets = BokehFirst(BokehUV, 6);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB, BokehColorSampB, BokehDepthSamp,
-        BokehUV, 6.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
-        jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB, BokehColorSampB,
+        BokehUV, 6);
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
-    BokehResult = T[0];
-    BokehResultB = T[1];
-    BokehResultC = T[2];
+    BokehTargets targets = BokehFirst(BokehUV, 8);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampC, BokehDepthSamp,
-        BokehUV, 8.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
-        jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampC,
+        BokehUV, 8);
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_FIRST
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    mat4 T = BokehExactFirst(BokehColorSamp, BokehDepthSamp, BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio,
-        BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias, BokehBleedingMult);
-    BokehResult = T[0];
-    BokehResultB = T[1];
-    BokehResultC = T[2];
-    BokehResultD = T[3];
+    BokehTargets targets = BokehFirst(BokehUV, 10);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
+    BokehResultD = targets.T5;
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_SECOND
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehExactSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD, BokehDepthSamp,
-        BokehUV, 10.0, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
-        jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehUV, 10);
 }
 
 #elif BOKEH_PASS == BOKEH_EXACT_EDGE
 
 void main()
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float random = BokehNoise(BokehUV, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * random;
-    BokehResult = BokehExactEdge(BokehColorSamp, BokehDepthSamp, BokehColorSampB, BokehColorSampC, BokehUV, BokehEdge,
-        BokehSides, BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES,
-        jitter, BokehBleedingBias, BokehBleedingMult);
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehPolygon polygon = BokehMakePolygon(int(BokehSides + 0.5), BokehAngle, BokehSqueeze);
+    BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, int(BokehEdge + 0.5), polygon, settings);
 }
 
 #elif BOKEH_PASS == BOKEH_DEBUG

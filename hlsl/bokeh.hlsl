@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh depth of field, HLSL. Version 0.1.0.
-// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a Post-Process
-// Depth of Field Shader", Listings 1-4. Sections and figures named below are of that paper.
+// Polygonal bokeh depth of field, HLSL. Version 0.2.0.
+// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures
+// in a Post-Process Depth of Field Shader", Listings 1-4. Sections and figures are of that paper.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.hlsl beside it has those, ready made.
-//   In    colour: linear, HDR, before bloom and tone mapping.   depth: along the view axis, metres.
-//   Out   colour blurred by a polygonal aperture, alpha = CoC after the passes.
-//   CoC   circle of confusion: a DIAMETER as a fraction of the image height.
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.hlsl beside it has
+//   ready-made programs.
+//   In    colour: linear, HDR, before bloom and tone mapping.
+//         depth: along the view axis, metres.
+//   Out   colour blurred by a polygonal aperture; alpha = CoC.
+//   CoC   circle of confusion: a DIAMETER as a fraction of the image height. BokehSignedCoCMap
+//         gives it a sign: below 0 the pixel is nearer than the focus.
 //   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
-//   Targets between the passes: RGBA16F, linear filter, clamp. Depth: nearest filter, clamp; it need not be filterable.
+//   Targets between the passes: RGBA16F, read with a linear filter and clamp; blending off, since
+//   alpha is data. Depth: R32F, or whatever holds it; no filter is needed.
 //
-//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine -> bloom, tone mapping
+//   exact, for polygons with 4, 6, 8 or 10 sides: no min, no light lost, section [8]
+//   colour + depth -> SignedCoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom
+//
+//   paper, Listings 1-4:
+//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine
 //
 //   aperture   lines (degrees)                                passes   combine
 //   square     0, then 90                                     2
@@ -21,53 +29,169 @@
 //   octagon    0, then 90;  45, then 135                      4        min
 //   star       as octagon                                     4        max
 //
-//   Better, for polygons with 4, 6, 8 or 10 sides: exact, two passes, no min, no light lost, section [8]
-//   colour + depth -> CoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom, tone mapping
+// PASTE: the whole effect as an exact hexagon, four passes. Each program is this file and one of
+//   these blocks. Blending off in all of them. Shader model 4 to 6: put #define BOKEH_HLSL_SM 4
+//   (or 5, 6) first, and take the blocks further down.
 //
-// PASTE: put this file before your shader (or #include it), then for one line pass write
-//   SM3     sampler2D ColorSamp : register(s0);  sampler2D DepthSamp : register(s1);
-//           float4 main(float2 uv : TEXCOORD0) : COLOR {
-//               return BokehDepthOfField(ColorSamp, DepthSamp, uv, BokehLineEnd(angle, aspectRatio),
-//                                        BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true); }
-//   SM4-6   #define BOKEH_HLSL_SM 4 (or 5, 6) first; each texture is followed by its sampler:
-//           BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv, ...)
+//   1. Linear depth. DepthSamp: the depth buffer, nearest filter, clamp. Target: R32F.
+//          sampler2D DepthSamp : register(s0);
+//          float zNear, zFar;
+//          float4 linearDepth(float2 uv : TEXCOORD0) : COLOR
+//          {
+//              return BokehLinearDepth(BokehFetchNearest(DepthSamp, uv).r, 1, zNear, zFar);
+//          }
+//
+//   2. CoC map. ColorSamp: HDR colour, DepthSamp: from 1; both nearest, clamp. Target: RGBA16F.
+//          sampler2D ColorSamp : register(s0);
+//          sampler2D DepthSamp : register(s1);
+//          float apertureDiameter, focalLength, focusDistance;
+//          float4 map(float2 uv : TEXCOORD0) : COLOR
+//          {
+//              return BokehSignedCoCMap(ColorSamp, DepthSamp, uv, apertureDiameter, focalLength,
+//                  focusDistance, BOKEH_SENSOR_HEIGHT, BOKEH_MAX_COC);
+//          }
+//
+//   3. First pass. MapSamp: from 2, linear filter, clamp. Targets: two RGBA16F.
+//          sampler2D MapSamp : register(s0);
+//          float2 imageSize;
+//          float rotation;
+//          void first(float2 uv : TEXCOORD0, out float4 T2 : COLOR0, out float4 T3 : COLOR1)
+//          {
+//              BokehTargets targets = BokehExactFirst(MapSamp, uv,
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
+//              T2 = targets.T2;
+//              T3 = targets.T3;
+//          }
+//
+//   4. Second pass. T2Samp, T3Samp: from 3, linear filter, clamp. Target: RGBA16F.
+//          sampler2D T2Samp : register(s0);
+//          sampler2D T3Samp : register(s1);
+//          float2 imageSize;
+//          float rotation;
+//          float4 second(float2 uv : TEXCOORD0) : COLOR
+//          {
+//              return BokehExactSecond(T2Samp, T3Samp, T3Samp, T3Samp, uv,
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
+//          }
+//
+//   Shader model 4 to 6. Linear: a sampler with a linear filter and clamp. Depth needs none.
+//
+//   1. Linear depth. Depth: the depth buffer. Target: R32F.
+//          Texture2D Depth : register(t0);
+//          float zNear, zFar;
+//          float linearDepth(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
+//          {
+//              return BokehLinearDepth(BokehFetchNearest(Depth, uv).r, 1, zNear, zFar);
+//          }
+//
+//   2. CoC map. Color: HDR colour. Depth: from 1. Target: RGBA16F.
+//          Texture2D Color : register(t0);
+//          Texture2D Depth : register(t1);
+//          float apertureDiameter, focalLength, focusDistance;
+//          float4 map(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
+//          {
+//              return BokehSignedCoCMap(Color, Depth, uv, apertureDiameter, focalLength,
+//                  focusDistance, BOKEH_SENSOR_HEIGHT, BOKEH_MAX_COC);
+//          }
+//
+//   3. First pass. Map: from 2. Targets: two RGBA16F.
+//          Texture2D Map : register(t0);
+//          SamplerState Linear : register(s0);
+//          float2 imageSize;
+//          float rotation;
+//          void first(float4 position : SV_Position, float2 uv : TEXCOORD0,
+//              out float4 T2 : SV_Target0, out float4 T3 : SV_Target1)
+//          {
+//              BokehTargets targets = BokehExactFirst(Map, Linear, uv,
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
+//              T2 = targets.T2;
+//              T3 = targets.T3;
+//          }
+//
+//   4. Second pass. T2, T3: from 3. Target: RGBA16F.
+//          Texture2D T2 : register(t0);
+//          Texture2D T3 : register(t1);
+//          SamplerState Linear : register(s0);
+//          float2 imageSize;
+//          float rotation;
+//          float4 second(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
+//          {
+//              return BokehExactSecond(T2, Linear, T3, T3, T3, uv,
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
+//          }
 //
 // CONTENTS
 //   [1] configuration
-//   [2] porting: BokehSetViewport, BokehFetch
-//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap
-//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehCells, BokehNoise, BokehSegment
-//   [5] line filter: BokehDepthOfField; adaptive: BokehLineMean, BokehDepthOfFieldAdaptive
+//   [2] porting: BokehSetViewport, BokehFetch, BokehFetchNearest, BokehFetchTable
+//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap, BokehSignedCoCMap
+//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehFilter,
+//       BokehDefaultFilter, BokehCells, BokehNoise, BokehSegment
+//   [5] line filter: BokehDepthOfField; adaptive: BokehDepthOfFieldAdaptive
 //   [6] combine: BokehCombine, BokehDepthOfFieldFinal
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
-//   [8] exact polygons: BokehExactFirst, BokehExactSecond; one target: BokehExactEdge
+//   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
+//       time: BokehExactEdge
 //   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [1] configuration
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   name                  default    range     meaning
-//   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); define it before this file
-//   BOKEH_ADAPTIVE_SAMPLES  1.0     0.0, 1.0  0.0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
-//                                             not read BokehSpacing and BokehJitter then
-//   BOKEH_VIEWPORT        0.0        0.0, 1.0  1.0: the image is a part of its textures, see BokehSetViewport
-//   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
-//   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
-//   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
-//   BOKEH_BLEEDING_MULT   30.0       > 0       Listing 3
-//   BOKEH_MAX_COLOR       65504.0              largest half float
-//   BOKEH_MIN_DEPTH       0.000001             metres, stands for zero and negative depth
-//   BOKEH_MAX_DEPTH       1000000000.0         metres, stands for infinite depth: the CoC is A f / (S1 - f) there
+//   name                    default    range   meaning
+//   BOKEH_NUM_SAMPLES       13         2 ..    samples on a line (section 4.3), or the most of them
+//                                              where their number is adaptive; see below
+//   BOKEH_SPACING           1.0        >= 0    pixels between samples; 0: always BOKEH_NUM_SAMPLES
+//   BOKEH_ADAPTIVE_SAMPLES  1          0, 1    0: always BOKEH_NUM_SAMPLES, whatever the spacing is
+//                                              at run time: faster
+//   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
+//                                              BokehSetViewport
+//   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
+//   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
+//                                              samples become visible
+//   BOKEH_BLEEDING_BIAS     0.02       0 .. 1  Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
+//   BOKEH_MAX_COLOR         65504.0            largest half float
+//   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
+//   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
+//                                              A f / (S1 - f)
+//
+//   Presets for BOKEH_NUM_SAMPLES and BOKEH_SPACING. Fetches: of the exact hexagon, both passes, a
+//   pixel. Smooth: the CoC in pixels up to which its samples are no farther apart than the spacing.
+//
+//   preset                  samples    spacing  fetches  smooth
+//   BOKEH_PRESET_LOW        5          2.0      22       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      38       27
+//   BOKEH_PRESET_HIGH       17         1.0      70       34
+//   BOKEH_PRESET_ULTRA      33         1.0      134      66
+
+#if defined(BOKEH_PRESET_LOW)
+#define BOKEH_PRESET_SAMPLES 5
+#define BOKEH_PRESET_SPACING 2.0
+#elif defined(BOKEH_PRESET_MEDIUM)
+#define BOKEH_PRESET_SAMPLES 9
+#define BOKEH_PRESET_SPACING 1.5
+#elif defined(BOKEH_PRESET_HIGH)
+#define BOKEH_PRESET_SAMPLES 17
+#define BOKEH_PRESET_SPACING 1.0
+#elif defined(BOKEH_PRESET_ULTRA)
+#define BOKEH_PRESET_SAMPLES 33
+#define BOKEH_PRESET_SPACING 1.0
+#else
+#define BOKEH_PRESET_SAMPLES 13
+#define BOKEH_PRESET_SPACING 1.0
+#endif
 
 #ifndef BOKEH_NUM_SAMPLES
-#define BOKEH_NUM_SAMPLES 13
+#define BOKEH_NUM_SAMPLES BOKEH_PRESET_SAMPLES
+#endif
+#ifndef BOKEH_SPACING
+#define BOKEH_SPACING BOKEH_PRESET_SPACING
 #endif
 #ifndef BOKEH_ADAPTIVE_SAMPLES
-#define BOKEH_ADAPTIVE_SAMPLES 1.0
+#define BOKEH_ADAPTIVE_SAMPLES 1
 #endif
 #ifndef BOKEH_VIEWPORT
-#define BOKEH_VIEWPORT 0.0
+#define BOKEH_VIEWPORT 0
 #endif
 #ifndef BOKEH_SENSOR_HEIGHT
 #define BOKEH_SENSOR_HEIGHT 0.024
@@ -95,12 +219,14 @@
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   BOKEH_HLSL_SM: 3 (sampler2D, tex2Dlod) or 4, 5, 6 (Texture2D, SamplerState). Unset: 6 under DXC, else 3.
-//   In SM4 and up a texture and its sampler travel as two parameters, Name and NameSampler.
+//   BOKEH_HLSL_SM: 3 (sampler2D, tex2Dlod) or 4, 5, 6 (Texture2D, SamplerState). Unset: 6 under
+//   DXC, else 3. From 4 up a filtered texture and its sampler are two parameters, Name and
+//   NameSampler; where a function reads several, they share the sampler of the first. Depth has
+//   none.
 
 #ifndef BOKEH_HLSL_SM
 #ifdef __hlsl_dx_compiler
@@ -110,50 +236,64 @@
 #endif
 #endif
 
+// BOKEH_TEXTURE, BOKEH_TEXELS: a parameter with a sampler, and one without
+// BOKEH_ARGUMENT, BOKEH_SHARED: a texture handed to BokehFetch with its own sampler, or another's
+// BOKEH_LOOP_LIMIT: the most iterations that one loop may have
 #if BOKEH_HLSL_SM == 3
 #define BOKEH_TEXTURE(name) sampler2D name
+#define BOKEH_TEXELS(name) sampler2D name
 #define BOKEH_ARGUMENT(name) name
+#define BOKEH_SHARED(name, other) name
 #define BOKEH_LOOP
+#define BOKEH_LOOP_LIMIT 128
 #elif BOKEH_HLSL_SM == 4 || BOKEH_HLSL_SM == 5 || BOKEH_HLSL_SM == 6
 #define BOKEH_TEXTURE(name) Texture2D name, SamplerState name##Sampler
+#define BOKEH_TEXELS(name) Texture2D name
 #define BOKEH_ARGUMENT(name) name, name##Sampler
+#define BOKEH_SHARED(name, other) name, other##Sampler
 #define BOKEH_LOOP [loop]
+#define BOKEH_LOOP_LIMIT BOKEH_NUM_SAMPLES
 #else
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
 #endif
 
-// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
+// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the
+// bounds of the fetches
 static float4 BokehViewport = float4(0.0, 0.0, 1.0, 1.0);
 static float4 BokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
 
-// Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
-//   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
-//   The bounds are 1/128 texel inside of the centres of the outermost texels, since a linear filter counts a texel
-//   with a weight of 0 in, and 0 times NaN is NaN; 1/256 is how exactly devices place a sample (Direct3D 11, Vulkan).
+// Porting: the image is a part of its textures (dynamic resolution); call it first
+//   It needs BOKEH_VIEWPORT 1.
+//   Every texture but the kernel is laid out like this. What is around the image is not read: it
+//   may hold anything. The bounds are 1/128 texel inside the centres of the outermost texels, since
+//   bilinear filtering reads texels of zero weight too, and 0 times NaN is NaN; 1/256 is how
+//   exactly devices place a sample (Direct3D 11, Vulkan).
 //   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
 //   textureSize   width, height; pixels
 void BokehSetViewport(float4 viewport, float2 textureSize)
 {
-    if (BOKEH_VIEWPORT > 0.5)
+    if (BOKEH_VIEWPORT > 0)
     {
         float2 inset = min(float2(0.5078125, 0.5078125), viewport.zw * 0.5);
         BokehViewport = viewport / textureSize.xyxy;
-        BokehViewportBounds = float4(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+        BokehViewportBounds = float4(viewport.xy + inset, viewport.xy + viewport.zw - inset) /
+            textureSize.xyxy;
     }
 }
 
-// Porting: place in the image to place in its textures
+// Porting: image uv to texture uv
 float2 BokehToTexture(float2 uv)
 {
     float2 coords = uv;
-    if (BOKEH_VIEWPORT > 0.5)
+    if (BOKEH_VIEWPORT > 0)
     {
-        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy, BokehViewportBounds.zw);
+        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy,
+            BokehViewportBounds.zw);
     }
     return coords;
 }
 
-// Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
+// Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
 float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
 {
 #if BOKEH_HLSL_SM == 3
@@ -163,37 +303,41 @@ float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
 #endif
 }
 
-// Porting: the same for textures with a nearest filter, which is depth
-//   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
-float4 BokehFetchNearest(BOKEH_TEXTURE(tex), float2 uv)
+// Porting: the texel at a place, whatever filter the texture has; depth is read so
+//   Shader model 3 cannot: there the sampler must have a nearest filter.
+float4 BokehFetchNearest(BOKEH_TEXELS(tex), float2 uv)
 {
 #if BOKEH_HLSL_SM == 3
     return tex2Dlod(tex, float4(BokehToTexture(uv), 0.0, 0.0));
 #else
-    return tex.SampleLevel(texSampler, BokehToTexture(uv), 0.0);
+    int2 size;
+    tex.GetDimensions(size.x, size.y);
+    int2 texel = int2(saturate(BokehToTexture(uv)) * float2(size));
+    return tex.Load(int3(min(texel, size - int2(1, 1)), 0));
 #endif
 }
 
-// Porting: the same for tables, which no viewport applies to
-float4 BokehFetchTable(BOKEH_TEXTURE(tex), float2 uv)
+// Porting: entry i of a table, a texture of count x 1 texels; no viewport applies to it
+float4 BokehFetchTable(BOKEH_TEXELS(tex), int i, int count)
 {
 #if BOKEH_HLSL_SM == 3
-    return tex2Dlod(tex, float4(uv, 0.0, 0.0));
+    return tex2Dlod(tex, float4((float(i) + 0.5) / float(count), 0.5, 0.0, 0.0));
 #else
-    return tex.SampleLevel(texSampler, uv, 0.0);
+    return tex.Load(int3(min(i, count - 1), 0, 0));
 #endif
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Listing 1: CoC of a thin lens (section 4.1)
-//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
+//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length
+//                 of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then.
-//                 Infinity, however it is spelt, is BOKEH_MAX_DEPTH
+//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets
+//                 MaxCoC then. Infinity, and 3.4e38 in its place, become BOKEH_MAX_DEPTH
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
@@ -205,9 +349,10 @@ float BokehCoC(float S2, float A, float f, float S1, float sensorHeight, float M
     return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
 }
 
-// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
-//   NaN fails this comparison; max() may return either operand. It is >= since shader model 3 has no other: > there
-//   is the opposite comparison with its two results swapped, and NaN passes that.
+// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest
+//   half float
+//   NaN fails this comparison; max() may return either operand. It has to be >=: fxc compiles > for
+//   shader model 3 to the opposite comparison with its results swapped, and NaN passes that.
 float BokehSafeChannel(float value)
 {
     float safe = 0.0;
@@ -218,7 +363,7 @@ float BokehSafeChannel(float value)
     return safe;
 }
 
-// Listing 1: depth made safe: NaN, zero and negative become the smallest depth, infinite the largest
+// Listing 1: depth made safe: NaN, zero and negative become the smallest, infinite the largest
 float BokehSafeDepth(float S2)
 {
     float safe = BOKEH_MIN_DEPTH;
@@ -229,10 +374,12 @@ float BokehSafeDepth(float S2)
     return safe;
 }
 
-// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
+// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres
+//   Direct3D, Vulkan and WebGPU have it so, and OpenGL's depth textures.
 //   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
-//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar, or
-//                 infinite where zNear is less than zFar / 2^24: BokehSafeDepth catches that
+//   returns       depth along the view axis, for the CoC maps and all passes that read depth; the
+//                 sky is at zFar, or infinite where zNear is less than zFar / 2^24, which
+//                 BokehSafeDepth takes care of
 float BokehDepthFromWindow(float depth, float zNear, float zFar)
 {
     return zNear * zFar / (zFar - depth * (zFar - zNear));
@@ -244,7 +391,8 @@ float BokehDepthFromReversed(float depth, float zNear, float zFar)
     return zNear * zFar / (zNear + depth * (zFar - zNear));
 }
 
-// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
+// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres
+//   The sky is at BOKEH_MAX_DEPTH.
 float BokehDepthFromInfinite(float depth, float zNear)
 {
     float stored = zNear / BOKEH_MAX_DEPTH;
@@ -261,7 +409,8 @@ float BokehDepthFromClip(float depth, float zNear, float zFar)
     return 2.0 * zNear * zFar / (zFar + zNear - depth * (zFar - zNear));
 }
 
-// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres; give 1 - depth where it is reversed
+// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres
+//   Pass 1 - depth where it is reversed.
 float BokehDepthFromOrthographic(float depth, float zNear, float zFar)
 {
     return zNear + depth * (zFar - zNear);
@@ -285,42 +434,42 @@ float BokehDepthFromLogarithmic(float depth, float zFar)
 }
 
 // Depth: any of the above to metres, made safe, for one pass that makes depth linear
-//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
-//                 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
-float BokehLinearDepth(float depth, float kind, float zNear, float zFar)
+//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip,
+//                 5 orthographic, 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
+float BokehLinearDepth(float depth, int kind, float zNear, float zFar)
 {
     float S2 = depth;
-    if (kind > 7.5)
+    if (kind == 1)
     {
-        S2 = BokehDepthFromLogarithmic(depth, zFar);
+        S2 = BokehDepthFromWindow(depth, zNear, zFar);
     }
-    else if (kind > 6.5)
-    {
-        S2 = BokehDepthFromFraction(depth, zFar);
-    }
-    else if (kind > 5.5)
-    {
-        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
-    }
-    else if (kind > 4.5)
-    {
-        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
-    }
-    else if (kind > 3.5)
-    {
-        S2 = BokehDepthFromClip(depth, zNear, zFar);
-    }
-    else if (kind > 2.5)
-    {
-        S2 = BokehDepthFromInfinite(depth, zNear);
-    }
-    else if (kind > 1.5)
+    else if (kind == 2)
     {
         S2 = BokehDepthFromReversed(depth, zNear, zFar);
     }
-    else if (kind > 0.5)
+    else if (kind == 3)
     {
-        S2 = BokehDepthFromWindow(depth, zNear, zFar);
+        S2 = BokehDepthFromInfinite(depth, zNear);
+    }
+    else if (kind == 4)
+    {
+        S2 = BokehDepthFromClip(depth, zNear, zFar);
+    }
+    else if (kind == 5)
+    {
+        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
+    }
+    else if (kind == 6)
+    {
+        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
+    }
+    else if (kind == 7)
+    {
+        S2 = BokehDepthFromFraction(depth, zFar);
+    }
+    else if (kind == 8)
+    {
+        S2 = BokehDepthFromLogarithmic(depth, zFar);
     }
     return BokehSafeDepth(S2);
 }
@@ -331,42 +480,109 @@ float BokehLinearDepth(float depth, float kind, float zNear, float zFar)
 //   returns       what every later pass reads: rgb finite and >= 0, a = CoC
 float4 BokehPackCoC(float4 color, float CoC)
 {
-    return float4(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b), CoC);
+    return float4(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b),
+        CoC);
 }
 
-// Listing 1: CoCMap, the first pass and the only one that sees the engine's raw colour
-//   ColorSamp     linear HDR scene colour
+// Listing 1: CoCMap, the first pass of `paper` and `naive`
+//   No later pass sees the engine's raw colour.
+//   ColorSamp     linear HDR scene colour, read texel by texel
 //   DepthSamp     r = depth along the view axis, metres (docs/inputs.md has the depth conventions)
 //   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
+//   A .. MaxCoC   as in BokehCoC
 //   returns       rgb = colour, a = CoC
-float4 BokehCoCMap(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float A, float f, float S1,
-    float sensorHeight, float MaxCoC)
+float4 BokehCoCMap(BOKEH_TEXELS(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 uv, float A, float f,
+    float S1, float sensorHeight, float MaxCoC)
 {
-    float S2 = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     float CoC = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
-    return BokehPackCoC(BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv), CoC);
+    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
-// [4] Listing 2: sample offsets
-// ---------------------------------------------------------------------------------------------------------------------
+// Listing 1, signed: the CoC with a sign: below 0 the pixel is nearer than the focus distance
+//   It grows with depth, so it is all that the leakage test needs to know of depth.
 //
-//      u ->      angle = 0: along +u;  90 degrees: along +v, which is towards the last row in memory
+//      +MaxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
+//            0 - - - - -/- - - - - -> depth
+//      -MaxCoC --------' S1             near field: < 0
+//
+//   Parameters as in BokehCoC.
+float BokehSignedCoC(float S2, float A, float f, float S1, float sensorHeight, float MaxCoC)
+{
+    float CoC = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    if (S2 < S1)
+    {
+        CoC = -CoC;
+    }
+    return CoC;
+}
+
+// Listing 1, signed: the first pass of `exact`, whose later passes read no depth
+//   Parameters as in BokehCoCMap.
+//   returns       rgb = colour, a = signed CoC
+float4 BokehSignedCoCMap(BOKEH_TEXELS(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 uv, float A,
+    float f, float S1, float sensorHeight, float MaxCoC)
+{
+    float S2 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+    float CoC = BokehSignedCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
+}
+
+// -------------------------------------------------------------------------------------------------
+// [4] Listing 2: sample offsets
+// -------------------------------------------------------------------------------------------------
+//
+//      u ->      angle = 0: along +u;  90 degrees: along +v, towards the last row in memory
 //    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
 //    |                              ^ this pixel
 //    v
 
+// Listing 2: how a line is sampled, and the leakage test of Listing 3
+//   aspectRatio   width / height of the image
+//   imageHeight   pixels
+//   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
+//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
+//                 apart than a pixel.
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 1 or more turns
+//                 the test off
+//   bleedingMult  weight for each unit of CoC of a sample that does not pass
+struct BokehFilter
+{
+    float aspectRatio;
+    float imageHeight;
+    float spacing;
+    float jitter;
+    float bleedingBias;
+    float bleedingMult;
+};
+
+// Listing 2: the settings that [1] configures, without jitter
+//   imageSize     width, height; pixels
+BokehFilter BokehDefaultFilter(float2 imageSize)
+{
+    BokehFilter settings;
+    settings.aspectRatio = imageSize.x / imageSize.y;
+    settings.imageHeight = imageSize.y;
+    settings.spacing = BOKEH_SPACING;
+    settings.jitter = 0.0;
+    settings.bleedingBias = BOKEH_BLEEDING_BIAS;
+    settings.bleedingMult = BOKEH_BLEEDING_MULT;
+    return settings;
+}
+
 // Listing 2: the end of a line of length 1 centred on this pixel
 //   angle         radians
-//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a highlight is not stretched
+//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a
+//                 highlight is not stretched
 //   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
 float2 BokehLineEnd(float angle, float aspectRatio)
 {
     return float2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
 }
 
-// Listing 2: makeOffsets, sample i of numSamples evenly spaced from one end of the line to the other
-//   Counted from the middle (-1 .. +1), so that the offsets are exact negatives of each other and the middle one is 0.
+// Listing 2: makeOffsets, sample i of numSamples evenly spaced from end to end of the line
+//   t runs from -1 to +1, so that the offsets are exact negatives of each other and the middle one
+//   is 0.
 //   returns       uv offset for a CoC of 1
 float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
 {
@@ -376,95 +592,109 @@ float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
 }
 
 // Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
-//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour shows.
-//   spacing       pixels between samples; 0 or less: a fixed number of samples, and the CoC as it is
+//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour
+//   shows.
+//   (x - 0.5) * 2 it is, since fxc compiles 1 - 2 x for shader model 3 without the abs of x.
+//   CoC           without a sign
+//   spacing       as in BokehFilter; 0 or less: the CoC as it is
 //   returns       fraction of the image height
 float BokehFilterCoC(float CoC, float imageHeight, float spacing)
 {
     float filterCoC = CoC;
-    if (spacing > 0.0)
+    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
     {
-        filterCoC = CoC * (1.0 - clamp(2.0 - 2.0 * CoC * imageHeight, 0.0, 1.0));
+        filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
     }
     return filterCoC;
 }
 
 // Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
-//   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
+//   Cells are `spacing` pixels long, or longer where BOKEH_NUM_SAMPLES of them would not fill the
+//   line. Cell i weighs clamp(cells - i, 0, 1):
 //
-//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line does, so that the
-//        ^   ^   ^   ^  ^      result has no step where the number of samples has one
+//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
+//        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
 //
-float BokehCells(float lengthInPixels, float spacing, int maxSamples)
+float BokehCells(float lengthInPixels, float spacing)
 {
-    float cells = float(maxSamples);
-    if (spacing > 0.0)
+    float cells = float(BOKEH_NUM_SAMPLES);
+    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, float(maxSamples));
+        cells = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
     }
     return cells;
 }
 
-// Listing 2, adaptive: sample i of a line of so many cells
-//   phase         place in the cell, 0.5 = in its middle
-//   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
-//                 A cell behind the end has the length 0: fxc has been seen to lose the break of the loop around it.
-float2 BokehCell(float cells, int i, float phase)
-{
-    float low = min(float(i), cells);
-    float high = min(low + 1.0, cells);
-    return float2(low + (high - low) * phase - 0.5 * cells, high - low);
-}
-
-// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
-//   imageWidth, imageHeight  pixels
-//   frame         number of the frame; give each pass of a frame a number of its own
+// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass
+//   Each frame adds 33/64, in pass p 8 p + 1 times. So over 64 frames every pass takes 64 evenly
+//   spaced values in each pixel, and no two passes take theirs in the same order: the mean of the
+//   frames converges.
+//   imageSize     width, height; pixels
+//   frame         number of the frame, a whole number
+//   passIndex     0, 1 ..: of the pass within the frame; a pass that reads another one needs
+//                 another index
 //   returns       -0.5 .. 0.5
-float BokehNoise(float2 uv, float imageWidth, float imageHeight, float frame)
+float BokehNoise(float2 uv, float2 imageSize, float frame, float passIndex)
 {
-    float shift = 5.588238 * (frame - 64.0 * floor(frame / 64.0));
-    float2 pixel = floor(uv * float2(imageWidth, imageHeight)) + float2(shift, shift);
-    float seed = dot(pixel, float2(0.06711056, 0.00583715));
-    float value = 52.9829189 * (seed - floor(seed));
+    float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+    float seed = dot(floor(uv * imageSize), float2(0.06711056, 0.00583715));
+    float value = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
     return value - floor(value) - 0.5;
 }
 
-// Listing 2, adaptive: a line of any length, off the pixel as well, for BokehDepthOfFieldAdaptive
+// Listing 2, adaptive: a line of any length and place, for BokehDepthOfFieldAdaptive
 //   angle         radians
 //   lineLength    in units of the CoC
-//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the last row
+//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
+//                 last row
 //   squeeze       width of the bokeh / its height, 1 = round
-//   returns       xy = middle, zw = from the middle to the end, in units of the CoC; BokehPolygonEdge returns the same
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
+//                 BokehPolygonEdge returns the same
 float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float squeeze)
 {
-    float4 segment = float4(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength * sin(angle));
+    float4 segment = float4(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
+        sin(angle));
     return segment * float4(squeeze, 1.0, squeeze, 1.0);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [5] Listing 3: one pass of the line filter
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Listing 3: weight of one sample against intensity leakage (section 2.1)
-//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it. It counts by its own
-//   CoC then: not at all when in focus, fully from a CoC of 1 / bleedingMult up. All other samples count fully.
-//   bleedingBias  CoC difference that is still let pass, fraction of the image height; 1 or more turns the test off
-//   bleedingMult  weight for each unit of CoC
-//   returns       0 .. 1
-float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC, float bleedingBias,
-    float bleedingMult)
+//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it.
+//   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
+//   1 / bleedingMult up. All other samples have the weight 1.
+float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
+    BokehFilter settings)
 {
     float weight = 1.0;
-    if (sampleDepth < centerDepth && centerCoC > sampleCoC + bleedingBias)
+    if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
     {
-        weight = clamp(sampleCoC * bleedingMult, 0.0, 1.0);
+        weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
     }
     return weight;
 }
 
-// Listing 3: the weighted average, or this pixel where there is none
-//   Every sample may have been rejected when their number is even: the middle of the line is not sampled then.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC (Figure 7)
+// Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
+//   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
+//   sharper one, and centerCoC - bleedingBias is below 0. Two passes also put a rejected sample in
+//   place of what its own line would have reached; squared weights make up for that.
+float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
+{
+    float weight = 1.0;
+    if (abs(sampleCoC) < centerCoC - settings.bleedingBias)
+    {
+        weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+        weight = weight * weight;
+    }
+    return weight;
+}
+
+// Listing 3: the weighted average, or this pixel where all weights are 0
+//   With an even number of samples the middle of the line is not sampled, so all may be rejected.
+//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
+//                 (Figure 7)
 float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool blurCoC)
 {
     float4 result = centerPixel;
@@ -480,94 +710,79 @@ float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool bl
 }
 
 // Listing 3: DepthOfField, the mean of the samples along one line
-//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass;
+//                 linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap
 //   lineEnd       from BokehLineEnd
-//   numSamples    samples on the line, 2 or more; 254 at most in shader model 3
-float4 BokehDepthOfField(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float2 lineEnd,
-    int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
+//   settings      of which the leakage test is used; there are always BOKEH_NUM_SAMPLES samples, in
+//                 shader model 3 254 at most
+float4 BokehDepthOfField(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 uv,
+    float2 lineEnd, BokehFilter settings, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
-    BOKEH_LOOP for (int i = 0; i < numSamples; i++)
+    BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
     {
-        float2 sampleCoords = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
+        float2 offset = BokehMakeOffsets(lineEnd, i, BOKEH_NUM_SAMPLES);
+        float2 sampleCoords = uv + offset * centerPixel.a;
         float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-        float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
-        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-            bleedingMult);
+        float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
         color += samplePixel * weight;
         totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Listing 3, adaptive: the mean along one segment, as many samples as it needs
-//   CoC           from BokehFilterCoC, > 0
-//   centerPixel   this pixel, which the leakage test compares with
-//   segment       from BokehSegment or BokehPolygonEdge
-//   aspectRatio   width / height of the image
-//   imageHeight   pixels
-//   spacing       pixels between samples, 1 is right for most; 0: exactly maxSamples
-//   maxSamples    2 or more; 254 at most in shader model 3
-//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther apart than a pixel.
-float4 BokehLineMean(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float4 segment, float CoC,
-    float4 centerPixel, float centerDepth, float aspectRatio, float imageHeight, float spacing, int maxSamples,
-    float jitter, float bleedingBias, float bleedingMult)
+// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs
+//   The paper's future work; along a line of any length and place.
+//   segment       from BokehSegment
+//   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
+float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 uv,
+    float4 segment, BokehFilter settings, bool blurCoC)
 {
-    float lengthInPixels = 2.0 * length(segment.zw) * CoC * imageHeight;
-    float cells = BokehCells(lengthInPixels, spacing, maxSamples);
-    int count = min(int(ceil(cells)), maxSamples);
-    float phase = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-    float2 scale = float2(CoC / aspectRatio, CoC);
-    float2 middle = uv + segment.xy * scale;
-    float2 cellLength = segment.zw * scale * (2.0 / cells);
-    float4 color = float4(0.0, 0.0, 0.0, 0.0);
-    float totalWeight = 0.0;
-    BOKEH_LOOP for (int i = 0; i < maxSamples; i++)
-    {
-        if (i >= count)
-        {
-            break;
-        }
-        float2 cell = BokehCell(cells, i, phase);
-        float2 sampleCoords = middle + cellLength * cell.x;
-        float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-        float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
-        float leakageWeight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
-            bleedingBias, bleedingMult);
-        float weight = cell.y * leakageWeight;
-        color += samplePixel * weight;
-        totalWeight += weight;
-    }
-    return BokehResolve(color, totalWeight, centerPixel, true);
-}
-
-// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs (the paper's future work)
-//   Parameters as in BokehLineMean and BokehDepthOfField. In focus it costs one fetch of each texture.
-float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float4 segment,
-    float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias,
-    float bleedingMult, bool blurCoC)
-{
-    float4 result = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float CoC = BokehFilterCoC(result.a, imageHeight, spacing);
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
+    float4 result = centerPixel;
+    float CoC = BokehFilterCoC(centerPixel.a, settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
-        float4 mean = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv, segment, CoC,
-            result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        result = BokehResolve(mean, 1.0, result, blurCoC);
+        float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+        float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+        float cells = BokehCells(lengthInPixels, settings.spacing);
+        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        float2 scale = float2(CoC / settings.aspectRatio, CoC);
+        float2 first = uv + (segment.xy - segment.zw) * scale;
+        float2 cellLength = segment.zw * scale * (2.0 / cells);
+        float4 color = float4(0.0, 0.0, 0.0, 0.0);
+        float totalWeight = 0.0;
+        BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
+        {
+            if (BOKEH_ADAPTIVE_SAMPLES > 0 && float(i) >= cells)
+            {
+                break;
+            }
+            float cell = clamp(cells - float(i), 0.0, 1.0);
+            float2 sampleCoords = first + cellLength * (float(i) + cell * phase);
+            float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
+            float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+            float weight = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+        result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
     }
     return result;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [6] Listing 4: combine by min / max
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC included (section 4.5)
+// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC too (section 4.5)
 float4 BokehCombine(float4 a, float4 b, bool useMax)
 {
     float4 result = min(a, b);
@@ -578,73 +793,69 @@ float4 BokehCombine(float4 a, float4 b, bool useMax)
     return result;
 }
 
-// Listing 4: DepthOfFieldFinal, the last line pass of the second parallelogram, combined with the first
-//   ColorSampA    input of this line pass, as ColorSamp of BokehDepthOfField
-//   ColorSampB    the finished first parallelogram
-//   useMax        false: min, polygons; true: max, stars
-float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE(ColorSampA), BOKEH_TEXTURE(DepthSamp), float2 uv, float2 lineEnd,
-    int numSamples, float bleedingBias, float bleedingMult, bool blurCoC, BOKEH_TEXTURE(ColorSampB), bool useMax)
+// Listing 4: DepthOfFieldFinal, the last line of the second parallelogram, combined with the first
+//   CompareSamp   the finished first parallelogram
+//   useMax        false: intersection (hexagon, octagon); true: union (star)
+float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp),
+    BOKEH_TEXELS(CompareSamp), float2 uv, float2 lineEnd, BokehFilter settings, bool blurCoC,
+    bool useMax)
 {
-    float4 a = BokehDepthOfField(BOKEH_ARGUMENT(ColorSampA), BOKEH_ARGUMENT(DepthSamp), uv, lineEnd, numSamples,
-        bleedingBias, bleedingMult, blurCoC);
-    float4 b = BokehFetch(BOKEH_ARGUMENT(ColorSampB), uv);
-    return BokehCombine(a, b, useMax);
+    float4 a = BokehDepthOfField(BOKEH_ARGUMENT(ColorSamp), DepthSamp, uv, lineEnd, settings,
+        blurCoC);
+    return BokehCombine(a, BokehFetch(BOKEH_SHARED(CompareSamp, ColorSamp), uv), useMax);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [7] naive gather
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// Section 3: gather with any table of 2D offsets
-//   KernelSamp    numSamples x 1 texels: rg = offset in units of the CoC, x to the right, y towards the last row;
-//                 32-bit float, nearest filter. A texture, since SM3 pixel shaders cannot index their constants.
-//   aspectRatio   width / height of the image
-float4 BokehNaiveGather(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKEH_TEXTURE(KernelSamp), float2 uv,
-    float aspectRatio, int numSamples, float bleedingBias, float bleedingMult, bool blurCoC)
+// Section 3: gather with a table of offsets, any shape, BOKEH_NUM_SAMPLES texture fetches
+//   KernelSamp    BOKEH_NUM_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right, y
+//                 towards the last row
+float4 BokehNaiveGather(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), BOKEH_TEXELS(KernelSamp),
+    float2 uv, BokehFilter settings, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
-    float2 scale = float2(centerPixel.a / aspectRatio, centerPixel.a);
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+    float2 scale = float2(centerPixel.a / settings.aspectRatio, centerPixel.a);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
-    // Two loops, since a loop of shader model 3 ends after 255 turns.
-    BOKEH_LOOP for (int start = 0; start < numSamples; start += 128)
+    BOKEH_LOOP for (int j = 0; j < BOKEH_NUM_SAMPLES; j += BOKEH_LOOP_LIMIT) // differs: 255 loops
+    BOKEH_LOOP for (int i = j; i < min(j + BOKEH_LOOP_LIMIT, BOKEH_NUM_SAMPLES); i++)
     {
-        BOKEH_LOOP for (int i = start; i < min(start + 128, numSamples); i++)
-        {
-            float2 kernelCoords = float2((float(i) + 0.5) / float(numSamples), 0.5);
-            float2 sampleCoords = uv + BokehFetchTable(BOKEH_ARGUMENT(KernelSamp), kernelCoords).rg * scale;
-            float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-            float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
-            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-                bleedingMult);
-            color += samplePixel * weight;
-            totalWeight += weight;
-        }
+        float2 offset = BokehFetchTable(KernelSamp, i, BOKEH_NUM_SAMPLES).rg;
+        float2 sampleCoords = uv + offset * scale;
+        float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
+        float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
+        color += samplePixel * weight;
+        totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
+// Section 3: gather over a parallelogram grid, offsets computed instead of read (Table 1)
+//   BOKEH_NUM_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
-//   side                samples along a side, 2 or more; 4, 8, 12, 16, 20, 24 for the counts of Table 1
-float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float2 lineEndU, float2 lineEndV,
-    int side, float bleedingBias, float bleedingMult, bool blurCoC)
+float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 uv, float2 lineEndU,
+    float2 lineEndV, BokehFilter settings, bool blurCoC)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
+    float centerDepth = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
-    BOKEH_LOOP for (int j = 0; j < side; j++)
+    BOKEH_LOOP for (int j = 0; j < BOKEH_NUM_SAMPLES; j++)
     {
-        float2 rowCoords = uv + BokehMakeOffsets(lineEndV, j, side) * centerPixel.a;
-        BOKEH_LOOP for (int i = 0; i < side; i++)
+        float2 rowOffset = BokehMakeOffsets(lineEndV, j, BOKEH_NUM_SAMPLES);
+        BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            float2 sampleCoords = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
+            float2 offset = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_NUM_SAMPLES);
+            float2 sampleCoords = uv + offset * centerPixel.a;
             float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), sampleCoords);
-            float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), sampleCoords).r;
-            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-                bleedingMult);
+            float sampleDepth = BokehFetchNearest(DepthSamp, sampleCoords).r;
+            float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
             color += samplePixel * weight;
             totalWeight += weight;
         }
@@ -652,226 +863,253 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [8] exact polygons
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap. Their blurs are
-//   ADDED: no light is lost as by min, and highlights that overlap add up. The first pass blurs along all edges of one
-//   half of the outline but the last, the second pass along all but the first. docs/apertures.md has the proof.
+//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap.
+//   Their blurs are ADDED: no light is lost as by min, and highlights that overlap add up. The
+//   first pass blurs along all edges of one half of the outline but the last, the second pass along
+//   all but the first. docs/apertures.md has the proof.
 //
-//           edge 2                  edges 1, 2, 3 of a hexagon; the other half of the outline is the same, turned.
-//          ,-' '-,  edge 1          first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighed
-//   edge 3 |     |                  second pass  T2 blurred along 2, T3 along 3, weighed: 1/3 + 2/3
-//          '-, ,-'
+//           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
+//          ,-' '-,  edge 1    same, turned.
+//   edge 3 |     |            first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighted
+//          '-, ,-'            second pass  T2 blurred along 2, T3 along 3, weighted 1/3 + 2/3
 //
 //   sides       targets of the first pass   textures of the second
-//   4           1                           ColorSamp
-//   6           2                           ColorSamp, ColorSampB
-//   8           3                           ColorSamp .. ColorSampC
-//   10          4                           ColorSamp .. ColorSampD
+//   4           T2                          T2Samp
+//   6           T2, T3                      T2Samp, T3Samp
+//   8           T2, T3, T4                  T2Samp .. T4Samp
+//   10          T2, T3, T4, T5              T2Samp .. T5Samp
 //
-//   Give `sides` as a literal: what it does not need is then compiled away. Without several targets, BokehExactEdge
-//   makes them one by one, each from the two before it.
-//   Corners lie on the circle of confusion. Rotation 0 has an edge upright at the right, as `paper` has it.
+//   Where a pass can write one target only, BokehExactEdge makes them one at a time.
+//   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
+//   has it.
 
-// Exact: a vector turned by an angle, from +x towards +y
-float2 BokehTurned(float2 direction, float angle)
+// Exact: the aperture
+//   sides         4, 6, 8 or 10, a literal: what it does not need is then compiled away
+//   rotation      radians
+//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+struct BokehPolygon
 {
-    float c = cos(angle);
-    float s = sin(angle);
-    return float2(direction.x * c - direction.y * s, direction.x * s + direction.y * c);
+    int sides;
+    float rotation;
+    float squeeze;
+};
+
+// Exact: what the first pass writes; those that a polygon does not have hold the pixel as it came
+struct BokehTargets
+{
+    float4 T2;
+    float4 T3;
+    float4 T4;
+    float4 T5;
+};
+
+// Exact: a BokehPolygon in one expression
+BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
+{
+    BokehPolygon polygon;
+    polygon.sides = sides;
+    polygon.rotation = rotation;
+    polygon.squeeze = squeeze;
+    return polygon;
+}
+
+// Exact: a vector rotated, from +x towards +y
+//   axis          (cos, sin) of the angle
+float2 BokehRotated(float2 direction, float2 axis)
+{
+    return float2(direction.x * axis.x - direction.y * axis.y,
+        direction.x * axis.y + direction.y * axis.x);
 }
 
 // Exact: the line of edge k in one of the two passes
-//   Where both passes put it on the outline, every sample of the first pass is on one side of the pixel. So the first
-//   pass is moved by the mean of its lines to the middle, and the second pass back.
+//   If both passes had it on the outline, every sample of the first pass would be on one side of
+//   the pixel. So the first pass is moved by the mean of its lines to the middle, and the second
+//   pass back. All but the last statements are constants where sides is a literal.
 //   k             1 .. sides / 2
-//   sides         4, 6, 8 or 10
-//   axis          (cos, sin) of the rotation
-//   squeeze       width of the bokeh / its height, 1 = round
 //   secondPass    false: first pass
 //   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
-float4 BokehPolygonEdge(float k, float sides, float2 axis, float squeeze, bool secondPass)
+float4 BokehPolygonEdge(int k, BokehPolygon polygon, bool secondPass)
 {
-    float halfStep = 3.14159265 / sides;
-    float2 outwards = BokehTurned(axis, 2.0 * halfStep * k);
-    float2 meanOfFirst = float2(-axis.y, axis.x) * (0.5 * cos(halfStep) * cos(halfStep) / (sin(halfStep) *
-        (0.5 * sides - 1.0)));
-    float2 middle = outwards * (0.5 * cos(halfStep)) - meanOfFirst;
+    float halfStep = 3.14159265 / float(polygon.sides);
+    float angle = 2.0 * halfStep * float(k);
+    float2 outwards = float2(cos(angle), sin(angle));
+    float meanOfFirst = 0.5 * cos(halfStep) * cos(halfStep) /
+        (sin(halfStep) * (0.5 * float(polygon.sides) - 1.0));
+    float2 middle = outwards * (0.5 * cos(halfStep)) - float2(0.0, meanOfFirst);
     if (secondPass)
     {
-        middle = -middle - BokehTurned(axis, halfStep) * 0.5;
+        middle = -middle - float2(0.5 * cos(halfStep), 0.5 * sin(halfStep));
     }
     float2 halfEdge = float2(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
-    return float4(middle, halfEdge) * float4(squeeze, 1.0, squeeze, 1.0);
+    float2 axis = float2(cos(polygon.rotation), sin(polygon.rotation));
+    float4 segment = float4(BokehRotated(middle, axis), BokehRotated(halfEdge, axis));
+    return segment * float4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of all parallelograms between edge k and the edges before it, in units of a rhombus with a right angle
-float BokehExactWeight(float k, float sides)
+// Exact: area of the parallelograms of edge k with all edges before it, where a right angle has 1
+float BokehExactWeight(int k, int sides)
 {
-    float halfStep = 3.14159265 / sides;
-    return sin(k * halfStep) * sin((k - 1.0) * halfStep) / sin(halfStep);
+    float halfStep = 3.14159265 / float(sides);
+    return sin(float(k) * halfStep) * sin((float(k) - 1.0) * halfStep) / sin(halfStep);
 }
 
-// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighed by their parallelograms
-//   B1 .. B4      blurs along edges 1 to 4; those from k on count nothing
-//   CoC           of this pixel, which goes to the alpha: the second pass blurs by the unblurred CoC
-float4 BokehExactTarget(float k, float sides, float4 B1, float4 B2, float4 B3, float4 B4, float CoC)
+// Exact: the samples along one line, as many as it needs
+//   They are not divided by their weights here: a line that lies wholly on a sharp object, every
+//   sample rejected but for a little, must not come back at full strength (docs/apertures.md).
+//   MapSamp       a = signed CoC; linear filter, clamp
+//   segment       from BokehPolygonEdge
+//   CoC           from BokehFilterCoC, > 0
+//   centerCoC     signed, of this pixel
+//   returns       rgb = mean of colour times weight, a = mean weight
+float4 BokehLineSum(BOKEH_TEXTURE(MapSamp), float2 uv, float4 segment, float CoC, float centerCoC,
+    BokehFilter settings)
 {
-    float turn = 6.28318531 / sides;
-    float w1 = sin((k - 1.0) * turn);
-    float w2 = max(sin((k - 2.0) * turn), 0.0);
-    float w3 = max(sin((k - 3.0) * turn), 0.0);
-    float w4 = max(sin((k - 4.0) * turn), 0.0);
-    float4 mean = (B1 * w1 + B2 * w2 + B3 * w3 + B4 * w4) / (w1 + w2 + w3 + w4);
-    return float4(mean.rgb, CoC);
+    float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+    float cells = BokehCells(lengthInPixels, settings.spacing);
+    float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+    float2 scale = float2(CoC / settings.aspectRatio, CoC);
+    float2 first = uv + (segment.xy - segment.zw) * scale;
+    float2 cellLength = segment.zw * scale * (2.0 / cells);
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
+    {
+        if (BOKEH_ADAPTIVE_SAMPLES > 0 && float(i) >= cells)
+        {
+            break;
+        }
+        float cell = clamp(cells - float(i), 0.0, 1.0);
+        float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(MapSamp),
+            first + cellLength * (float(i) + cell * phase));
+        float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+        sum += float4(samplePixel.rgb, 1.0) * weight;
+    }
+    return sum / cells;
+}
+
+// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
+//   their parallelograms and divided by their weights together
+//   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
+//   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
+float4 BokehExactTarget(int k, int sides, float4 L1, float4 L2, float4 L3, float4 L4,
+    float4 centerPixel)
+{
+    float angle = 6.28318531 / float(sides);
+    float w1 = sin((float(k) - 1.0) * angle);
+    float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
+    float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
+    float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    float4 sum = L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4;
+    return BokehResolve(sum, sum.a, centerPixel, false);
 }
 
 // Exact: first pass
-//   ColorSamp     from BokehCoCMap; linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
-//   sides         4, 6, 8 or 10, a literal
-//   rotation      radians
-//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
-//   aspectRatio, imageHeight, spacing, maxSamples, jitter  as in BokehLineMean
-//   returns       T[0] .. T[3]: what targets 0 to 3 get, as many as the table above says
-float4x4 BokehExactFirst(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), float2 uv, float sides, float rotation,
-    float squeeze, float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter,
-    float bleedingBias, float bleedingMult)
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   returns       T2 .. T5: as many as the table above says
+BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon polygon,
+    BokehFilter settings)
 {
-    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
-    float4x4 result = float4x4(centerPixel, centerPixel, centerPixel, centerPixel);
-    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(MapSamp), uv);
+    BokehTargets targets;
+    targets.T2 = centerPixel;
+    targets.T3 = centerPixel;
+    targets.T4 = centerPixel;
+    targets.T5 = centerPixel;
+    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
-        float2 axis = float2(cos(rotation), sin(rotation));
-        float4 B1 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-            BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        float4 T2 = float4(B1.rgb, centerPixel.a);
-        float4 B2 = centerPixel;
-        float4 B3 = centerPixel;
-        float4 T3 = centerPixel;
-        float4 T4 = centerPixel;
-        float4 T5 = centerPixel;
-        if (sides > 5.0)
+        float4 none = float4(0.0, 0.0, 0.0, 0.0);
+        float4 L1 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(1, polygon, false),
+            CoC, centerPixel.a, settings);
+        float4 L2 = none;
+        float4 L3 = none;
+        targets.T2 = BokehExactTarget(2, polygon.sides, L1, none, none, none, centerPixel);
+        if (polygon.sides > 4)
         {
-            B2 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B3, centerPixel.a);
+            L2 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(2, polygon, false), CoC,
+                centerPixel.a, settings);
+            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, none, none, centerPixel);
         }
-        if (sides > 7.0)
+        if (polygon.sides > 6)
         {
-            B3 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B3, centerPixel.a);
+            L3 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(3, polygon, false), CoC,
+                centerPixel.a, settings);
+            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, none, centerPixel);
         }
-        if (sides > 9.0)
+        if (polygon.sides > 8)
         {
-            float4 B4 = BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
+            float4 L4 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(4, polygon,
+                false), CoC, centerPixel.a, settings);
+            targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
         }
-        result = float4x4(T2, T3, T4, T5);
     }
-    return result;
+    return targets;
 }
 
 // Exact: second pass, the finished polygon
-//   ColorSamp .. ColorSampD  targets 0 to 3 of the first pass; linear filter, clamp. Where there are fewer, give any
-//                            texture for the rest: it is not read.
-//   The other parameters as in BokehExactFirst.
-//   returns       rgb = colour, a = CoC of this pixel, as BokehCoCMap made it
-float4 BokehExactSecond(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(ColorSampB), BOKEH_TEXTURE(ColorSampC),
-    BOKEH_TEXTURE(ColorSampD), BOKEH_TEXTURE(DepthSamp), float2 uv, float sides, float rotation, float squeeze,
-    float aspectRatio, float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias,
-    float bleedingMult)
+//   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
+//                     any of them for the rest: it is not read.
+//   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
+float4 BokehExactSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
+    BOKEH_TEXELS(T5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings)
 {
-    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(T2Samp), uv);
     float4 result = centerPixel;
-    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
-        float2 axis = float2(cos(rotation), sin(rotation));
-        float weight = BokehExactWeight(2.0, sides);
-        float totalWeight = weight;
-        float4 sum = weight * BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-            BokehPolygonEdge(2.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        if (sides > 5.0)
+        float4 sum = BokehExactWeight(2, polygon.sides) * BokehLineSum(BOKEH_ARGUMENT(T2Samp), uv,
+            BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
+        if (polygon.sides > 4)
         {
-            weight = BokehExactWeight(3.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(BOKEH_ARGUMENT(ColorSampB), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(3.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(3, polygon.sides) * BokehLineSum(BOKEH_SHARED(T3Samp, T2Samp),
+                uv, BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
         }
-        if (sides > 7.0)
+        if (polygon.sides > 6)
         {
-            weight = BokehExactWeight(4.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(BOKEH_ARGUMENT(ColorSampC), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(4.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(4, polygon.sides) * BokehLineSum(BOKEH_SHARED(T4Samp, T2Samp),
+                uv, BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
         }
-        if (sides > 9.0)
+        if (polygon.sides > 8)
         {
-            weight = BokehExactWeight(5.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(BOKEH_ARGUMENT(ColorSampD), BOKEH_ARGUMENT(DepthSamp), uv,
-                BokehPolygonEdge(5.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(5, polygon.sides) * BokehLineSum(BOKEH_SHARED(T5Samp, T2Samp),
+                uv, BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
         }
-        result = float4(sum.rgb / totalWeight, centerPixel.a);
+        result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
-// Exact: one target of the first pass, where a pass can write but one
-//   Call it for k = 1 .. sides / 2 - 1: it makes the target of edge k + 1 by blurring along edge k. The blurs before
-//   that one are not blurred again, since sin((m + 1) a) = 2 cos(a) sin(m a) - sin((m - 1) a).
-//   PreviousSamp  what k - 1 made; not read for k = 1
-//   EarlierSamp   what k - 2 made; not read for k = 1 and 2
-//   The other parameters as in BokehExactFirst.
-float4 BokehExactEdge(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp), BOKEH_TEXTURE(PreviousSamp),
-    BOKEH_TEXTURE(EarlierSamp), float2 uv, float k, float sides, float rotation, float squeeze, float aspectRatio,
-    float imageHeight, float spacing, int maxSamples, float jitter, float bleedingBias, float bleedingMult)
+// Exact: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
+//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+float4 BokehExactEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon polygon,
+    BokehFilter settings)
 {
-    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv);
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(MapSamp), uv);
     float4 result = centerPixel;
-    float CoC = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float centerDepth = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv).r);
-        float2 axis = float2(cos(rotation), sin(rotation));
-        float turn = 6.28318531 / sides;
-        float4 sum = sin(turn) * BokehLineMean(BOKEH_ARGUMENT(ColorSamp), BOKEH_ARGUMENT(DepthSamp), uv,
-            BokehPolygonEdge(k, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio, imageHeight,
-            spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        if (k > 1.5)
+        float angle = 6.28318531 / float(polygon.sides);
+        float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+        BOKEH_LOOP for (int i = 1; i < min(k, 5); i++)
         {
-            sum += 2.0 * cos(turn) * BokehExactWeight(k, sides) * BokehFetch(BOKEH_ARGUMENT(PreviousSamp), uv);
+            float area = max(sin(float(k - i) * angle), 0.0);
+            sum += area * BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv,
+                BokehPolygonEdge(i, polygon, false), CoC, centerPixel.a, settings);
         }
-        if (k > 2.5)
-        {
-            sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(BOKEH_ARGUMENT(EarlierSamp), uv);
-        }
-        float4 most = float4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
-        sum = clamp(sum / BokehExactWeight(k + 1.0, sides), float4(0.0, 0.0, 0.0, 0.0), most);
-        result = float4(sum.rgb, centerPixel.a);
+        result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [9] debug views
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
 float4 BokehDebugDepth(float S2, float S1)
@@ -880,17 +1118,18 @@ float4 BokehDebugDepth(float S2, float S1)
     return float4(grey, grey, grey, 1.0);
 }
 
-// Debug: CoC as grey: black in focus, white at MaxCoC
+// Debug: CoC as grey, with or without a sign: black in focus, white at MaxCoC
 float4 BokehDebugCoC(float CoC, float MaxCoC)
 {
-    float grey = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    float grey = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
     return float4(grey, grey, grey, 1.0);
 }
 
-// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with the CoC
+// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with
+//   the CoC
 float4 BokehDebugFocus(float S2, float S1, float CoC, float MaxCoC)
 {
-    float amount = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    float amount = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
     float4 result = float4(0.1 * amount, 0.4 * amount, amount, 1.0);
     if (S2 < S1)
     {

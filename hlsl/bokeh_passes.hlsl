@@ -1,41 +1,43 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes on bokeh.hlsl, HLSL. Version 0.1.0.
+// Ready-made passes on bokeh.hlsl, HLSL. Version 0.2.0.
 // Put this file after bokeh.hlsl, or define BOKEH_INCLUDE to have it included.
 //
-//   pass                       reads                                    writes
-//   BokehLinearDepth_PS        DepthSamp (any convention)               depth in metres, to an R32F target
-//   BokehCoCMap_PS             ColorSamp, DepthSamp                     colour, CoC in alpha
-//   BokehConstantCoC_PS        ColorSamp                                colour, the same CoC everywhere
-//   BokehDepthOfField_PS       ColorSamp, DepthSamp                     one line of the filter
-//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB         the same, min or max with ColorSampB
-//   BokehAdaptive_PS           ColorSamp, DepthSamp                     a line of any length and place, adaptive
-//   BokehAdaptiveFinal_PS      ColorSamp, DepthSamp, ColorSampB         the same, min or max with ColorSampB
-//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp         a table of BOKEH_NUM_SAMPLES offsets
-//   BokehNaiveGrid_PS          ColorSamp, DepthSamp                     BOKEH_NUM_SAMPLES x BOKEH_NUM_SAMPLES grid
-//   BokehSquareFirst_PS        ColorSamp, DepthSamp                     exact, first pass: 1 target
-//   BokehSquareSecond_PS       ColorSamp, DepthSamp                     exact, second pass: the finished square
-//   BokehHexagonFirst_PS       ColorSamp, DepthSamp                     2 targets
-//   BokehHexagonSecond_PS      ColorSamp, DepthSamp, ColorSampB         ColorSamp and so on: the targets in their order
-//   BokehOctagonFirst_PS       ColorSamp, DepthSamp                     3 targets
-//   BokehOctagonSecond_PS      ColorSamp, DepthSamp, ColorSampB .. C
-//   BokehDecagonFirst_PS       ColorSamp, DepthSamp                     4 targets
-//   BokehDecagonSecond_PS      ColorSamp, DepthSamp, ColorSampB .. D
-//   BokehExactEdge_PS          ColorSamp, DepthSamp, ColorSampB .. C    one target of the first pass, without MRT;
-//                                                                       B, C: the target before, the one before that
-//   BokehDebug_PS              ColorSamp (with CoC), DepthSamp          debug view
-//   BokehFullScreen_VS         -                                        one triangle over the target (SM3: a quad)
+//   pass                       reads                             writes
+//   BokehLinearDepth_PS        DepthSamp (any convention)        depth in metres, to R32F
+//   BokehCoCMap_PS             ColorSamp, DepthSamp              colour, CoC: paper, naive
+//   BokehSignedCoCMap_PS       ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BokehConstantCoC_PS        ColorSamp                         colour, the same CoC everywhere
+//   BokehDepthOfField_PS       ColorSamp, DepthSamp              one line of the filter
+//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehAdaptive_PS           ColorSamp, DepthSamp              a line of any length and place
+//   BokehAdaptiveFinal_PS      ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp  a table of offsets
+//   BokehNaiveGrid_PS          ColorSamp, DepthSamp              a grid of samples
+//   BokehSquareFirst_PS        ColorSamp                         exact, first pass: 1 target
+//   BokehSquareSecond_PS       ColorSamp                         exact, second pass: finished
+//   BokehHexagonFirst_PS       ColorSamp                         2 targets
+//   BokehHexagonSecond_PS      ColorSamp, ColorSampB             the targets in their order
+//   BokehOctagonFirst_PS       ColorSamp                         3 targets
+//   BokehOctagonSecond_PS      ColorSamp, ColorSampB .. C
+//   BokehDecagonFirst_PS       ColorSamp                         4 targets
+//   BokehDecagonSecond_PS      ColorSamp, ColorSampB .. D
+//   BokehExactEdge_PS          ColorSamp                         target T(BokehEdge)
+//   BokehDebug_PS              ColorSamp (with CoC), DepthSamp   debug view
+//   BokehFullScreen_VS         -                                 one triangle (SM3: a quad)
 //
-//   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the buffer in SM4 and up.
-//   docs/inputs.md has the table with units.
+//   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
+//   buffer in SM4 and up; the buffer has 144 bytes (docs/inputs.md has the table with units, and
+//   the buffer as a struct for C++, C#, Rust and JavaScript).
+//   Unused slots: a pass reads only what its row names; bind nothing for the rest, or anything.
 
 #ifdef BOKEH_INCLUDE
 #include "bokeh.hlsl"
 #endif
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // bindings
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 #if BOKEH_HLSL_SM == 3
 
@@ -46,9 +48,8 @@ sampler2D BokehColorSampC : register(s3);
 sampler2D BokehColorSampD : register(s4);
 sampler2D BokehKernelSamp : register(s5);
 
-// the first pass copies colour texel by texel: set a nearest filter on s0 for it
-#define BOKEH_NEAREST(name) name
-
+// BokehCoCMap_PS, BokehSignedCoCMap_PS and BokehConstantCoC_PS read colour texel by texel: set a
+// nearest filter on s0 for them, and always on s1 and s5
 #define BOKEH_PARAMETER(type, name, index) type name : register(c##index);
 
 #else
@@ -60,18 +61,10 @@ Texture2D BokehColorSampC : register(t3);
 Texture2D BokehColorSampD : register(t4);
 Texture2D BokehKernelSamp : register(t5);
 SamplerState BokehLinearClamp : register(s0);
-SamplerState BokehNearestClamp : register(s1);
 
 // each texture with its sampler, under the names that BOKEH_ARGUMENT forms
 #define BokehColorSampSampler BokehLinearClamp
-#define BokehDepthSampSampler BokehNearestClamp
 #define BokehColorSampBSampler BokehLinearClamp
-#define BokehColorSampCSampler BokehLinearClamp
-#define BokehColorSampDSampler BokehLinearClamp
-#define BokehKernelSampSampler BokehNearestClamp
-
-// the first pass copies colour texel by texel
-#define BOKEH_NEAREST(name) name, BokehNearestClamp
 
 #define BOKEH_PARAMETER(type, name, index) type name;
 
@@ -111,6 +104,7 @@ BOKEH_PARAMETER(float, BokehViewportX, 28)
 BOKEH_PARAMETER(float, BokehViewportY, 29)
 BOKEH_PARAMETER(float, BokehTextureWidth, 30)
 BOKEH_PARAMETER(float, BokehTextureHeight, 31)
+BOKEH_PARAMETER(float, BokehPassIndex, 32)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -128,18 +122,19 @@ BOKEH_PARAMETER(float, BokehTextureHeight, 31)
 
 #endif
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // vertex shader
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 #if BOKEH_HLSL_SM == 3
 
 // xy = 1 / width and 1 / height of the viewport; register c20 of the vertex shader's constants
 float4 BokehTexelSize : register(c20);
 
-// Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that uv hits texels.
-void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, out float4 position : POSITION,
-    out float2 uv : TEXCOORD0)
+// Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that
+// uv hits texels.
+void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, out float4 position :
+    POSITION, out float2 uv : TEXCOORD0)
 {
     position = float4(corner.xy + BokehTexelSize.xy * float2(-1.0, 1.0), 0.0, 1.0);
     uv = cornerUV;
@@ -147,8 +142,10 @@ void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, o
 
 #else
 
-// Three vertices without a buffer. Clip space has +y up and v = 0 is the first row: v runs against y.
-void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position, out float2 uv : TEXCOORD0)
+// Three vertices without a buffer. Clip space has +y up and v = 0 is the first row: v runs against
+// y.
+void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position, out float2 uv :
+    TEXCOORD0)
 {
     uv = float2(id == 1 ? 2.0 : 0.0, id == 2 ? 2.0 : 0.0);
     position = float4(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0);
@@ -156,202 +153,196 @@ void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position
 
 #endif
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // pixel shaders
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// what every pass begins with
+// what a pass without a filter begins with
 void BokehUseViewport()
 {
     float4 viewport = float4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
     BokehSetViewport(viewport, float2(BokehTextureWidth, BokehTextureHeight));
 }
 
+// what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
+BokehFilter BokehBegin(float2 uv, float passIndex)
+{
+    BokehUseViewport();
+    float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
+    float noise = BokehNoise(uv, imageSize, BokehFrame, passIndex);
+    BokehFilter settings;
+    settings.aspectRatio = BokehAspectRatio;
+    settings.imageHeight = BokehImageHeight;
+    settings.spacing = BokehSpacing;
+    settings.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    settings.bleedingBias = BokehBleedingBias;
+    settings.bleedingMult = BokehBleedingMult;
+    return settings;
+}
+
+// one line of the filter, adaptive
+float4 BokehAdaptiveLine(float2 uv)
+{
+    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
+    float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    return BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, segment,
+        settings, BokehBlurCoC > 0.5);
+}
+
+// exact, first pass
+BokehTargets BokehFirst(float2 uv, int sides)
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    return BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), uv, polygon, settings);
+}
+
+// exact, second pass
+float4 BokehSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
+    BOKEH_TEXELS(T5Samp), float2 uv, int sides)
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    return BokehExactSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon, settings);
+}
+
 float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    float depth = BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r;
-    float S2 = BokehLinearDepth(depth, BokehDepthKind, BokehNear, BokehFar);
+    float depth = BokehFetchNearest(BokehDepthSamp, uv).r;
+    float S2 = BokehLinearDepth(depth, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
     return float4(S2, S2, S2, 1.0);
 }
 
 float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    return BokehCoCMap(BOKEH_NEAREST(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, BokehApertureDiameter,
+    return BokehCoCMap(BokehColorSamp, BokehDepthSamp, uv, BokehApertureDiameter,
+        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+}
+
+float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehUseViewport();
+    return BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, uv, BokehApertureDiameter,
         BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
 }
 
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    return BokehPackCoC(BokehFetch(BOKEH_NEAREST(BokehColorSamp), uv), clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
+    float4 color = BokehFetchNearest(BokehColorSamp, uv);
+    return BokehPackCoC(color, clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 }
 
 float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    return BokehDepthOfField(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEnd,
-        BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+    return BokehDepthOfField(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, lineEnd, settings,
+        BokehBlurCoC > 0.5);
 }
 
 float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    return BokehDepthOfFieldFinal(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEnd,
-        BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5, BOKEH_ARGUMENT(BokehColorSampB),
-        BokehUseMax > 0.5);
+    return BokehDepthOfFieldFinal(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, BokehColorSampB,
+        uv, lineEnd, settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5);
 }
 
 float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
-    float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, segment,
-        BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult, BokehBlurCoC > 0.5);
+    return BokehAdaptiveLine(uv);
 }
 
 float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
-    float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float4 a = BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, segment,
-        BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult, BokehBlurCoC > 0.5);
+    float4 a = BokehAdaptiveLine(uv);
     return BokehCombine(a, BokehFetch(BOKEH_ARGUMENT(BokehColorSampB), uv), BokehUseMax > 0.5);
 }
 
 float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    return BokehNaiveGather(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp),
-        BOKEH_ARGUMENT(BokehKernelSamp), uv, BokehAspectRatio / BokehSqueeze, BOKEH_NUM_SAMPLES, BokehBleedingBias,
-        BokehBleedingMult, BokehBlurCoC > 0.5);
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
+    return BokehNaiveGather(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, BokehKernelSamp, uv,
+        settings, BokehBlurCoC > 0.5);
 }
 
 float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
+    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     float2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
-    return BokehNaiveGrid(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, lineEndU, lineEndV,
-        BOKEH_NUM_SAMPLES, BokehBleedingBias, BokehBleedingMult, BokehBlurCoC > 0.5);
+    return BokehNaiveGrid(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, lineEndU, lineEndV,
+        settings, BokehBlurCoC > 0.5);
 }
 
 void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 4.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult);
-    target0 = T[0];
+    target0 = BokehFirst(uv, 4).T2;
 }
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSamp),
-        BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 4.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
-        BokehBleedingBias, BokehBleedingMult);
+    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSamp, BokehColorSamp,
+        BokehColorSamp, uv, 4);
 }
 
-void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1))
+void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 6.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult);
-    target0 = T[0];
-    target1 = T[1];
+    BokehTargets targets = BokehFirst(uv, 6);
+    target0 = targets.T2;
+    target1 = targets.T3;
 }
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
-        BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehDepthSamp), uv, 6.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
-        BokehBleedingBias, BokehBleedingMult);
+    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampB,
+        BokehColorSampB, uv, 6);
 }
 
-void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
-    out float4 target2 : BOKEH_TARGET(2))
+void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 8.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult);
-    target0 = T[0];
-    target1 = T[1];
-    target2 = T[2];
+    BokehTargets targets = BokehFirst(uv, 8);
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
 }
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
-        BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehDepthSamp), uv, 8.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
-        BokehBleedingBias, BokehBleedingMult);
+    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+        BokehColorSampC, uv, 8);
 }
 
-void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1),
-    out float4 target2 : BOKEH_TARGET(2), out float4 target3 : BOKEH_TARGET(3))
+void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
+    out float4 target3 : BOKEH_TARGET(3))
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    float4x4 T = BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp), uv, 10.0, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult);
-    target0 = T[0];
-    target1 = T[1];
-    target2 = T[2];
-    target3 = T[3];
+    BokehTargets targets = BokehFirst(uv, 10);
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
+    target3 = targets.T5;
 }
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehExactSecond(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehColorSampB),
-        BOKEH_ARGUMENT(BokehColorSampC), BOKEH_ARGUMENT(BokehColorSampD), BOKEH_ARGUMENT(BokehDepthSamp), uv, 10.0,
-        BokehAngle, BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter,
-        BokehBleedingBias, BokehBleedingMult);
+    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, uv, 10);
 }
 
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehUseViewport();
-    float spacing = BokehSpacing * BOKEH_ADAPTIVE_SAMPLES;
-    float jitter = BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame);
-    return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), BOKEH_ARGUMENT(BokehDepthSamp),
-        BOKEH_ARGUMENT(BokehColorSampB), BOKEH_ARGUMENT(BokehColorSampC), uv, BokehEdge, BokehSides, BokehAngle,
-        BokehSqueeze, BokehAspectRatio, BokehImageHeight, spacing, BOKEH_NUM_SAMPLES, jitter, BokehBleedingBias,
-        BokehBleedingMult);
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehPolygon polygon = BokehMakePolygon(int(BokehSides + 0.5), BokehAngle, BokehSqueeze);
+    return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, int(BokehEdge + 0.5), polygon,
+        settings);
 }
 
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
@@ -359,7 +350,7 @@ float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
     float4 result = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
-    float S2 = BokehSafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r);
+    float S2 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, uv).r);
     if (BokehDebugMode > 2.5)
     {
         result = BokehDebugFocus(S2, BokehFocusDistance, result.a, BokehMaxCoC);

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh depth of field, WGSL. Version 0.1.0.
-// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a Post-Process
-// Depth of Field Shader", Listings 1-4. Sections and figures named below are of that paper.
+// Polygonal bokeh depth of field, WGSL. Version 0.2.0.
+// After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures
+// in a Post-Process Depth of Field Shader", Listings 1-4. Sections and figures are of that paper.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.wgsl beside it has those, ready made.
-//   In    colour: linear, HDR, before bloom and tone mapping.   depth: along the view axis, metres.
-//   Out   colour blurred by a polygonal aperture, alpha = CoC after the passes.
-//   CoC   circle of confusion: a DIAMETER as a fraction of the image height.
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.wgsl beside it has
+//   ready-made programs.
+//   In    colour: linear, HDR, before bloom and tone mapping.
+//         depth: along the view axis, metres.
+//   Out   colour blurred by a polygonal aperture; alpha = CoC.
+//   CoC   circle of confusion: a DIAMETER as a fraction of the image height. BokehSignedCoCMap
+//         gives it a sign: below 0 the pixel is nearer than the focus.
 //   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
-//   Targets between the passes: RGBA16F, linear filter, clamp. Depth: nearest filter, clamp; it need not be filterable.
+//   Targets between the passes: RGBA16F, read with a linear filter and clamp; blending off, since
+//   alpha is data. Depth: R32F, or whatever holds it; no filter is needed.
 //
-//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine -> bloom, tone mapping
+//   exact, for polygons with 4, 6, 8 or 10 sides: no min, no light lost, section [8]
+//   colour + depth -> SignedCoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom
+//
+//   paper, Listings 1-4:
+//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine
 //
 //   aperture   lines (degrees)                                passes   combine
 //   square     0, then 90                                     2
@@ -21,46 +29,105 @@
 //   octagon    0, then 90;  45, then 135                      4        min
 //   star       as octagon                                     4        max
 //
-//   Better, for polygons with 4, 6, 8 or 10 sides: exact, two passes, no min, no light lost, section [8]
-//   colour + depth -> CoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom, tone mapping
+// PASTE: the whole effect as an exact hexagon, four passes. Each module is this file and one of
+//   these blocks; the pipeline's layout may be 'auto'. Blending off in all of them.
 //
-// PASTE: put this file before your shader; each texture is followed by its sampler. For one line pass write
-//           @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
-//               return BokehDepthOfField(ColorTex, LinearClamp, DepthTex, NearestClamp, uv,
-//                   BokehLineEnd(angle, aspectRatio), BOKEH_NUM_SAMPLES, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT,
-//                   true); }
+//   1. Linear depth. Depth: the depth buffer. Target: r32float.
+//          struct Camera { zNear: f32, zFar: f32 }
+//          @group(0) @binding(0) var<uniform> camera: Camera;
+//          @group(0) @binding(1) var Depth: texture_2d<f32>;
+//          @fragment fn linearDepth(@location(0) uv: vec2f) -> @location(0) f32
+//          {
+//              return BokehLinearDepth(BokehFetchNearest(Depth, uv).r, 1, camera.zNear,
+//                  camera.zFar);
+//          }
+//
+//   2. CoC map. Color: HDR colour. Depth: from 1. Target: rgba16float.
+//          struct Lens { apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
+//          @group(0) @binding(0) var<uniform> lens: Lens;
+//          @group(0) @binding(1) var Color: texture_2d<f32>;
+//          @group(0) @binding(2) var Depth: texture_2d<f32>;
+//          @fragment fn map(@location(0) uv: vec2f) -> @location(0) vec4f
+//          {
+//              return BokehSignedCoCMap(Color, Depth, uv, lens.apertureDiameter,
+//                  lens.focalLength, lens.focusDistance, BOKEH_SENSOR_HEIGHT, BOKEH_MAX_COC);
+//          }
+//
+//   3. First pass. Map: from 2. Linear: linear filter, clamp. Targets: two rgba16float.
+//          struct Aperture { imageSize: vec2f, rotation: f32 }
+//          struct Targets { @location(0) T2: vec4f, @location(1) T3: vec4f }
+//          @group(0) @binding(0) var<uniform> aperture: Aperture;
+//          @group(0) @binding(1) var Map: texture_2d<f32>;
+//          @group(0) @binding(2) var Linear: sampler;
+//          @fragment fn first(@location(0) uv: vec2f) -> Targets
+//          {
+//              let targets = BokehExactFirst(Map, Linear, uv,
+//                  BokehMakePolygon(6, aperture.rotation, 1.0),
+//                  BokehDefaultFilter(aperture.imageSize));
+//              return Targets(targets.T2, targets.T3);
+//          }
+//
+//   4. Second pass. T2, T3: from 3. Linear: linear filter, clamp. Target: rgba16float.
+//          struct Aperture { imageSize: vec2f, rotation: f32 }
+//          @group(0) @binding(0) var<uniform> aperture: Aperture;
+//          @group(0) @binding(1) var T2: texture_2d<f32>;
+//          @group(0) @binding(2) var T3: texture_2d<f32>;
+//          @group(0) @binding(3) var Linear: sampler;
+//          @fragment fn second(@location(0) uv: vec2f) -> @location(0) vec4f
+//          {
+//              return BokehExactSecond(T2, Linear, T3, T3, T3, uv,
+//                  BokehMakePolygon(6, aperture.rotation, 1.0),
+//                  BokehDefaultFilter(aperture.imageSize));
+//          }
 //
 // CONTENTS
 //   [1] configuration
-//   [2] porting: BokehSetViewport, BokehFetch
-//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap
-//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehCells, BokehNoise, BokehSegment
-//   [5] line filter: BokehDepthOfField; adaptive: BokehLineMean, BokehDepthOfFieldAdaptive
+//   [2] porting: BokehSetViewport, BokehFetch, BokehFetchNearest, BokehFetchTable
+//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap, BokehSignedCoCMap
+//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehFilter,
+//       BokehDefaultFilter, BokehCells, BokehNoise, BokehSegment
+//   [5] line filter: BokehDepthOfField; adaptive: BokehDepthOfFieldAdaptive
 //   [6] combine: BokehCombine, BokehDepthOfFieldFinal
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
-//   [8] exact polygons: BokehExactFirst, BokehExactSecond; one target: BokehExactEdge
+//   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
+//       time: BokehExactEdge
 //   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [1] configuration
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   name                  default    range     meaning
-//   BOKEH_NUM_SAMPLES     13         2 ..      samples on a line (section 4.3); an override constant
-//   BOKEH_ADAPTIVE_SAMPLES  1.0     0.0, 1.0  0.0: the ready-made passes always take BOKEH_NUM_SAMPLES, faster; they do
-//                                             not read BokehSpacing and BokehJitter then
-//   BOKEH_VIEWPORT        0.0        0.0, 1.0  1.0: the image is a part of its textures, see BokehSetViewport
-//   BOKEH_SENSOR_HEIGHT   0.024      > 0       metres, 35 mm film (section 4.1)
-//   BOKEH_MAX_COC         0.1        0 .. 1    clamp of the CoC; the samples on a line show singly when it is too large
-//   BOKEH_BLEEDING_BIAS   0.02       0 .. 1    Listing 3; 1 turns the leakage test off
-//   BOKEH_BLEEDING_MULT   30.0       > 0       Listing 3
-//   BOKEH_MAX_COLOR       65504.0              largest half float
-//   BOKEH_MIN_DEPTH       0.000001             metres, stands for zero and negative depth
-//   BOKEH_MAX_DEPTH       1000000000.0         metres, stands for infinite depth: the CoC is A f / (S1 - f) there
+//   name                    default    range   meaning
+//   BOKEH_NUM_SAMPLES       13         2 ..    samples on a line (section 4.3), or the most of them
+//                                              where their number is adaptive; see below
+//   BOKEH_SPACING           1.0        >= 0    pixels between samples; 0: always BOKEH_NUM_SAMPLES
+//   BOKEH_ADAPTIVE_SAMPLES  1          0, 1    0: always BOKEH_NUM_SAMPLES, whatever the spacing is
+//                                              at run time: faster
+//   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
+//                                              BokehSetViewport
+//   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
+//   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
+//                                              samples become visible
+//   BOKEH_BLEEDING_BIAS     0.02       0 .. 1  Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
+//   BOKEH_MAX_COLOR         65504.0            largest half float
+//   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
+//   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
+//                                              A f / (S1 - f)
+//
+//   Presets for BOKEH_NUM_SAMPLES and BOKEH_SPACING. Fetches: of the exact hexagon, both passes, a
+//   pixel. Smooth: the CoC in pixels up to which its samples are no farther apart than the spacing.
+//
+//   preset                  samples    spacing  fetches  smooth
+//   BOKEH_PRESET_LOW        5          2.0      22       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      38       27
+//   BOKEH_PRESET_HIGH       17         1.0      70       34
+//   BOKEH_PRESET_ULTRA      33         1.0      134      66
 
 override BOKEH_NUM_SAMPLES: i32 = 13;
-override BOKEH_ADAPTIVE_SAMPLES: f32 = 1.0;
-override BOKEH_VIEWPORT: f32 = 0.0;
+override BOKEH_SPACING: f32 = 1.0;
+override BOKEH_ADAPTIVE_SAMPLES: i32 = 1;
+override BOKEH_VIEWPORT: i32 = 0;
 const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
 const BOKEH_MAX_COC: f32 = 0.1;
 const BOKEH_BLEEDING_BIAS: f32 = 0.02;
@@ -69,72 +136,81 @@ const BOKEH_MAX_COLOR: f32 = 65504.0;
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   A texture and its sampler travel as two parameters, Name and NameSampler.
+//   A filtered texture and its sampler are two parameters, Name and NameSampler; where a function
+//   reads several, they share the sampler of the first. Depth has none: it is loaded, so that its
+//   texture may be of a format that cannot be filtered (r32float, depth32float).
 
-// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the bounds of the fetches
+// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the
+// bounds of the fetches
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 
-// Porting: the image is a part of its textures (dynamic resolution); call it before all else, with BOKEH_VIEWPORT 1.0
-//   Every texture but the kernel is laid out like this. What is around the image is not read: it may hold anything.
-//   The bounds are 1/128 texel inside of the centres of the outermost texels, since a linear filter counts a texel
-//   with a weight of 0 in, and 0 times NaN is NaN; 1/256 is how exactly devices place a sample (Direct3D 11, Vulkan).
+// Porting: the image is a part of its textures (dynamic resolution); call it first
+//   It needs BOKEH_VIEWPORT 1.
+//   Every texture but the kernel is laid out like this. What is around the image is not read: it
+//   may hold anything. The bounds are 1/128 texel inside the centres of the outermost texels, since
+//   bilinear filtering reads texels of zero weight too, and 0 times NaN is NaN; 1/256 is how
+//   exactly devices place a sample (Direct3D 11, Vulkan).
 //   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
 //   textureSize   width, height; pixels
 fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
 {
-    if (BOKEH_VIEWPORT > 0.5)
+    if (BOKEH_VIEWPORT > 0)
     {
         let inset: vec2f = min(vec2f(0.5078125, 0.5078125), viewport.zw * 0.5);
         BokehViewport = viewport / textureSize.xyxy;
-        BokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) / textureSize.xyxy;
+        BokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) /
+            textureSize.xyxy;
     }
 }
 
-// Porting: place in the image to place in its textures
+// Porting: image uv to texture uv
 fn BokehToTexture(uv: vec2f) -> vec2f
 {
     var coords: vec2f = uv;
-    if (BOKEH_VIEWPORT > 0.5)
+    if (BOKEH_VIEWPORT > 0)
     {
-        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy, BokehViewportBounds.zw);
+        coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy,
+            BokehViewportBounds.zw);
     }
     return coords;
 }
 
-// Porting: one texel fetch at level 0, without gradients, so that it may stand in a loop or a branch
+// Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
 fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
 {
     return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
 }
 
-// Porting: the same for textures with a nearest filter, which is depth
-//   A function of its own, since WebGPU may take every texture that a function is given to meet every sampler.
-fn BokehFetchNearest(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
+// Porting: the texel at a place, whatever filter the texture has; depth is read so
+fn BokehFetchNearest(tex: texture_2d<f32>, uv: vec2f) -> vec4f
 {
-    return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
+    let size: vec2i = vec2i(textureDimensions(tex));
+    let texel: vec2i = vec2i(saturate(BokehToTexture(uv)) * vec2f(size));
+    return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
 }
 
-// Porting: the same for tables, which no viewport applies to
-fn BokehFetchTable(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
+// Porting: entry i of a table, a texture of count x 1 texels; no viewport applies to it
+fn BokehFetchTable(tex: texture_2d<f32>, i: i32, count: i32) -> vec4f
 {
-    return textureSampleLevel(tex, texSampler, uv, 0.0);
+    return textureLoad(tex, vec2i(min(i, count - 1), 0), 0);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Listing 1: CoC of a thin lens (section 4.1)
-//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length of the ray)
+//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length
+//                 of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets MaxCoC then.
-//                 Infinity, however it is spelt, is BOKEH_MAX_DEPTH
+//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets
+//                 MaxCoC then. Infinity, and 3.4e38 in its place, become BOKEH_MAX_DEPTH
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
@@ -146,9 +222,10 @@ fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) ->
     return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
 }
 
-// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest half float
-//   NaN fails this comparison; max() may return either operand. It is >= since shader model 3 has no other: > there
-//   is the opposite comparison with its two results swapped, and NaN passes that.
+// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest
+//   half float
+//   NaN fails this comparison; max() may return either operand. It has to be >=: fxc compiles > for
+//   shader model 3 to the opposite comparison with its results swapped, and NaN passes that.
 fn BokehSafeChannel(value: f32) -> f32
 {
     var safe: f32 = 0.0;
@@ -159,7 +236,7 @@ fn BokehSafeChannel(value: f32) -> f32
     return safe;
 }
 
-// Listing 1: depth made safe: NaN, zero and negative become the smallest depth, infinite the largest
+// Listing 1: depth made safe: NaN, zero and negative become the smallest, infinite the largest
 fn BokehSafeDepth(S2: f32) -> f32
 {
     var safe: f32 = BOKEH_MIN_DEPTH;
@@ -170,10 +247,12 @@ fn BokehSafeDepth(S2: f32) -> f32
     return safe;
 }
 
-// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres (Direct3D, Vulkan, WebGPU, GL's textures)
+// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres
+//   Direct3D, Vulkan and WebGPU have it so, and OpenGL's depth textures.
 //   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
-//   returns       depth along the view axis, for BokehCoCMap and all later passes; the sky is at zFar, or
-//                 infinite where zNear is less than zFar / 2^24: BokehSafeDepth catches that
+//   returns       depth along the view axis, for the CoC maps and all passes that read depth; the
+//                 sky is at zFar, or infinite where zNear is less than zFar / 2^24, which
+//                 BokehSafeDepth takes care of
 fn BokehDepthFromWindow(depth: f32, zNear: f32, zFar: f32) -> f32
 {
     return zNear * zFar / (zFar - depth * (zFar - zNear));
@@ -185,7 +264,8 @@ fn BokehDepthFromReversed(depth: f32, zNear: f32, zFar: f32) -> f32
     return zNear * zFar / (zNear + depth * (zFar - zNear));
 }
 
-// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres; the sky is at BOKEH_MAX_DEPTH
+// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres
+//   The sky is at BOKEH_MAX_DEPTH.
 fn BokehDepthFromInfinite(depth: f32, zNear: f32) -> f32
 {
     var stored: f32 = zNear / BOKEH_MAX_DEPTH;
@@ -202,7 +282,8 @@ fn BokehDepthFromClip(depth: f32, zNear: f32, zFar: f32) -> f32
     return 2.0 * zNear * zFar / (zFar + zNear - depth * (zFar - zNear));
 }
 
-// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres; give 1 - depth where it is reversed
+// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres
+//   Pass 1 - depth where it is reversed.
 fn BokehDepthFromOrthographic(depth: f32, zNear: f32, zFar: f32) -> f32
 {
     return zNear + depth * (zFar - zNear);
@@ -226,42 +307,42 @@ fn BokehDepthFromLogarithmic(depth: f32, zFar: f32) -> f32
 }
 
 // Depth: any of the above to metres, made safe, for one pass that makes depth linear
-//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic,
-//                 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
-fn BokehLinearDepth(depth: f32, kind: f32, zNear: f32, zFar: f32) -> f32
+//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip,
+//                 5 orthographic, 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
+fn BokehLinearDepth(depth: f32, kind: i32, zNear: f32, zFar: f32) -> f32
 {
     var S2: f32 = depth;
-    if (kind > 7.5)
+    if (kind == 1)
     {
-        S2 = BokehDepthFromLogarithmic(depth, zFar);
+        S2 = BokehDepthFromWindow(depth, zNear, zFar);
     }
-    else if (kind > 6.5)
-    {
-        S2 = BokehDepthFromFraction(depth, zFar);
-    }
-    else if (kind > 5.5)
-    {
-        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
-    }
-    else if (kind > 4.5)
-    {
-        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
-    }
-    else if (kind > 3.5)
-    {
-        S2 = BokehDepthFromClip(depth, zNear, zFar);
-    }
-    else if (kind > 2.5)
-    {
-        S2 = BokehDepthFromInfinite(depth, zNear);
-    }
-    else if (kind > 1.5)
+    else if (kind == 2)
     {
         S2 = BokehDepthFromReversed(depth, zNear, zFar);
     }
-    else if (kind > 0.5)
+    else if (kind == 3)
     {
-        S2 = BokehDepthFromWindow(depth, zNear, zFar);
+        S2 = BokehDepthFromInfinite(depth, zNear);
+    }
+    else if (kind == 4)
+    {
+        S2 = BokehDepthFromClip(depth, zNear, zFar);
+    }
+    else if (kind == 5)
+    {
+        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
+    }
+    else if (kind == 6)
+    {
+        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
+    }
+    else if (kind == 7)
+    {
+        S2 = BokehDepthFromFraction(depth, zFar);
+    }
+    else if (kind == 8)
+    {
+        S2 = BokehDepthFromLogarithmic(depth, zFar);
     }
     return BokehSafeDepth(S2);
 }
@@ -272,42 +353,109 @@ fn BokehLinearDepth(depth: f32, kind: f32, zNear: f32, zFar: f32) -> f32
 //   returns       what every later pass reads: rgb finite and >= 0, a = CoC
 fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
 {
-    return vec4f(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b), CoC);
+    return vec4f(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b),
+        CoC);
 }
 
-// Listing 1: CoCMap, the first pass and the only one that sees the engine's raw colour
-//   ColorSamp     linear HDR scene colour
+// Listing 1: CoCMap, the first pass of `paper` and `naive`
+//   No later pass sees the engine's raw colour.
+//   ColorSamp     linear HDR scene colour, read texel by texel
 //   DepthSamp     r = depth along the view axis, metres (docs/inputs.md has the depth conventions)
 //   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
+//   A .. MaxCoC   as in BokehCoC
 //   returns       rgb = colour, a = CoC
-fn BokehCoCMap(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
+fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>, uv: vec2f, A: f32, f: f32,
+    S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
 {
-    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
+    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     let CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
-    return BokehPackCoC(BokehFetch(ColorSamp, ColorSampSampler, uv), CoC);
+    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
-// [4] Listing 2: sample offsets
-// ---------------------------------------------------------------------------------------------------------------------
+// Listing 1, signed: the CoC with a sign: below 0 the pixel is nearer than the focus distance
+//   It grows with depth, so it is all that the leakage test needs to know of depth.
 //
-//      u ->      angle = 0: along +u;  90 degrees: along +v, which is towards the last row in memory
+//      +MaxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
+//            0 - - - - -/- - - - - -> depth
+//      -MaxCoC --------' S1             near field: < 0
+//
+//   Parameters as in BokehCoC.
+fn BokehSignedCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
+{
+    var CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    if (S2 < S1)
+    {
+        CoC = -CoC;
+    }
+    return CoC;
+}
+
+// Listing 1, signed: the first pass of `exact`, whose later passes read no depth
+//   Parameters as in BokehCoCMap.
+//   returns       rgb = colour, a = signed CoC
+fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>, uv: vec2f, A: f32,
+    f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
+{
+    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+    let CoC: f32 = BokehSignedCoC(S2, A, f, S1, sensorHeight, MaxCoC);
+    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
+}
+
+// -------------------------------------------------------------------------------------------------
+// [4] Listing 2: sample offsets
+// -------------------------------------------------------------------------------------------------
+//
+//      u ->      angle = 0: along +u;  90 degrees: along +v, towards the last row in memory
 //    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
 //    |                              ^ this pixel
 //    v
 
+// Listing 2: how a line is sampled, and the leakage test of Listing 3
+//   aspectRatio   width / height of the image
+//   imageHeight   pixels
+//   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
+//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
+//                 apart than a pixel.
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 1 or more turns
+//                 the test off
+//   bleedingMult  weight for each unit of CoC of a sample that does not pass
+struct BokehFilter
+{
+    aspectRatio: f32,
+    imageHeight: f32,
+    spacing: f32,
+    jitter: f32,
+    bleedingBias: f32,
+    bleedingMult: f32,
+}
+
+// Listing 2: the settings that [1] configures, without jitter
+//   imageSize     width, height; pixels
+fn BokehDefaultFilter(imageSize: vec2f) -> BokehFilter
+{
+    var settings: BokehFilter;
+    settings.aspectRatio = imageSize.x / imageSize.y;
+    settings.imageHeight = imageSize.y;
+    settings.spacing = BOKEH_SPACING;
+    settings.jitter = 0.0;
+    settings.bleedingBias = BOKEH_BLEEDING_BIAS;
+    settings.bleedingMult = BOKEH_BLEEDING_MULT;
+    return settings;
+}
+
 // Listing 2: the end of a line of length 1 centred on this pixel
 //   angle         radians
-//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a highlight is not stretched
+//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a
+//                 highlight is not stretched
 //   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
 fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
 {
     return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
 }
 
-// Listing 2: makeOffsets, sample i of numSamples evenly spaced from one end of the line to the other
-//   Counted from the middle (-1 .. +1), so that the offsets are exact negatives of each other and the middle one is 0.
+// Listing 2: makeOffsets, sample i of numSamples evenly spaced from end to end of the line
+//   t runs from -1 to +1, so that the offsets are exact negatives of each other and the middle one
+//   is 0.
 //   returns       uv offset for a CoC of 1
 fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 {
@@ -317,95 +465,109 @@ fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 }
 
 // Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
-//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour shows.
-//   spacing       pixels between samples; 0 or less: a fixed number of samples, and the CoC as it is
+//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour
+//   shows.
+//   (x - 0.5) * 2 it is, since fxc compiles 1 - 2 x for shader model 3 without the abs of x.
+//   CoC           without a sign
+//   spacing       as in BokehFilter; 0 or less: the CoC as it is
 //   returns       fraction of the image height
 fn BokehFilterCoC(CoC: f32, imageHeight: f32, spacing: f32) -> f32
 {
     var filterCoC: f32 = CoC;
-    if (spacing > 0.0)
+    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
     {
-        filterCoC = CoC * (1.0 - clamp(2.0 - 2.0 * CoC * imageHeight, 0.0, 1.0));
+        filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
     }
     return filterCoC;
 }
 
 // Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
-//   Cells are `spacing` pixels long, or longer where maxSamples of them would not fill the line.
+//   Cells are `spacing` pixels long, or longer where BOKEH_NUM_SAMPLES of them would not fill the
+//   line. Cell i weighs clamp(cells - i, 0, 1):
 //
-//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line does, so that the
-//        ^   ^   ^   ^  ^      result has no step where the number of samples has one
+//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
+//        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
 //
-fn BokehCells(lengthInPixels: f32, spacing: f32, maxSamples: i32) -> f32
+fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
 {
-    var cells: f32 = f32(maxSamples);
-    if (spacing > 0.0)
+    var cells: f32 = f32(BOKEH_NUM_SAMPLES);
+    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, f32(maxSamples));
+        cells = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
     }
     return cells;
 }
 
-// Listing 2, adaptive: sample i of a line of so many cells
-//   phase         place in the cell, 0.5 = in its middle
-//   returns       x = place on the line, in cells from its middle; y = length of the cell, which is the sample's weight
-//                 A cell behind the end has the length 0: fxc has been seen to lose the break of the loop around it.
-fn BokehCell(cells: f32, i: i32, phase: f32) -> vec2f
-{
-    let low: f32 = min(f32(i), cells);
-    let high: f32 = min(low + 1.0, cells);
-    return vec2f(low + (high - low) * phase - 0.5 * cells, high - low);
-}
-
-// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014), another number for each pixel and frame
-//   imageWidth, imageHeight  pixels
-//   frame         number of the frame; give each pass of a frame a number of its own
+// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass
+//   Each frame adds 33/64, in pass p 8 p + 1 times. So over 64 frames every pass takes 64 evenly
+//   spaced values in each pixel, and no two passes take theirs in the same order: the mean of the
+//   frames converges.
+//   imageSize     width, height; pixels
+//   frame         number of the frame, a whole number
+//   passIndex     0, 1 ..: of the pass within the frame; a pass that reads another one needs
+//                 another index
 //   returns       -0.5 .. 0.5
-fn BokehNoise(uv: vec2f, imageWidth: f32, imageHeight: f32, frame: f32) -> f32
+fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
 {
-    let shift: f32 = 5.588238 * (frame - 64.0 * floor(frame / 64.0));
-    let pixel: vec2f = floor(uv * vec2f(imageWidth, imageHeight)) + vec2f(shift, shift);
-    let seed: f32 = dot(pixel, vec2f(0.06711056, 0.00583715));
-    let value: f32 = 52.9829189 * (seed - floor(seed));
+    let number: f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+    let seed: f32 = dot(floor(uv * imageSize), vec2f(0.06711056, 0.00583715));
+    let value: f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
     return value - floor(value) - 0.5;
 }
 
-// Listing 2, adaptive: a line of any length, off the pixel as well, for BokehDepthOfFieldAdaptive
+// Listing 2, adaptive: a line of any length and place, for BokehDepthOfFieldAdaptive
 //   angle         radians
 //   lineLength    in units of the CoC
-//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the last row
+//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
+//                 last row
 //   squeeze       width of the bokeh / its height, 1 = round
-//   returns       xy = middle, zw = from the middle to the end, in units of the CoC; BokehPolygonEdge returns the same
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
+//                 BokehPolygonEdge returns the same
 fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
 {
-    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength * sin(angle));
+    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
+        sin(angle));
     return segment * vec4f(squeeze, 1.0, squeeze, 1.0);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [5] Listing 3: one pass of the line filter
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Listing 3: weight of one sample against intensity leakage (section 2.1)
-//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it. It counts by its own
-//   CoC then: not at all when in focus, fully from a CoC of 1 / bleedingMult up. All other samples count fully.
-//   bleedingBias  CoC difference that is still let pass, fraction of the image height; 1 or more turns the test off
-//   bleedingMult  weight for each unit of CoC
-//   returns       0 .. 1
-fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32, bleedingBias: f32,
-    bleedingMult: f32) -> f32
+//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it.
+//   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
+//   1 / bleedingMult up. All other samples have the weight 1.
+fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
+    settings: BokehFilter) -> f32
 {
     var weight: f32 = 1.0;
-    if (sampleDepth < centerDepth && centerCoC > sampleCoC + bleedingBias)
+    if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
     {
-        weight = clamp(sampleCoC * bleedingMult, 0.0, 1.0);
+        weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
     }
     return weight;
 }
 
-// Listing 3: the weighted average, or this pixel where there is none
-//   Every sample may have been rejected when their number is even: the middle of the line is not sampled then.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC (Figure 7)
+// Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
+//   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
+//   sharper one, and centerCoC - bleedingBias is below 0. Two passes also put a rejected sample in
+//   place of what its own line would have reached; squared weights make up for that.
+fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
+{
+    var weight: f32 = 1.0;
+    if (abs(sampleCoC) < centerCoC - settings.bleedingBias)
+    {
+        weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+        weight = weight * weight;
+    }
+    return weight;
+}
+
+// Listing 3: the weighted average, or this pixel where all weights are 0
+//   With an even number of samples the middle of the line is not sampled, so all may be rejected.
+//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
+//                 (Figure 7)
 fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
 {
     var result: vec4f = centerPixel;
@@ -421,96 +583,81 @@ fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: boo
 }
 
 // Listing 3: DepthOfField, the mean of the samples along one line
-//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass; linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
+//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass;
+//                 linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap
 //   lineEnd       from BokehLineEnd
-//   numSamples    samples on the line, 2 or more; 254 at most in shader model 3
-fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, lineEnd: vec2f, numSamples: i32, bleedingBias: f32, bleedingMult: f32,
+//   settings      of which the leakage test is used; there are always BOKEH_NUM_SAMPLES samples, in
+//                 shader model 3 254 at most
+fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
+    DepthSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehFilter,
     blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
-    for (var i: i32 = 0; i < numSamples; i++)
+    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
     {
-        let sampleCoords: vec2f = uv + BokehMakeOffsets(lineEnd, i, numSamples) * centerPixel.a;
+        let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_NUM_SAMPLES);
+        let sampleCoords: vec2f = uv + offset * centerPixel.a;
         let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
-        var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-            bleedingMult);
+        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
+        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
         color += samplePixel * weight;
         totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Listing 3, adaptive: the mean along one segment, as many samples as it needs
-//   CoC           from BokehFilterCoC, > 0
-//   centerPixel   this pixel, which the leakage test compares with
-//   segment       from BokehSegment or BokehPolygonEdge
-//   aspectRatio   width / height of the image
-//   imageHeight   pixels
-//   spacing       pixels between samples, 1 is right for most; 0: exactly maxSamples
-//   maxSamples    2 or more; 254 at most in shader model 3
-//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther apart than a pixel.
-fn BokehLineMean(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, segment: vec4f, CoC: f32, centerPixel: vec4f, centerDepth: f32,
-    aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32,
-    bleedingMult: f32) -> vec4f
+// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs
+//   The paper's future work; along a line of any length and place.
+//   segment       from BokehSegment
+//   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
+fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
+    DepthSamp: texture_2d<f32>, uv: vec2f, segment: vec4f, settings: BokehFilter,
+    blurCoC: bool) -> vec4f
 {
-    let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * imageHeight;
-    let cells: f32 = BokehCells(lengthInPixels, spacing, maxSamples);
-    let count: i32 = min(i32(ceil(cells)), maxSamples);
-    let phase: f32 = 0.5 + jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-    let scale: vec2f = vec2f(CoC / aspectRatio, CoC);
-    let middle: vec2f = uv + segment.xy * scale;
-    let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
-    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var totalWeight: f32 = 0.0;
-    for (var i: i32 = 0; i < maxSamples; i++)
-    {
-        if (i >= count)
-        {
-            break;
-        }
-        let cell: vec2f = BokehCell(cells, i, phase);
-        let sampleCoords: vec2f = middle + cellLength * cell.x;
-        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
-        let leakageWeight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
-            bleedingBias, bleedingMult);
-        let weight: f32 = cell.y * leakageWeight;
-        color += samplePixel * weight;
-        totalWeight += weight;
-    }
-    return BokehResolve(color, totalWeight, centerPixel, true);
-}
-
-// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs (the paper's future work)
-//   Parameters as in BokehLineMean and BokehDepthOfField. In focus it costs one fetch of each texture.
-fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, segment: vec4f, aspectRatio: f32, imageHeight: f32, spacing: f32,
-    maxSamples: i32, jitter: f32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
-{
-    var result: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let CoC: f32 = BokehFilterCoC(result.a, imageHeight, spacing);
+    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    var result: vec4f = centerPixel;
+    let CoC: f32 = BokehFilterCoC(centerPixel.a, settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
-        let mean: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv, segment, CoC,
-            result, centerDepth, aspectRatio, imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        result = BokehResolve(mean, 1.0, result, blurCoC);
+        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+        let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
+        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
+        let first: vec2f = uv + (segment.xy - segment.zw) * scale;
+        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var totalWeight: f32 = 0.0;
+        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+        {
+            if (BOKEH_ADAPTIVE_SAMPLES > 0 && f32(i) >= cells)
+            {
+                break;
+            }
+            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
+            let sampleCoords: vec2f = first + cellLength * (f32(i) + cell * phase);
+            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
+            let weight: f32 = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+        result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
     }
     return result;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [6] Listing 4: combine by min / max
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC included (section 4.5)
+// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC too (section 4.5)
 fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
 {
     var result: vec4f = min(a, b);
@@ -521,76 +668,69 @@ fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
     return result;
 }
 
-// Listing 4: DepthOfFieldFinal, the last line pass of the second parallelogram, combined with the first
-//   ColorSampA    input of this line pass, as ColorSamp of BokehDepthOfField
-//   ColorSampB    the finished first parallelogram
-//   useMax        false: min, polygons; true: max, stars
-fn BokehDepthOfFieldFinal(ColorSampA: texture_2d<f32>, ColorSampASampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, lineEnd: vec2f, numSamples: i32, bleedingBias: f32, bleedingMult: f32,
-    blurCoC: bool, ColorSampB: texture_2d<f32>, ColorSampBSampler: sampler, useMax: bool) -> vec4f
+// Listing 4: DepthOfFieldFinal, the last line of the second parallelogram, combined with the first
+//   CompareSamp   the finished first parallelogram
+//   useMax        false: intersection (hexagon, octagon); true: union (star)
+fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
+    DepthSamp: texture_2d<f32>, CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f,
+    settings: BokehFilter, blurCoC: bool, useMax: bool) -> vec4f
 {
-    let a: vec4f = BokehDepthOfField(ColorSampA, ColorSampASampler, DepthSamp, DepthSampSampler, uv, lineEnd,
-        numSamples, bleedingBias, bleedingMult, blurCoC);
-    let b: vec4f = BokehFetch(ColorSampB, ColorSampBSampler, uv);
-    return BokehCombine(a, b, useMax);
+    let a: vec4f = BokehDepthOfField(ColorSamp, ColorSampSampler, DepthSamp, uv, lineEnd, settings,
+        blurCoC);
+    return BokehCombine(a, BokehFetch(CompareSamp, ColorSampSampler, uv), useMax);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [7] naive gather
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
-// Section 3: gather with any table of 2D offsets
-//   KernelSamp    numSamples x 1 texels: rg = offset in units of the CoC, x to the right, y towards the last row;
-//                 32-bit float, nearest filter. A texture, since SM3 pixel shaders cannot index their constants.
-//   aspectRatio   width / height of the image
-fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, KernelSamp: texture_2d<f32>, KernelSampSampler: sampler, uv: vec2f, aspectRatio: f32,
-    numSamples: i32, bleedingBias: f32, bleedingMult: f32, blurCoC: bool) -> vec4f
+// Section 3: gather with a table of offsets, any shape, BOKEH_NUM_SAMPLES texture fetches
+//   KernelSamp    BOKEH_NUM_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right, y
+//                 towards the last row
+fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
+    DepthSamp: texture_2d<f32>, KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehFilter,
+    blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
-    let scale: vec2f = vec2f(centerPixel.a / aspectRatio, centerPixel.a);
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
+    let scale: vec2f = vec2f(centerPixel.a / settings.aspectRatio, centerPixel.a);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
-    // Two loops, since a loop of shader model 3 ends after 255 turns.
-    for (var start: i32 = 0; start < numSamples; start += 128)
+    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
     {
-        for (var i: i32 = start; i < min(start + 128, numSamples); i++)
-        {
-            let kernelCoords: vec2f = vec2f((f32(i) + 0.5) / f32(numSamples), 0.5);
-            let sampleCoords: vec2f = uv + BokehFetchTable(KernelSamp, KernelSampSampler, kernelCoords).rg * scale;
-            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
-            var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-                bleedingMult);
-            color += samplePixel * weight;
-            totalWeight += weight;
-        }
+        let offset: vec2f = BokehFetchTable(KernelSamp, i, BOKEH_NUM_SAMPLES).rg;
+        let sampleCoords: vec2f = uv + offset * scale;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
+        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
+        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
+        color += samplePixel * weight;
+        totalWeight += weight;
     }
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Section 3: gather over a parallelogram grid of side x side samples, offsets computed instead of read (Table 1)
+// Section 3: gather over a parallelogram grid, offsets computed instead of read (Table 1)
+//   BOKEH_NUM_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
-//   side                samples along a side, 2 or more; 4, 8, 12, 16, 20, 24 for the counts of Table 1
 fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, lineEndU: vec2f, lineEndV: vec2f, side: i32, bleedingBias: f32,
-    bleedingMult: f32, blurCoC: bool) -> vec4f
+    uv: vec2f, lineEndU: vec2f, lineEndV: vec2f, settings: BokehFilter, blurCoC: bool) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
+    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
     var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var totalWeight: f32 = 0.0;
-    for (var j: i32 = 0; j < side; j++)
+    for (var j: i32 = 0; j < BOKEH_NUM_SAMPLES; j++)
     {
-        let rowCoords: vec2f = uv + BokehMakeOffsets(lineEndV, j, side) * centerPixel.a;
-        for (var i: i32 = 0; i < side; i++)
+        let rowOffset: vec2f = BokehMakeOffsets(lineEndV, j, BOKEH_NUM_SAMPLES);
+        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            let sampleCoords: vec2f = rowCoords + BokehMakeOffsets(lineEndU, i, side) * centerPixel.a;
+            let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_NUM_SAMPLES);
+            let sampleCoords: vec2f = uv + offset * centerPixel.a;
             let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, DepthSampSampler, sampleCoords).r;
-            var weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, bleedingBias,
-                bleedingMult);
+            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
+            let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
             color += samplePixel * weight;
             totalWeight += weight;
         }
@@ -598,229 +738,254 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [8] exact polygons
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 //
-//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap. Their blurs are
-//   ADDED: no light is lost as by min, and highlights that overlap add up. The first pass blurs along all edges of one
-//   half of the outline but the last, the second pass along all but the first. docs/apertures.md has the proof.
+//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap.
+//   Their blurs are ADDED: no light is lost as by min, and highlights that overlap add up. The
+//   first pass blurs along all edges of one half of the outline but the last, the second pass along
+//   all but the first. docs/apertures.md has the proof.
 //
-//           edge 2                  edges 1, 2, 3 of a hexagon; the other half of the outline is the same, turned.
-//          ,-' '-,  edge 1          first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighed
-//   edge 3 |     |                  second pass  T2 blurred along 2, T3 along 3, weighed: 1/3 + 2/3
-//          '-, ,-'
+//           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
+//          ,-' '-,  edge 1    same, turned.
+//   edge 3 |     |            first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighted
+//          '-, ,-'            second pass  T2 blurred along 2, T3 along 3, weighted 1/3 + 2/3
 //
 //   sides       targets of the first pass   textures of the second
-//   4           1                           ColorSamp
-//   6           2                           ColorSamp, ColorSampB
-//   8           3                           ColorSamp .. ColorSampC
-//   10          4                           ColorSamp .. ColorSampD
+//   4           T2                          T2Samp
+//   6           T2, T3                      T2Samp, T3Samp
+//   8           T2, T3, T4                  T2Samp .. T4Samp
+//   10          T2, T3, T4, T5              T2Samp .. T5Samp
 //
-//   Give `sides` as a literal: what it does not need is then compiled away. Without several targets, BokehExactEdge
-//   makes them one by one, each from the two before it.
-//   Corners lie on the circle of confusion. Rotation 0 has an edge upright at the right, as `paper` has it.
+//   Where a pass can write one target only, BokehExactEdge makes them one at a time.
+//   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
+//   has it.
 
-// Exact: a vector turned by an angle, from +x towards +y
-fn BokehTurned(direction: vec2f, angle: f32) -> vec2f
+// Exact: the aperture
+//   sides         4, 6, 8 or 10, a literal: what it does not need is then compiled away
+//   rotation      radians
+//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+struct BokehPolygon
 {
-    let c: f32 = cos(angle);
-    let s: f32 = sin(angle);
-    return vec2f(direction.x * c - direction.y * s, direction.x * s + direction.y * c);
+    sides: i32,
+    rotation: f32,
+    squeeze: f32,
+}
+
+// Exact: what the first pass writes; those that a polygon does not have hold the pixel as it came
+struct BokehTargets
+{
+    T2: vec4f,
+    T3: vec4f,
+    T4: vec4f,
+    T5: vec4f,
+}
+
+// Exact: a BokehPolygon in one expression
+fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
+{
+    var polygon: BokehPolygon;
+    polygon.sides = sides;
+    polygon.rotation = rotation;
+    polygon.squeeze = squeeze;
+    return polygon;
+}
+
+// Exact: a vector rotated, from +x towards +y
+//   axis          (cos, sin) of the angle
+fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
+{
+    return vec2f(direction.x * axis.x - direction.y * axis.y,
+        direction.x * axis.y + direction.y * axis.x);
 }
 
 // Exact: the line of edge k in one of the two passes
-//   Where both passes put it on the outline, every sample of the first pass is on one side of the pixel. So the first
-//   pass is moved by the mean of its lines to the middle, and the second pass back.
+//   If both passes had it on the outline, every sample of the first pass would be on one side of
+//   the pixel. So the first pass is moved by the mean of its lines to the middle, and the second
+//   pass back. All but the last statements are constants where sides is a literal.
 //   k             1 .. sides / 2
-//   sides         4, 6, 8 or 10
-//   axis          (cos, sin) of the rotation
-//   squeeze       width of the bokeh / its height, 1 = round
 //   secondPass    false: first pass
 //   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
-fn BokehPolygonEdge(k: f32, sides: f32, axis: vec2f, squeeze: f32, secondPass: bool) -> vec4f
+fn BokehPolygonEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 {
-    let halfStep: f32 = 3.14159265 / sides;
-    let outwards: vec2f = BokehTurned(axis, 2.0 * halfStep * k);
-    let meanOfFirst: vec2f = vec2f(-axis.y, axis.x) * (0.5 * cos(halfStep) * cos(halfStep) / (sin(halfStep) *
-        (0.5 * sides - 1.0)));
-    var middle: vec2f = outwards * (0.5 * cos(halfStep)) - meanOfFirst;
+    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
+    let angle: f32 = 2.0 * halfStep * f32(k);
+    let outwards: vec2f = vec2f(cos(angle), sin(angle));
+    let meanOfFirst: f32 = 0.5 * cos(halfStep) * cos(halfStep) /
+        (sin(halfStep) * (0.5 * f32(polygon.sides) - 1.0));
+    var middle: vec2f = outwards * (0.5 * cos(halfStep)) - vec2f(0.0, meanOfFirst);
     if (secondPass)
     {
-        middle = -middle - BokehTurned(axis, halfStep) * 0.5;
+        middle = -middle - vec2f(0.5 * cos(halfStep), 0.5 * sin(halfStep));
     }
     let halfEdge: vec2f = vec2f(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
-    return vec4f(middle, halfEdge) * vec4f(squeeze, 1.0, squeeze, 1.0);
+    let axis: vec2f = vec2f(cos(polygon.rotation), sin(polygon.rotation));
+    let segment: vec4f = vec4f(BokehRotated(middle, axis), BokehRotated(halfEdge, axis));
+    return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of all parallelograms between edge k and the edges before it, in units of a rhombus with a right angle
-fn BokehExactWeight(k: f32, sides: f32) -> f32
+// Exact: area of the parallelograms of edge k with all edges before it, where a right angle has 1
+fn BokehExactWeight(k: i32, sides: i32) -> f32
 {
-    let halfStep: f32 = 3.14159265 / sides;
-    return sin(k * halfStep) * sin((k - 1.0) * halfStep) / sin(halfStep);
+    let halfStep: f32 = 3.14159265 / f32(sides);
+    return sin(f32(k) * halfStep) * sin((f32(k) - 1.0) * halfStep) / sin(halfStep);
 }
 
-// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighed by their parallelograms
-//   B1 .. B4      blurs along edges 1 to 4; those from k on count nothing
-//   CoC           of this pixel, which goes to the alpha: the second pass blurs by the unblurred CoC
-fn BokehExactTarget(k: f32, sides: f32, B1: vec4f, B2: vec4f, B3: vec4f, B4: vec4f, CoC: f32) -> vec4f
+// Exact: the samples along one line, as many as it needs
+//   They are not divided by their weights here: a line that lies wholly on a sharp object, every
+//   sample rejected but for a little, must not come back at full strength (docs/apertures.md).
+//   MapSamp       a = signed CoC; linear filter, clamp
+//   segment       from BokehPolygonEdge
+//   CoC           from BokehFilterCoC, > 0
+//   centerCoC     signed, of this pixel
+//   returns       rgb = mean of colour times weight, a = mean weight
+fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, segment: vec4f,
+    CoC: f32, centerCoC: f32, settings: BokehFilter) -> vec4f
 {
-    let turn: f32 = 6.28318531 / sides;
-    let w1: f32 = sin((k - 1.0) * turn);
-    let w2: f32 = max(sin((k - 2.0) * turn), 0.0);
-    let w3: f32 = max(sin((k - 3.0) * turn), 0.0);
-    let w4: f32 = max(sin((k - 4.0) * turn), 0.0);
-    let mean: vec4f = (B1 * w1 + B2 * w2 + B3 * w3 + B4 * w4) / (w1 + w2 + w3 + w4);
-    return vec4f(mean.rgb, CoC);
+    let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+    let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
+    let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+    let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
+    let first: vec2f = uv + (segment.xy - segment.zw) * scale;
+    let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+    {
+        if (BOKEH_ADAPTIVE_SAMPLES > 0 && f32(i) >= cells)
+        {
+            break;
+        }
+        let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
+        let samplePixel: vec4f = BokehFetch(MapSamp, MapSampSampler,
+            first + cellLength * (f32(i) + cell * phase));
+        let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+        sum += vec4f(samplePixel.rgb, 1.0) * weight;
+    }
+    return sum / cells;
+}
+
+// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
+//   their parallelograms and divided by their weights together
+//   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
+//   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
+fn BokehExactTarget(k: i32, sides: i32, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
+    centerPixel: vec4f) -> vec4f
+{
+    let angle: f32 = 6.28318531 / f32(sides);
+    let w1: f32 = sin((f32(k) - 1.0) * angle);
+    let w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
+    let w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
+    let w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
+    let sum: vec4f = L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4;
+    return BokehResolve(sum, sum.a, centerPixel, false);
 }
 
 // Exact: first pass
-//   ColorSamp     from BokehCoCMap; linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap; nearest filter, clamp
-//   sides         4, 6, 8 or 10, a literal
-//   rotation      radians
-//   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
-//   aspectRatio, imageHeight, spacing, maxSamples, jitter  as in BokehLineMean
-//   returns       T[0] .. T[3]: what targets 0 to 3 get, as many as the table above says
-fn BokehExactFirst(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, uv: vec2f, sides: f32, rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32,
-    spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32, bleedingMult: f32) -> mat4x4f
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   returns       T2 .. T5: as many as the table above says
+fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter) -> BokehTargets
 {
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    var result: mat4x4f = mat4x4f(centerPixel, centerPixel, centerPixel, centerPixel);
-    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
+    var targets: BokehTargets;
+    targets.T2 = centerPixel;
+    targets.T3 = centerPixel;
+    targets.T4 = centerPixel;
+    targets.T5 = centerPixel;
+    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
-        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
-        let B1: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-            BokehPolygonEdge(1.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        let T2: vec4f = vec4f(B1.rgb, centerPixel.a);
-        var B2: vec4f = centerPixel;
-        var B3: vec4f = centerPixel;
-        var T3: vec4f = centerPixel;
-        var T4: vec4f = centerPixel;
-        var T5: vec4f = centerPixel;
-        if (sides > 5.0)
+        let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        let L1: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(1, polygon,
+            false), CoC, centerPixel.a, settings);
+        var L2: vec4f = none;
+        var L3: vec4f = none;
+        targets.T2 = BokehExactTarget(2, polygon.sides, L1, none, none, none, centerPixel);
+        if (polygon.sides > 4)
         {
-            B2 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(2.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T3 = BokehExactTarget(3.0, sides, B1, B2, B3, B3, centerPixel.a);
+            L2 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(2, polygon, false), CoC,
+                centerPixel.a, settings);
+            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, none, none, centerPixel);
         }
-        if (sides > 7.0)
+        if (polygon.sides > 6)
         {
-            B3 = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(3.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T4 = BokehExactTarget(4.0, sides, B1, B2, B3, B3, centerPixel.a);
+            L3 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(3, polygon, false), CoC,
+                centerPixel.a, settings);
+            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, none, centerPixel);
         }
-        if (sides > 9.0)
+        if (polygon.sides > 8)
         {
-            let B4: vec4f = BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(4.0, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-            T5 = BokehExactTarget(5.0, sides, B1, B2, B3, B4, centerPixel.a);
+            let L4: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon,
+                false), CoC, centerPixel.a, settings);
+            targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
         }
-        result = mat4x4f(T2, T3, T4, T5);
     }
-    return result;
+    return targets;
 }
 
 // Exact: second pass, the finished polygon
-//   ColorSamp .. ColorSampD  targets 0 to 3 of the first pass; linear filter, clamp. Where there are fewer, give any
-//                            texture for the rest: it is not read.
-//   The other parameters as in BokehExactFirst.
-//   returns       rgb = colour, a = CoC of this pixel, as BokehCoCMap made it
-fn BokehExactSecond(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, ColorSampB: texture_2d<f32>,
-    ColorSampBSampler: sampler, ColorSampC: texture_2d<f32>, ColorSampCSampler: sampler, ColorSampD: texture_2d<f32>,
-    ColorSampDSampler: sampler, DepthSamp: texture_2d<f32>, DepthSampSampler: sampler, uv: vec2f, sides: f32,
-    rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32,
-    bleedingBias: f32, bleedingMult: f32) -> vec4f
+//   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
+//                     any of them for the rest: it is not read.
+//   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
+fn BokehExactSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_2d<f32>,
+    T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let centerPixel: vec4f = BokehFetch(T2Samp, T2SampSampler, uv);
     var result: vec4f = centerPixel;
-    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
-        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
-        var weight: f32 = BokehExactWeight(2.0, sides);
-        var totalWeight: f32 = weight;
-        var sum: vec4f = weight * BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-            BokehPolygonEdge(2.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-            imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        if (sides > 5.0)
+        var sum: vec4f = BokehExactWeight(2, polygon.sides) * BokehLineSum(T2Samp, T2SampSampler,
+            uv, BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
+        if (polygon.sides > 4)
         {
-            weight = BokehExactWeight(3.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(ColorSampB, ColorSampBSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(3.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(3, polygon.sides) * BokehLineSum(T3Samp, T2SampSampler, uv,
+                BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
         }
-        if (sides > 7.0)
+        if (polygon.sides > 6)
         {
-            weight = BokehExactWeight(4.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(ColorSampC, ColorSampCSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(4.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(4, polygon.sides) * BokehLineSum(T4Samp, T2SampSampler, uv,
+                BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
         }
-        if (sides > 9.0)
+        if (polygon.sides > 8)
         {
-            weight = BokehExactWeight(5.0, sides);
-            totalWeight += weight;
-            sum += weight * BokehLineMean(ColorSampD, ColorSampDSampler, DepthSamp, DepthSampSampler, uv,
-                BokehPolygonEdge(5.0, sides, axis, squeeze, true), CoC, centerPixel, centerDepth, aspectRatio,
-                imageHeight, spacing, maxSamples, jitter, bleedingBias, bleedingMult);
+            sum += BokehExactWeight(5, polygon.sides) * BokehLineSum(T5Samp, T2SampSampler, uv,
+                BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
         }
-        result = vec4f(sum.rgb / totalWeight, centerPixel.a);
+        result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
-// Exact: one target of the first pass, where a pass can write but one
-//   Call it for k = 1 .. sides / 2 - 1: it makes the target of edge k + 1 by blurring along edge k. The blurs before
-//   that one are not blurred again, since sin((m + 1) a) = 2 cos(a) sin(m a) - sin((m - 1) a).
-//   PreviousSamp  what k - 1 made; not read for k = 1
-//   EarlierSamp   what k - 2 made; not read for k = 1 and 2
-//   The other parameters as in BokehExactFirst.
-fn BokehExactEdge(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    DepthSampSampler: sampler, PreviousSamp: texture_2d<f32>, PreviousSampSampler: sampler,
-    EarlierSamp: texture_2d<f32>, EarlierSampSampler: sampler, uv: vec2f, k: f32, sides: f32, rotation: f32,
-    squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32, maxSamples: i32, jitter: f32, bleedingBias: f32,
-    bleedingMult: f32) -> vec4f
+// Exact: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
+//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
+    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
+    let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
     var result: vec4f = centerPixel;
-    let CoC: f32 = BokehFilterCoC(centerPixel.a, imageHeight, spacing);
+    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv).r);
-        let axis: vec2f = vec2f(cos(rotation), sin(rotation));
-        let turn: f32 = 6.28318531 / sides;
-        var sum: vec4f = sin(turn) * BokehLineMean(ColorSamp, ColorSampSampler, DepthSamp, DepthSampSampler, uv,
-            BokehPolygonEdge(k, sides, axis, squeeze, false), CoC, centerPixel, centerDepth, aspectRatio, imageHeight,
-            spacing, maxSamples, jitter, bleedingBias, bleedingMult);
-        if (k > 1.5)
+        let angle: f32 = 6.28318531 / f32(polygon.sides);
+        var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        for (var i: i32 = 1; i < min(k, 5); i++)
         {
-            sum += 2.0 * cos(turn) * BokehExactWeight(k, sides) * BokehFetch(PreviousSamp, PreviousSampSampler, uv);
+            let area: f32 = max(sin(f32(k - i) * angle), 0.0);
+            sum += area * BokehLineSum(MapSamp, MapSampSampler, uv,
+                BokehPolygonEdge(i, polygon, false), CoC, centerPixel.a, settings);
         }
-        if (k > 2.5)
-        {
-            sum -= BokehExactWeight(k - 1.0, sides) * BokehFetch(EarlierSamp, EarlierSampSampler, uv);
-        }
-        let most: vec4f = vec4f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
-        sum = clamp(sum / BokehExactWeight(k + 1.0, sides), vec4f(0.0, 0.0, 0.0, 0.0), most);
-        result = vec4f(sum.rgb, centerPixel.a);
+        result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // [9] debug views
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 // Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
 fn BokehDebugDepth(S2: f32, S1: f32) -> vec4f
@@ -829,17 +994,18 @@ fn BokehDebugDepth(S2: f32, S1: f32) -> vec4f
     return vec4f(grey, grey, grey, 1.0);
 }
 
-// Debug: CoC as grey: black in focus, white at MaxCoC
+// Debug: CoC as grey, with or without a sign: black in focus, white at MaxCoC
 fn BokehDebugCoC(CoC: f32, MaxCoC: f32) -> vec4f
 {
-    let grey: f32 = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    let grey: f32 = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
     return vec4f(grey, grey, grey, 1.0);
 }
 
-// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with the CoC
+// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with
+//   the CoC
 fn BokehDebugFocus(S2: f32, S1: f32, CoC: f32, MaxCoC: f32) -> vec4f
 {
-    let amount: f32 = clamp(CoC / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    let amount: f32 = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
     var result: vec4f = vec4f(0.1 * amount, 0.4 * amount, amount, 1.0);
     if (S2 < S1)
     {

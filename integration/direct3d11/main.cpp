@@ -18,7 +18,7 @@
 #include "../direct3d9/capture.h"
 #include "../direct3d9/scene.h"
 
-constexpr int ZOOM = 2, MAX_TEXTURES = 3, MAX_TARGETS = 3, MAX_PASSES = 4, NUM_DEBUG_VIEWS = 4;
+constexpr int ZOOM = 2, MAX_TEXTURES = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_DEBUG_VIEWS = 4;
 
 struct Target {
     ID3D11Texture2D *texture;
@@ -30,6 +30,7 @@ enum Shader {
     SCENE,
     DISPLAY,
     LINEAR_DEPTH,
+    SIGNED_COC_MAP,
     COC_MAP,
     DEBUG_VIEW,
     HEXAGON_FIRST,
@@ -49,6 +50,7 @@ static const struct {
     {L"scene.hlsl", "Scene_PS", "13"},
     {L"scene.hlsl", "Display_PS", "13"},
     {L"dof.hlsl", "BokehLinearDepth_PS", "13"},
+    {L"dof.hlsl", "BokehSignedCoCMap_PS", "13"},
     {L"dof.hlsl", "BokehCoCMap_PS", "13"},
     {L"dof.hlsl", "BokehDebug_PS", "13"},
     {L"dof.hlsl", "BokehHexagonFirst_PS", "33"},
@@ -63,7 +65,7 @@ static const struct {
 struct Pass {
     Shader shader;
     float degrees;              // of its line; an exact polygon's rotation
-    Target *from[MAX_TEXTURES]; // t0, t2, t3; t1 is the depth
+    Target *from[MAX_TEXTURES]; // t0 to t3; t1 is the depth, where a pass reads it
     Target *to[MAX_TARGETS];
 };
 
@@ -72,35 +74,41 @@ struct Shot {
     Pass passes[MAX_PASSES];
 };
 
-static Target color, depth, coc, t2, t3, t4, result;
+static Target color, z_buffer, depth, coc, t2, t3, t4, result;
 
-static const Pass MAKE_COC = {COC_MAP, 0, {&color}, {&coc}};
+// Depth buffer to metres
+static const Pass MAKE_DEPTH = {LINEAR_DEPTH, 0, {nullptr, &z_buffer}, {&depth}};
 
 static const Shot SHOTS[] = {
     {"exact-hexagon", "exact", "hexagon", {
+        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
         {HEXAGON_FIRST, 0, {&coc}, {&t2, &t3}},
-        {HEXAGON_SECOND, 0, {&t2, &t3}, {&result}},
+        {HEXAGON_SECOND, 0, {&t2, nullptr, &t3}, {&result}},
     }},
     {"exact-octagon", "exact", "octagon", {
+        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
         {OCTAGON_FIRST, 0, {&coc}, {&t2, &t3, &t4}},
-        {OCTAGON_SECOND, 0, {&t2, &t3, &t4}, {&result}},
+        {OCTAGON_SECOND, 0, {&t2, nullptr, &t3, &t4}, {&result}},
     }},
     {"paper-hexagon", "paper", "hexagon", {
-        {LINE, 90, {&coc}, {&t2}},
-        {LINE, 30, {&t2}, {&t3}},
-        {LINE_FINAL, 150, {&t2, &t3}, {&result}},
+        {COC_MAP, 0, {&color, &depth}, {&coc}},
+        {LINE, 90, {&coc, &depth}, {&t2}},
+        {LINE, 30, {&t2, &depth}, {&t3}},
+        {LINE_FINAL, 150, {&t2, &depth, &t3}, {&result}},
     }},
     {"paper-octagon", "paper", "octagon", {
-        {LINE, 0, {&coc}, {&t2}},
-        {LINE, 90, {&t2}, {&t3}},
-        {LINE, 45, {&coc}, {&t2}},
-        {LINE_FINAL, 135, {&t2, &t3}, {&result}},
+        {COC_MAP, 0, {&color, &depth}, {&coc}},
+        {LINE, 0, {&coc, &depth}, {&t2}},
+        {LINE, 90, {&t2, &depth}, {&t3}},
+        {LINE, 45, {&coc, &depth}, {&t2}},
+        {LINE_FINAL, 135, {&t2, &depth, &t3}, {&result}},
     }},
 };
 constexpr int NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0];
 
-// The constant buffer b0 of the package's passes, as docs/inputs.md lists it.
-static struct {
+// The constant buffer b0 of the package's passes, as docs/inputs.md lists it: 33 floats, 144 bytes, since the size of a
+// buffer is a multiple of 16.
+static struct alignas(16) {
     float apertureDiameter, focalLength, focusDistance, sensorHeight = 0.024f, maxCoC, constantCoC;
     float aspectRatio = (float)WIDTH / HEIGHT, angle, angleB;
     float bleedingBias = 0.02f, bleedingMult = 30.0f, blurCoC = 1.0f, useMax, debugMode;
@@ -108,6 +116,7 @@ static struct {
     float imageWidth = WIDTH, imageHeight = HEIGHT, jitter, frame, sides, edge;
     float depthKind = 1.0f, zNear = Z_NEAR, zFar = Z_FAR; // 1: 0 at the near plane, 1 at the far plane
     float viewportX, viewportY, textureWidth, textureHeight; // not read: the image fills its textures
+    float passIndex;
 } parameters;
 
 static HWND window;
@@ -115,13 +124,12 @@ static ID3D11Device *device;
 static ID3D11DeviceContext *context;
 static IDXGISwapChain *swap_chain;
 static ID3D11RenderTargetView *back_buffer;
-static ID3D11DepthStencilView *z_buffer;
-static ID3D11ShaderResourceView *z_buffer_view;
+static ID3D11DepthStencilView *z_buffer_target;
 static ID3D11Buffer *triangles, *camera_buffer, *parameters_buffer;
 static ID3D11InputLayout *layout;
 static ID3D11VertexShader *scene_vertex_shader, *full_screen_vertex_shader;
 static ID3D11PixelShader *shaders[NUM_SHADERS];
-static ID3D11SamplerState *samplers[2];
+static ID3D11SamplerState *sampler;
 static Camera camera;
 static const Shot *shot = &SHOTS[0];
 static int debug_view = -1; // -1: the finished picture
@@ -171,12 +179,12 @@ static void make_z_buffer()
     D3D11_DEPTH_STENCIL_VIEW_DESC written = {};
     written.Format = DXGI_FORMAT_D32_FLOAT;
     written.ViewDimension = D3D11_DSV_DIMENSION_TEXTURE2D;
-    CHECK(device->CreateDepthStencilView(texture, &written, &z_buffer));
+    CHECK(device->CreateDepthStencilView(texture, &written, &z_buffer_target));
     D3D11_SHADER_RESOURCE_VIEW_DESC read = {};
     read.Format = DXGI_FORMAT_R32_FLOAT;
     read.ViewDimension = D3D11_SRV_DIMENSION_TEXTURE2D;
     read.Texture2D.MipLevels = 1;
-    CHECK(device->CreateShaderResourceView(texture, &read, &z_buffer_view));
+    CHECK(device->CreateShaderResourceView(texture, &read, &z_buffer.view));
 }
 
 static ID3D11Buffer *make_buffer(const void *bytes, size_t size, UINT bind)
@@ -226,17 +234,15 @@ static void make_shaders()
     }
 }
 
-// The two samplers that the passes expect: s0 linear, s1 nearest, both clamp.
-static void make_samplers()
+// The sampler s0 that the passes expect: linear, clamp.
+static void make_sampler()
 {
     D3D11_SAMPLER_DESC wanted = {};
     wanted.AddressU = wanted.AddressV = wanted.AddressW = D3D11_TEXTURE_ADDRESS_CLAMP;
     wanted.ComparisonFunc = D3D11_COMPARISON_NEVER;
     wanted.MaxLOD = D3D11_FLOAT32_MAX;
     wanted.Filter = D3D11_FILTER_MIN_MAG_LINEAR_MIP_POINT;
-    CHECK(device->CreateSamplerState(&wanted, &samplers[0]));
-    wanted.Filter = D3D11_FILTER_MIN_MAG_MIP_POINT;
-    CHECK(device->CreateSamplerState(&wanted, &samplers[1]));
+    CHECK(device->CreateSamplerState(&wanted, &sampler));
 }
 
 static void make_device()
@@ -270,11 +276,11 @@ static void draw_scene()
 {
     const float black[4] = {0, 0, 0, 1};
     const UINT stride = sizeof vertices[0], offset = 0;
-    ID3D11ShaderResourceView *const none[4] = {};
-    context->PSSetShaderResources(0, 4, none);
-    context->OMSetRenderTargets(1, &color.target, z_buffer);
+    ID3D11ShaderResourceView *const none[MAX_TEXTURES] = {};
+    context->PSSetShaderResources(0, MAX_TEXTURES, none);
+    context->OMSetRenderTargets(1, &color.target, z_buffer_target);
     context->ClearRenderTargetView(color.target, black);
-    context->ClearDepthStencilView(z_buffer, D3D11_CLEAR_DEPTH, 1.0f, 0);
+    context->ClearDepthStencilView(z_buffer_target, D3D11_CLEAR_DEPTH, 1.0f, 0);
     set_viewport(0, WIDTH, HEIGHT);
     context->IASetInputLayout(layout);
     context->IASetVertexBuffers(0, 1, &triangles, &stride, &offset);
@@ -292,7 +298,7 @@ static void draw_full_screen(Shader shader)
 {
     context->UpdateSubresource(parameters_buffer, 0, nullptr, &parameters, 0, 0);
     context->PSSetConstantBuffers(0, 1, &parameters_buffer);
-    context->PSSetSamplers(0, 2, samplers);
+    context->PSSetSamplers(0, 1, &sampler);
     context->IASetInputLayout(nullptr);
     context->IASetPrimitiveTopology(D3D11_PRIMITIVE_TOPOLOGY_TRIANGLELIST);
     context->VSSetShader(full_screen_vertex_shader, nullptr, 0);
@@ -303,32 +309,23 @@ static void draw_full_screen(Shader shader)
 // A texture cannot be read while it is a target: first nothing is read, then the targets, then what is read.
 static void set_textures(ID3D11RenderTargetView *const *targets, int num_targets, ID3D11ShaderResourceView *const *read)
 {
-    ID3D11ShaderResourceView *const none[4] = {};
-    context->PSSetShaderResources(0, 4, none);
+    ID3D11ShaderResourceView *const none[MAX_TEXTURES] = {};
+    context->PSSetShaderResources(0, MAX_TEXTURES, none);
     context->OMSetRenderTargets(num_targets, targets, nullptr);
-    context->PSSetShaderResources(0, 4, read);
-}
-
-// Depth buffer at t1 -> metres in `depth`, which all later passes have at t1.
-static void draw_linear_depth()
-{
-    ID3D11ShaderResourceView *const read[4] = {nullptr, z_buffer_view};
-    set_textures(&depth.target, 1, read);
-    set_viewport(0, WIDTH, HEIGHT);
-    draw_full_screen(LINEAR_DEPTH);
+    context->PSSetShaderResources(0, MAX_TEXTURES, read);
 }
 
 static void draw_pass(const Pass &pass)
 {
     ID3D11RenderTargetView *targets[MAX_TARGETS] = {};
-    ID3D11ShaderResourceView *read[4] = {pass.from[0]->view, depth.view};
+    ID3D11ShaderResourceView *read[MAX_TEXTURES] = {};
     int num_targets = 0;
     while (num_targets < MAX_TARGETS && pass.to[num_targets]) {
         targets[num_targets] = pass.to[num_targets]->target;
         num_targets++;
     }
-    for (int i = 1; i < MAX_TEXTURES && pass.from[i]; i++)
-        read[i + 1] = pass.from[i]->view;
+    for (int i = 0; i < MAX_TEXTURES; i++)
+        read[i] = pass.from[i] ? pass.from[i]->view : nullptr;
     set_textures(targets, num_targets, read);
     set_viewport(0, WIDTH, HEIGHT);
     parameters.angle = pass.degrees * PI / 180.0f;
@@ -338,8 +335,7 @@ static void draw_pass(const Pass &pass)
 // From `color` and the depth buffer to `result`.
 static void draw_depth_of_field()
 {
-    draw_linear_depth();
-    draw_pass(MAKE_COC);
+    draw_pass(MAKE_DEPTH);
     for (int i = 0; i < MAX_PASSES && shot->passes[i].to[0]; i++)
         draw_pass(shot->passes[i]);
 }
@@ -349,7 +345,7 @@ static void draw_depth_of_field()
 // A part of the screen: an HDR picture tone-mapped, or, where `shader` is DEBUG_VIEW, a debug view of the CoC map.
 static void show(Shader shader, const Target &picture, ID3D11RenderTargetView *screen, int left, int width, int height)
 {
-    ID3D11ShaderResourceView *const read[4] = {picture.view, depth.view};
+    ID3D11ShaderResourceView *const read[MAX_TEXTURES] = {picture.view, depth.view};
     set_textures(&screen, 1, read);
     set_viewport(left, width, height);
     draw_full_screen(shader);
@@ -502,7 +498,7 @@ int main(int argc, char **argv)
     make_z_buffer();
     make_buffers();
     make_shaders();
-    make_samplers();
+    make_sampler();
     parameters.apertureDiameter = APERTURE_DIAMETER;
     parameters.focalLength = FOCAL_LENGTH;
     parameters.maxCoC = MAX_COC;

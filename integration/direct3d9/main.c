@@ -17,7 +17,7 @@
 #include "capture.h"
 #include "scene.h"
 
-enum { ZOOM = 2, MAX_INPUTS = 3, MAX_TARGETS = 3, MAX_PASSES = 4, NUM_PARAMETERS = 32, NUM_DEBUG_VIEWS = 4 };
+enum { ZOOM = 2, MAX_INPUTS = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_PARAMETERS = 33, NUM_DEBUG_VIEWS = 4 };
 
 typedef struct {
     IDirect3DTexture9 *texture;
@@ -29,6 +29,7 @@ typedef enum {
     SCENE_COLOR,
     SCENE_DEPTH,
     DISPLAY,
+    SIGNED_COC_MAP,
     COC_MAP,
     DEBUG_VIEW,
     HEXAGON_FIRST,
@@ -48,6 +49,7 @@ static const struct {
     [SCENE_COLOR] = {L"scene.hlsl", "SceneColor_PS", "13"},
     [SCENE_DEPTH] = {L"scene.hlsl", "SceneDepth_PS", "13"},
     [DISPLAY] = {L"scene.hlsl", "Display_PS", "13"},
+    [SIGNED_COC_MAP] = {L"dof.hlsl", "BokehSignedCoCMap_PS", "13"},
     [COC_MAP] = {L"dof.hlsl", "BokehCoCMap_PS", "13"},
     [DEBUG_VIEW] = {L"dof.hlsl", "BokehDebug_PS", "13"},
     [HEXAGON_FIRST] = {L"dof.hlsl", "BokehHexagonFirst_PS", "33"},
@@ -62,7 +64,7 @@ static const struct {
 typedef struct {
     Shader shader;
     float degrees;            /* of its line; an exact polygon's rotation */
-    Target *from[MAX_INPUTS]; /* s0, s2, s3; s1 is the depth */
+    Target *from[MAX_INPUTS]; /* s0 to s3; s1 is the depth, where a pass reads it */
     Target *to[MAX_TARGETS];
 } Pass;
 
@@ -73,37 +75,39 @@ typedef struct {
 
 static Target color, depth, coc, t2, t3, t4, result;
 
-static const Pass MAKE_COC = {COC_MAP, 0, {&color}, {&coc}};
-
 static const Shot SHOTS[] = {
     {"exact-hexagon", "exact", "hexagon", {
+        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
         {HEXAGON_FIRST, 0, {&coc}, {&t2, &t3}},
-        {HEXAGON_SECOND, 0, {&t2, &t3}, {&result}},
+        {HEXAGON_SECOND, 0, {&t2, NULL, &t3}, {&result}},
     }},
     {"exact-octagon", "exact", "octagon", {
+        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
         {OCTAGON_FIRST, 0, {&coc}, {&t2, &t3, &t4}},
-        {OCTAGON_SECOND, 0, {&t2, &t3, &t4}, {&result}},
+        {OCTAGON_SECOND, 0, {&t2, NULL, &t3, &t4}, {&result}},
     }},
     {"paper-hexagon", "paper", "hexagon", {
-        {LINE, 90, {&coc}, {&t2}},
-        {LINE, 30, {&t2}, {&t3}},
-        {LINE_FINAL, 150, {&t2, &t3}, {&result}},
+        {COC_MAP, 0, {&color, &depth}, {&coc}},
+        {LINE, 90, {&coc, &depth}, {&t2}},
+        {LINE, 30, {&t2, &depth}, {&t3}},
+        {LINE_FINAL, 150, {&t2, &depth, &t3}, {&result}},
     }},
     {"paper-octagon", "paper", "octagon", {
-        {LINE, 0, {&coc}, {&t2}},
-        {LINE, 90, {&t2}, {&t3}},
-        {LINE, 45, {&coc}, {&t2}},
-        {LINE_FINAL, 135, {&t2, &t3}, {&result}},
+        {COC_MAP, 0, {&color, &depth}, {&coc}},
+        {LINE, 0, {&coc, &depth}, {&t2}},
+        {LINE, 90, {&t2, &depth}, {&t3}},
+        {LINE, 45, {&coc, &depth}, {&t2}},
+        {LINE_FINAL, 135, {&t2, &depth, &t3}, {&result}},
     }},
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 to c27 of the package's passes, as docs/inputs.md lists them. */
+/* Registers c0 to c32 of the package's passes, as docs/inputs.md lists them. */
 static struct {
     float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
     float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
     float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar, viewportX, viewportY;
-    float textureWidth, textureHeight;
+    float textureWidth, textureHeight, passIndex;
 } parameters = {
     .sensorHeight = 0.024f,
     .bleedingBias = 0.02f,
@@ -206,6 +210,7 @@ static void make_device(void)
     }
     CHECK(IDirect3DDevice9_GetRenderTarget(device, 0, &back_buffer));
     CHECK(IDirect3DDevice9_SetRenderState(device, D3DRS_CULLMODE, D3DCULL_NONE));
+    /* alpha is the CoC, not opacity */
     CHECK(IDirect3DDevice9_SetRenderState(device, D3DRS_ALPHABLENDENABLE, FALSE));
 }
 
@@ -274,11 +279,9 @@ static void draw_pass(const Pass *pass)
 {
     for (int i = 0; i < MAX_TARGETS; i++)
         CHECK(IDirect3DDevice9_SetRenderTarget(device, i, pass->to[i] ? pass->to[i]->surface : NULL));
-    /* CoCMap copies texel by texel, all others sample between texels */
-    set_texture(0, pass->from[0], pass->shader == COC_MAP ? D3DTEXF_POINT : D3DTEXF_LINEAR);
-    set_texture(1, &depth, D3DTEXF_POINT);
-    set_texture(2, pass->from[1], D3DTEXF_LINEAR);
-    set_texture(3, pass->from[2], D3DTEXF_LINEAR);
+    /* colour and depth are copied texel by texel, all else is sampled between texels */
+    for (int i = 0; i < MAX_INPUTS; i++)
+        set_texture(i, pass->from[i], pass->from[i] == &color || i == 1 ? D3DTEXF_POINT : D3DTEXF_LINEAR);
     parameters.angle = pass->degrees * PI / 180.0f;
     set_parameters();
     draw_quad(pass->shader, WIDTH, HEIGHT);
@@ -287,7 +290,6 @@ static void draw_pass(const Pass *pass)
 /* From `color` and `depth` to `result`. */
 static void draw_depth_of_field(void)
 {
-    draw_pass(&MAKE_COC);
     for (int i = 0; i < MAX_PASSES && shot->passes[i].to[0]; i++)
         draw_pass(&shot->passes[i]);
 }

@@ -11,7 +11,7 @@ import moderngl
 from apertures import exact_octagon, paper_hexagon, paper_octagon
 from depth_of_field import exact_hexagon
 from renderer import BALL, SIZE, Renderer
-from sample import BLUR, IMAGE, LENS, PAPER, focus_on, start
+from sample import BLUR, DEPTH, IMAGE, LENS, PAPER, focus_on, start
 
 SHOTS = {
     "exact-hexagon": exact_hexagon,
@@ -31,7 +31,7 @@ def main(folder):
     for name, made in SHOTS.items():
         passes, result = made(context, renderer.color, renderer.depth)
         for step in passes:
-            step.draw(BokehFocusDistance=focus, **LENS, **IMAGE, **BLUR, **PAPER)
+            step.draw(BokehFocusDistance=focus, **LENS, **IMAGE, **DEPTH, **BLUR, **PAPER)
         (folder / f"{name}.f16").write_bytes(result.read())
         method, aperture = name.split("-")
         shots.append({"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"})

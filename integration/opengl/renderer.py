@@ -66,11 +66,9 @@ void main()
 
 
 def texture(context, size, kind):
-    """A texture that is clamped: RGBA8, RGBA16F or R32F; nearest or linear."""
-    name, filtering = kind.split()
-    channels, dtype = {"RGBA8": (4, "f1"), "RGBA16F": (4, "f2"), "R32F": (1, "f4")}[name]
+    """A texture with a linear filter that is clamped: RGBA8, RGBA16F or R32F."""
+    channels, dtype = {"RGBA8": (4, "f1"), "RGBA16F": (4, "f2"), "R32F": (1, "f4")}[kind]
     made = context.texture(size, channels, dtype=dtype)
-    made.filter = (getattr(moderngl, filtering.upper()),) * 2
     made.repeat_x = made.repeat_y = False
     return made
 
@@ -92,6 +90,7 @@ class FullScreenPass:
         for name, value in {**uniforms, **self.uniforms}.items():
             if name in self.program:
                 self.program[name] = value
+        # no blending: alpha is the CoC
         self.context.disable(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.CULL_FACE)
         self.framebuffer.use()
         self.triangle.render(moderngl.TRIANGLES, vertices=3)
@@ -102,15 +101,13 @@ class Renderer:
 
     def __init__(self, context):
         self.context = context
-        self.color = texture(context, SIZE, "RGBA16F nearest")
+        self.color = texture(context, SIZE, "RGBA16F")
         self.depth = context.depth_texture(SIZE)
         self.depth.compare_func = ""
-        self.depth.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self.depth.repeat_x = self.depth.repeat_y = False
         self.framebuffer = context.framebuffer([self.color], self.depth)
         self.program = context.program(vertex_shader=SCENE_VERTEX, fragment_shader=SCENE_FRAGMENT)
         self.sphere = context.vertex_array(self.program, context.buffer(_sphere().tobytes()), "corner")
-        self.shown = texture(context, SIZE, "RGBA8 nearest")
+        self.shown = texture(context, SIZE, "RGBA8")
 
     def draw(self):
         """The scene: a table, a wall, two balls, lights before and behind them."""

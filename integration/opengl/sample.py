@@ -10,7 +10,8 @@ from PIL import Image
 from renderer import BALL, FAR, FOCAL_LENGTH, NEAR, SENSOR_HEIGHT, SIZE, Renderer, view
 
 LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=SENSOR_HEIGHT)
-IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1], Near=NEAR, Far=FAR)
+IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1])
+DEPTH = dict(BokehDepthKind=1.0, BokehNear=NEAR, BokehFar=FAR)
 BLUR = dict(BokehMaxCoC=0.12, BokehSpacing=1.0, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
 # only paper has these
 PAPER = dict(BokehBlurCoC=1.0, BokehLineLength=1.0)
@@ -40,18 +41,18 @@ def main(path):
 
     passes, result = exact_hexagon(context, renderer.color, renderer.depth)
     for step in passes:
-        step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **BLUR)
+        step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **DEPTH, **BLUR)
     hexagon = renderer.picture(result)
 
     picked = focus_at(passes, 304, 82)
     passes, result = exact_octagon(context, renderer.color, renderer.depth)
     for step in passes:
-        step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **BLUR)
+        step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **DEPTH, **BLUR)
     octagon = renderer.picture(result)
 
     passes, result = debug(context, renderer.color, renderer.depth)
     for step in passes:
-        step.draw(BokehFocusDistance=focus_on(BALL), BokehDebugMode=3.0, **LENS, **IMAGE, **BLUR)
+        step.draw(BokehFocusDistance=focus_on(BALL), BokehDebugMode=3.0, **LENS, **IMAGE, **DEPTH, **BLUR)
     fields = renderer.picture(result)
 
     rows = [[renderer.picture(renderer.color), hexagon], [fields, octagon]]

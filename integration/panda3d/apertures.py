@@ -1,24 +1,34 @@
 """Other lists for DepthOfField, in place of EXACT_HEXAGON."""
 
+from depth_of_field import EXACT_INPUTS
+
 EXACT_OCTAGON = [
-    ("OCTAGON_FIRST", 0, ["metres", "coc"], ["t2", "t3", "t4"]),
-    ("OCTAGON_SECOND", 0, ["metres", "t2", "t3", "t4"], ["result"]),
+    *EXACT_INPUTS,
+    ("OCTAGON_FIRST", 0, ["coc"], ["t2", "t3", "t4"]),
+    ("OCTAGON_SECOND", 0, ["t2", "t3", "t4"], ["result"]),
+]
+
+PAPER_INPUTS = [
+    ("LINEAR_DEPTH", 0, [], ["metres"]),
+    ("COC_MAP", 0, ["color"], ["coc"]),
 ]
 
 # Two parallelograms that share the upright line, combined by min
 PAPER_HEXAGON = [
-    ("ADAPTIVE", 90, ["metres", "coc"], ["line"]),
-    ("ADAPTIVE", 30, ["metres", "line"], ["half"]),
-    ("ADAPTIVE_FINAL", 150, ["metres", "line", "half"], ["result"]),
+    *PAPER_INPUTS,
+    ("ADAPTIVE", 90, ["coc"], ["line"]),
+    ("ADAPTIVE", 30, ["line"], ["half"]),
+    ("ADAPTIVE_FINAL", 150, ["line", "half"], ["result"]),
 ]
 
-# Two squares, the second turned by 45 degrees, combined by min
+# Two squares, the second rotated by 45 degrees, combined by min
 PAPER_OCTAGON = [
-    ("ADAPTIVE", 0, ["metres", "coc"], ["line"]),
-    ("ADAPTIVE", 90, ["metres", "line"], ["square"]),
-    ("ADAPTIVE", 45, ["metres", "coc"], ["slanted"]),
-    ("ADAPTIVE_FINAL", 135, ["metres", "slanted", "square"], ["result"]),
+    *PAPER_INPUTS,
+    ("ADAPTIVE", 0, ["coc"], ["line"]),
+    ("ADAPTIVE", 90, ["line"], ["square"]),
+    ("ADAPTIVE", 45, ["coc"], ["slanted"]),
+    ("ADAPTIVE_FINAL", 135, ["slanted", "square"], ["result"]),
 ]
 
 # Not an aperture: what BokehDebugMode says, instead of a blur
-DEBUG = [("DEBUG", 0, ["metres", "coc"], ["result"])]
+DEBUG = [*EXACT_INPUTS, ("DEBUG", 0, ["coc"], ["result"])]

@@ -21,36 +21,26 @@ void main()
     BokehUV = 0.5 * p3d_Vertex.xz + 0.5;
 }
 """
-# what the depth texture holds, to metres along the view axis
-METRES = """
-uniform sampler2D BokehDepthSamp;
-uniform vec2 NearFar;
-in vec2 BokehUV;
-out float metres;
-void main()
-{
-    metres = BokehDepthFromWindow(textureLod(BokehDepthSamp, BokehUV, 0.0).r, NearFar.x, NearFar.y);
-}
-"""
-SLOTS = ("BokehDepthSamp", "BokehColorSamp", "BokehColorSampB", "BokehColorSampC")
+SLOTS = ("BokehColorSamp", "BokehColorSampB", "BokehColorSampC")
 # name of BOKEH_PASS, angle in degrees, textures for SLOTS, targets
-INPUTS = [
-    ("METRES", 0, ["depth"], ["metres"]),
-    ("COC_MAP", 0, ["metres", "color"], ["coc"]),
+EXACT_INPUTS = [
+    ("LINEAR_DEPTH", 0, [], ["metres"]),
+    ("SIGNED_COC_MAP", 0, ["color"], ["coc"]),
 ]
 EXACT_HEXAGON = [
-    ("HEXAGON_FIRST", 0, ["metres", "coc"], ["t2", "t3"]),
-    ("HEXAGON_SECOND", 0, ["metres", "t2", "t3"], ["result"]),
+    *EXACT_INPUTS,
+    ("HEXAGON_FIRST", 0, ["coc"], ["t2", "t3"]),
+    ("HEXAGON_SECOND", 0, ["t2", "t3"], ["result"]),
 ]
 
 
-def texture(name, filtering=SamplerState.FT_linear):
-    """A texture to render into: clamped."""
+def texture(name):
+    """A texture to render into: linear filter, clamped."""
     made = Texture(name)
     made.setWrapU(SamplerState.WM_clamp)
     made.setWrapV(SamplerState.WM_clamp)
-    made.setMinfilter(filtering)
-    made.setMagfilter(filtering)
+    made.setMinfilter(SamplerState.FT_linear)
+    made.setMagfilter(SamplerState.FT_linear)
     return made
 
 
@@ -68,19 +58,20 @@ class DepthOfField:
 
     def __init__(self, manager, color, depth, passes=EXACT_HEXAGON):
         self.textures = {"color": color, "depth": depth}
-        self.quads = [self.add(manager, *step) for step in INPUTS + passes]
+        self.quads = [self.add(manager, *step) for step in passes]
 
     def add(self, manager, name, angle, reads, writes):
         """One pass as a quad of the manager."""
-        bits = (32, 0, 0, 0) if name == "METRES" else (16, 16, 16, 16)
-        filtering = SamplerState.FT_nearest if name == "METRES" else SamplerState.FT_linear
-        targets = [texture(target, filtering) for target in writes]
+        bits = (32, 0, 0, 0) if name == "LINEAR_DEPTH" else (16, 16, 16, 16)
+        targets = [texture(target) for target in writes]
         slots = dict(zip(("colortex", "auxtex0", "auxtex1"), targets, strict=False))
         quad = manager.renderQuadInto(name, fbprops=float_target(*bits, targets=len(targets)), **slots)
-        fragment = f"{HEAD}#define BOKEH_PASS BOKEH_{name}\n{LIBRARY}{METRES if name == 'METRES' else PASSES}"
+        fragment = f"{HEAD}#define BOKEH_PASS BOKEH_{name}\n{LIBRARY}{PASSES}"
         quad.setShader(Shader.make(Shader.SL_GLSL, VERTEX, fragment))
         for slot, read in zip(SLOTS, reads, strict=False):
             quad.setShaderInput(slot, self.textures[read])
+        # only the passes that read depth take it
+        quad.setShaderInput("BokehDepthSamp", self.textures.get("metres", self.textures["depth"]))
         quad.setShaderInput("BokehAngle", radians(angle))
         self.textures.update(zip(writes, targets, strict=True))
         return quad

@@ -7,10 +7,12 @@ from apertures import DEBUG, EXACT_OCTAGON
 from depth_of_field import DepthOfField, float_target, texture
 from direct.filter.FilterManager import FilterManager
 from direct.showbase.ShowBase import ShowBase
-from panda3d.core import LVecBase4f, PNMImage, SamplerState, Shader, loadPrcFileData
+from panda3d.core import LVecBase4f, PNMImage, Shader, loadPrcFileData
 
 PARAMETERS = {
-    "NearFar": (scene.NEAR, scene.FAR),
+    "BokehDepthKind": 1.0,
+    "BokehNear": scene.NEAR,
+    "BokehFar": scene.FAR,
     "BokehApertureDiameter": scene.FOCAL_LENGTH / 1.4,
     "BokehFocalLength": scene.FOCAL_LENGTH,
     "BokehSensorHeight": scene.FILM[1],
@@ -29,6 +31,7 @@ PARAMETERS = {
     "BokehSpacing": 1.0,
     "BokehJitter": 0.0,
     "BokehFrame": 0.0,
+    "BokehPassIndex": 0.0,
     "BokehDebugMode": 3.0,
 }
 
@@ -71,8 +74,8 @@ class Frame:
     def __init__(self, base):
         self.base = base
         self.manager = FilterManager(base.win, base.cam)
-        self.color = texture("color", SamplerState.FT_nearest)
-        self.depth = texture("depth", SamplerState.FT_nearest)
+        self.color = texture("color")
+        self.depth = texture("depth")
         hdr = float_target(16, 16, 16, 16)
         hdr.setDepthBits(24)
         self.quad = self.manager.renderSceneInto(colortex=self.color, depthtex=self.depth, fbprops=hdr)

@@ -3,7 +3,7 @@
 // Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of bokeh.wgsl.
 // It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL.
 
-import { DepthTexture, FloatType, HalfFloatType, LinearFilter, NearestFilter, RedFormat } from 'three/webgpu';
+import { FloatType, HalfFloatType, NoBlending, RedFormat, Vector2 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils } from 'three/webgpu';
 import { outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 
@@ -15,45 +15,52 @@ const LINES = {
 
 // three.js reads the names and types of the parameters out of these texts, and fills them by name.
 const METRES = `
-fn bokehMetres(depth: f32, depthKind: f32, cameraNear: f32, cameraFar: f32) -> vec4f
+fn bokehMetres(depth: f32, depthKind: i32, cameraNear: f32, cameraFar: f32) -> vec4f
 {
     return vec4f(BokehLinearDepth(depth, depthKind, cameraNear, cameraFar), 0.0, 0.0, 1.0);
 }`;
 
-const COC_MAP = `
-fn bokehCoCMap(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, Nearest: sampler, uv: vec2f,
-    apertureDiameter: f32, focalLength: f32, focusDistance: f32, sensorHeight: f32, maxCoC: f32) -> vec4f
+// 'SignedCoCMap' for exact, whose passes read no depth; 'CoCMap' for paper
+const cocMap = (name) => `
+fn bokehMap(Color: texture_2d<f32>, Depth: texture_2d<f32>, uv: vec2f, apertureDiameter: f32, focalLength: f32,
+    focusDistance: f32, sensorHeight: f32, maxCoC: f32) -> vec4f
 {
-    return BokehCoCMap(Color, Linear, Depth, Nearest, uv, apertureDiameter, focalLength, focusDistance, sensorHeight,
-        maxCoC);
+    return Bokeh${name}(Color, Depth, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC);
 }`;
 
-// Four columns: the targets, as many as there are edges less one
-const exactFirst = (sides, samples) => `
-fn bokehExactFirst(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, Nearest: sampler, uv: vec2f,
-    rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32) -> mat4x4f
+const SETTINGS = `
+fn bokehSettings(imageSize: vec2f, spacing: f32) -> BokehFilter
 {
-    return BokehExactFirst(Color, Linear, Depth, Nearest, uv, ${sides}.0, rotation, squeeze, aspectRatio, imageHeight,
-        spacing, ${samples}, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT);
+    var settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    return settings;
 }`;
 
-const exactSecond = (sides, samples) => `
+// A matrix, since three.js does not know the library's structs; of its columns as many are targets as there are edges
+// less one
+const exactFirst = (sides) => `
+fn bokehExactFirst(Color: texture_2d<f32>, Linear: sampler, uv: vec2f, rotation: f32, squeeze: f32, imageSize: vec2f,
+    spacing: f32) -> mat4x4f
+{
+    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    let targets = BokehExactFirst(Color, Linear, uv, polygon, bokehSettings(imageSize, spacing));
+    return mat4x4f(targets.T2, targets.T3, targets.T4, targets.T5);
+}`;
+
+const exactSecond = (sides) => `
 fn bokehExactSecond(Color: texture_2d<f32>, Linear: sampler, ColorB: texture_2d<f32>, ColorC: texture_2d<f32>,
-    ColorD: texture_2d<f32>, Depth: texture_2d<f32>, Nearest: sampler, uv: vec2f, rotation: f32, squeeze: f32,
-    aspectRatio: f32, imageHeight: f32, spacing: f32) -> vec4f
+    ColorD: texture_2d<f32>, uv: vec2f, rotation: f32, squeeze: f32, imageSize: vec2f, spacing: f32) -> vec4f
 {
-    return BokehExactSecond(Color, Linear, ColorB, Linear, ColorC, Linear, ColorD, Linear, Depth, Nearest, uv,
-        ${sides}.0, rotation, squeeze, aspectRatio, imageHeight, spacing, ${samples}, 0.0, BOKEH_BLEEDING_BIAS,
-        BOKEH_BLEEDING_MULT);
+    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    return BokehExactSecond(Color, Linear, ColorB, ColorC, ColorD, uv, polygon, bokehSettings(imageSize, spacing));
 }`;
 
-const line = (samples) => `
-fn bokehLine(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, Nearest: sampler, uv: vec2f,
-    lineAngle: f32, rotation: f32, squeeze: f32, aspectRatio: f32, imageHeight: f32, spacing: f32) -> vec4f
+const LINE = `
+fn bokehLine(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, uv: vec2f, lineAngle: f32, rotation: f32,
+    squeeze: f32, imageSize: vec2f, spacing: f32) -> vec4f
 {
     let segment = BokehSegment(lineAngle + rotation, 1.0, vec2f(0.0, 0.0), squeeze);
-    return BokehDepthOfFieldAdaptive(Color, Linear, Depth, Nearest, uv, segment, aspectRatio, imageHeight, spacing,
-        ${samples}, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true);
+    return BokehDepthOfFieldAdaptive(Color, Linear, Depth, uv, segment, bokehSettings(imageSize, spacing), true);
 }`;
 
 const COMBINE = `
@@ -63,13 +70,13 @@ fn bokehCombine(lineBlur: vec4f, ColorB: texture_2d<f32>, Linear: sampler, uv: v
 }`;
 
 const DEBUG = `
-fn bokehDebug(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, Nearest: sampler, uv: vec2f,
-    focusDistance: f32, maxCoC: f32, debugMode: f32) -> vec4f
+fn bokehDebug(Color: texture_2d<f32>, Depth: texture_2d<f32>, uv: vec2f, focusDistance: f32, maxCoC: f32,
+    debugMode: i32) -> vec4f
 {
-    let CoC = BokehFetch(Color, Linear, uv).a;
-    let S2 = BokehFetchNearest(Depth, Nearest, uv).r;
-    if (debugMode > 2.5) { return BokehDebugFocus(S2, focusDistance, CoC, maxCoC); }
-    if (debugMode > 1.5) { return BokehDebugCoC(CoC, maxCoC); }
+    let CoC = BokehFetchNearest(Color, uv).a;
+    let S2 = BokehFetchNearest(Depth, uv).r;
+    if (debugMode == 3) { return BokehDebugFocus(S2, focusDistance, CoC, maxCoC); }
+    if (debugMode == 2) { return BokehDebugCoC(CoC, maxCoC); }
     return BokehDebugDepth(S2, focusDistance);
 }`;
 
@@ -77,7 +84,8 @@ const LOGARITHMIC =
   'PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / log(far / near) is none ' +
   "of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
 
-const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode });
+// no blending: alpha is the circle of confusion
+const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
 const quad = new QuadMesh();
 let rendererState;
 
@@ -91,14 +99,17 @@ export class PolygonBokehNode extends Node {
   // method     'exact': two passes, light adds up; 'paper': lines and min, a target less
   // sides      6 or 8; exact has 4 and 10 as well
   // samples    at most so many on an edge or a line
-  // opaque     false: alpha is the circle of confusion in the end too. A canvas would take it for transparency.
+  // opaque     false: alpha is the circle of confusion in the end too, signed for exact. A canvas would take it for
+  //            transparency.
   constructor(library, scenePass, { method = 'exact', sides = 6, samples = 33, opaque = true } = {}) {
     super('vec4');
     this.updateBeforeType = NodeUpdateType.FRAME;
-    this.library = wgsl(library);
+    // three.js hands no pipeline constants on to WebGPU, so the override gets its value here
+    const count = /(?<=override BOKEH_NUM_SAMPLES: i32 = )\d+/;
+    this.library = wgsl(library.replace(count, samples) + SETTINGS);
     this.scenePass = scenePass;
     this.camera = scenePass.camera;
-    Object.assign(this, { method, sides, samples, opaque });
+    Object.assign(this, { method, sides, opaque });
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
     // (pixels between samples). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
@@ -111,17 +122,15 @@ export class PolygonBokehNode extends Node {
       rotation: uniform(0),
       squeeze: uniform(1),
       spacing: uniform(1),
-      debugMode: uniform(0),
-      depthKind: uniform(1),
+      debugMode: uniform(0, 'int'),
+      depthKind: uniform(1, 'int'),
       cameraNear: uniform(0),
       cameraFar: uniform(0),
-      aspectRatio: uniform(1),
-      imageHeight: uniform(1),
+      imageSize: uniform(new Vector2(1, 1)),
     };
 
     const half = { type: HalfFloatType, depthBuffer: false };
-    const nearest = { minFilter: NearestFilter, magFilter: NearestFilter };
-    this.depth = new RenderTarget(1, 1, { type: FloatType, format: RedFormat, depthBuffer: false, ...nearest });
+    this.depth = new RenderTarget(1, 1, { type: FloatType, format: RedFormat, depthBuffer: false });
     this.coc = new RenderTarget(1, 1, half);
     this.result = new RenderTarget(1, 1, half);
     this.targets =
@@ -141,10 +150,7 @@ export class PolygonBokehNode extends Node {
     if (!builder.renderer.backend.isWebGPUBackend) throw new Error('PolygonBokehNode needs WebGPU: it is WGSL');
     // For an orthographic camera three.js leaves the logarithm out.
     if (builder.renderer.logarithmicDepthBuffer && !this.camera.isOrthographicCamera) throw new Error(LOGARITHMIC);
-    // three.js makes no sampler for a texture with nearest filters, but a depth texture's is nearest whatever it says.
-    const nearest = new DepthTexture(1, 1);
-    nearest.minFilter = LinearFilter;
-    const inputs = { ...this.uniforms, uv: uv(), Depth: texture(this.depth.texture), Nearest: sampler(nearest) };
+    const inputs = { ...this.uniforms, uv: uv(), Depth: texture(this.depth.texture) };
     const use = (code) => wgslFn(code, [this.library]);
     // parameters of a pass that reads these textures; what has fewer gets the last one for the rest, and reads it not
     const reading = (...textures) => {
@@ -153,10 +159,10 @@ export class PolygonBokehNode extends Node {
     };
     const scene = this.scenePass.getTextureNode();
     const metres = use(METRES)({ ...inputs, depth: this.scenePass.getTextureNode('depth').r });
-    const coc = use(COC_MAP)({ ...inputs, Linear: sampler(scene), Color: scene });
+    const map = cocMap(this.method === 'exact' ? 'SignedCoCMap' : 'CoCMap');
     this.before = [
       [material(metres), this.depth],
-      [material(coc), this.coc],
+      [material(use(map)({ ...inputs, Color: scene })), this.coc],
     ];
     this.debug = [[material(use(DEBUG)(reading(this.coc.texture))), this.result]];
     this.passes = this.method === 'exact' ? this.exact(use, reading) : this.paper(use, reading);
@@ -167,9 +173,9 @@ export class PolygonBokehNode extends Node {
 
   exact(use, reading) {
     const [targets] = this.targets;
-    const T = use(exactFirst(this.sides, this.samples))(reading(this.coc.texture)).toVar();
+    const T = use(exactFirst(this.sides))(reading(this.coc.texture)).toVar();
     const columns = targets.textures.map((_, i) => T.element(i));
-    const second = use(exactSecond(this.sides, this.samples))(reading(...targets.textures));
+    const second = use(exactSecond(this.sides))(reading(...targets.textures));
     return [
       [material(columns.length > 1 ? outputStruct(...columns) : columns[0]), targets],
       [this.last(second), this.result],
@@ -179,7 +185,7 @@ export class PolygonBokehNode extends Node {
   paper(use, reading) {
     const [one, finished] = this.targets;
     const [[a, b], [c, d]] = LINES[this.sides];
-    const blur = use(line(this.samples));
+    const blur = use(LINE);
     const along = (degrees, from) => blur({ ...reading(from.texture), lineAngle: uniform((degrees * Math.PI) / 180) });
     const combined = use(COMBINE)({ ...reading(one.texture, finished.texture), lineBlur: along(d, one) });
     return [
@@ -197,14 +203,13 @@ export class PolygonBokehNode extends Node {
   // Draws the passes. three.js calls it once in a frame, after the scene.
   updateBefore({ renderer }) {
     const { width, height } = this.scenePass.renderTarget;
-    const { depthKind, cameraNear, cameraFar, aspectRatio, imageHeight, debugMode } = this.uniforms;
+    const { depthKind, cameraNear, cameraFar, imageSize, debugMode } = this.uniforms;
     for (const target of [this.depth, this.coc, this.result, ...this.targets]) target.setSize(width, height);
     // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
     depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
     cameraNear.value = this.camera.near;
     cameraFar.value = this.camera.far;
-    aspectRatio.value = width / height;
-    imageHeight.value = height;
+    imageSize.value.set(width, height);
 
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
     for (const [drawn, target] of [...this.before, ...(debugMode.value > 0 ? this.debug : this.passes)]) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of bokeh.glsl.
-// It stands directly behind the RenderPass, before bloom and before OutputPass.
+// It stands directly after the RenderPass, before bloom and before OutputPass.
 
-import { FloatType, GLSL3, HalfFloatType, NearestFilter, RedFormat, ShaderMaterial, WebGLRenderTarget } from 'three';
+import { FloatType, GLSL3, HalfFloatType, NearestFilter, NoBlending, RedFormat } from 'three';
+import { ShaderMaterial, Vector2, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
 
 // Angles of the lines in degrees: each pair is a parallelogram, and min of the two is the polygon (docs/apertures.md).
@@ -23,12 +24,20 @@ void main()
 const INPUTS = `
 uniform sampler2D ColorSamp, ColorSampB, ColorSampC, ColorSampD, DepthSamp;
 uniform float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, rotation, squeeze, spacing;
-uniform float depthKind, cameraNear, cameraFar, aspectRatio, imageHeight, lineAngle;
-uniform int debugMode;
+uniform float cameraNear, cameraFar, lineAngle;
+uniform vec2 imageSize;
+uniform int depthKind, debugMode;
 in vec2 bokehUv;
+
+BokehFilter filterSettings()
+{
+    BokehFilter settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    return settings;
+}
 `;
 
-// Depth in metres, which every later pass reads
+// Depth in metres, for the map of the circle of confusion; the paper's lines and the debug views read it too
 const METRES = `
 out float metres;
 void main()
@@ -36,30 +45,31 @@ void main()
     metres = BokehLinearDepth(BokehFetchNearest(DepthSamp, bokehUv).r, depthKind, cameraNear, cameraFar);
 }`;
 
-const COC_MAP = `
+// 'SignedCoCMap' for exact, whose passes read no depth; 'CoCMap' for paper
+const cocMap = (name) => `
 out vec4 result;
 void main()
 {
-    result = BokehCoCMap(ColorSamp, DepthSamp, bokehUv, apertureDiameter, focalLength, focusDistance, sensorHeight,
+    result = Bokeh${name}(ColorSamp, DepthSamp, bokehUv, apertureDiameter, focalLength, focusDistance, sensorHeight,
         maxCoC);
 }`;
 
 // As many targets as there are edges less one: T2, T3 for the hexagon
-const exactFirst = (sides, edges = Array.from({ length: sides / 2 - 1 }, (_, i) => i)) => `
-${edges.map((i) => `layout(location = ${i}) out vec4 T${i + 2};`).join('\n')}
+const exactFirst = (sides, names = ['T2', 'T3', 'T4', 'T5'].slice(0, sides / 2 - 1)) => `
+${names.map((name, i) => `layout(location = ${i}) out vec4 ${name};`).join('\n')}
 void main()
 {
-    mat4 T = BokehExactFirst(ColorSamp, DepthSamp, bokehUv, ${sides}.0, rotation, squeeze, aspectRatio, imageHeight,
-        spacing, BOKEH_NUM_SAMPLES, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT);
-    ${edges.map((i) => `T${i + 2} = T[${i}];`).join('\n    ')}
+    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    BokehTargets targets = BokehExactFirst(ColorSamp, bokehUv, polygon, filterSettings());
+    ${names.map((name) => `${name} = targets.${name};`).join('\n    ')}
 }`;
 
 const exactSecond = (sides, opaque) => `
 out vec4 result;
 void main()
 {
-    result = BokehExactSecond(ColorSamp, ColorSampB, ColorSampC, ColorSampD, DepthSamp, bokehUv, ${sides}.0, rotation,
-        squeeze, aspectRatio, imageHeight, spacing, BOKEH_NUM_SAMPLES, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT);
+    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    result = BokehExactSecond(ColorSamp, ColorSampB, ColorSampC, ColorSampD, bokehUv, polygon, filterSettings());
     ${opaque ? 'result.a = 1.0;' : ''}
 }`;
 
@@ -69,8 +79,7 @@ out vec4 result;
 void main()
 {
     vec4 segment = BokehSegment(lineAngle + rotation, 1.0, vec2(0.0, 0.0), squeeze);
-    result = BokehDepthOfFieldAdaptive(ColorSamp, DepthSamp, bokehUv, segment, aspectRatio, imageHeight, spacing,
-        BOKEH_NUM_SAMPLES, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true);
+    result = BokehDepthOfFieldAdaptive(ColorSamp, DepthSamp, bokehUv, segment, filterSettings(), true);
     ${last ? 'result = BokehCombine(result, BokehFetch(ColorSampB, bokehUv), false);' : ''}
     ${opaque ? 'result.a = 1.0;' : ''}
 }`;
@@ -92,7 +101,8 @@ export class PolygonBokehPass extends Pass {
   // method   'exact': two passes, light adds up; 'paper': lines and min, a target less
   // sides    6 or 8; exact has 4 and 10 as well
   // samples  at most so many on an edge or a line
-  // opaque   false: alpha is the circle of confusion in the end too. A canvas would take it for transparency.
+  // opaque   false: alpha is the circle of confusion in the end too, signed for exact. A canvas would take it for
+  //          transparency.
   constructor(library, camera, { method = 'exact', sides = 6, samples = 33, opaque = true } = {}) {
     super();
     this.camera = camera;
@@ -114,8 +124,7 @@ export class PolygonBokehPass extends Pass {
       depthKind: { value: 1 },
       cameraNear: { value: 0 },
       cameraFar: { value: 0 },
-      aspectRatio: { value: 1 },
-      imageHeight: { value: 1 },
+      imageSize: { value: new Vector2(1, 1) },
       lineAngle: { value: 0 },
     };
     for (const name of ['ColorSamp', 'ColorSampB', 'ColorSampC', 'ColorSampD', 'DepthSamp']) {
@@ -129,10 +138,12 @@ export class PolygonBokehPass extends Pass {
         uniforms: this.uniforms, // the same ones in every pass
         vertexShader: VERTEX,
         fragmentShader: library + INPUTS + main,
+        blending: NoBlending, // alpha is the circle of confusion
         depthTest: false,
         depthWrite: false,
       });
-    this.materials = { metres: material(METRES), cocMap: material(COC_MAP), debug: material(DEBUG) };
+    this.materials = { metres: material(METRES), debug: material(DEBUG) };
+    this.materials.cocMap = material(cocMap(method === 'exact' ? 'SignedCoCMap' : 'CoCMap'));
     if (method === 'exact') {
       this.materials.first = material(exactFirst(sides));
       this.materials.second = material(exactSecond(sides, opaque));
@@ -142,6 +153,7 @@ export class PolygonBokehPass extends Pass {
     }
 
     const half = { type: HalfFloatType, depthBuffer: false };
+    // WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
     const nearest = { minFilter: NearestFilter, magFilter: NearestFilter };
     this.depth = new WebGLRenderTarget(1, 1, { type: FloatType, format: RedFormat, depthBuffer: false, ...nearest });
     this.coc = new WebGLRenderTarget(1, 1, half);
@@ -159,8 +171,7 @@ export class PolygonBokehPass extends Pass {
 
   setSize(width, height) {
     for (const target of [this.depth, this.coc, ...this.targets]) target.setSize(width, height);
-    this.uniforms.aspectRatio.value = width / height;
-    this.uniforms.imageHeight.value = height;
+    this.uniforms.imageSize.value.set(width, height);
   }
 
   render(renderer, writeBuffer, readBuffer) {
@@ -169,9 +180,11 @@ export class PolygonBokehPass extends Pass {
     this.uniforms.depthKind.value = this.depthKind(renderer);
     this.uniforms.cameraNear.value = this.camera.near;
     this.uniforms.cameraFar.value = this.camera.far;
-    this.draw(renderer, metres, this.depth, readBuffer.depthTexture);
-    this.draw(renderer, cocMap, this.coc, this.depth.texture, readBuffer.texture);
-    if (this.uniforms.debugMode.value > 0) this.draw(renderer, debug, output, this.depth.texture, this.coc.texture);
+    this.uniforms.DepthSamp.value = readBuffer.depthTexture;
+    this.draw(renderer, metres, this.depth);
+    this.uniforms.DepthSamp.value = this.depth.texture;
+    this.draw(renderer, cocMap, this.coc, readBuffer.texture);
+    if (this.uniforms.debugMode.value > 0) this.draw(renderer, debug, output, this.coc.texture);
     else if (this.method === 'exact') this.drawExact(renderer, output);
     else this.drawPaper(renderer, output);
   }
@@ -188,28 +201,27 @@ export class PolygonBokehPass extends Pass {
   drawExact(renderer, output) {
     const { first, second } = this.materials;
     const [targets] = this.targets;
-    this.draw(renderer, first, targets, this.depth.texture, this.coc.texture);
-    this.draw(renderer, second, output, this.depth.texture, ...targets.textures);
+    this.draw(renderer, first, targets, this.coc.texture);
+    this.draw(renderer, second, output, ...targets.textures);
   }
 
   drawPaper(renderer, output) {
     const { line, lastLine } = this.materials;
     const [one, finished] = this.targets;
     const [[a, b], [c, d]] = LINES[this.sides].map((pair) => pair.map((angle) => (angle * Math.PI) / 180));
-    this.drawLine(renderer, line, a, one, this.coc);
-    this.drawLine(renderer, line, b, finished, one);
-    if (c !== a) this.drawLine(renderer, line, c, one, this.coc);
-    this.drawLine(renderer, lastLine, d, output, one, finished);
+    this.drawLine(renderer, line, a, one, this.coc.texture);
+    this.drawLine(renderer, line, b, finished, one.texture);
+    if (c !== a) this.drawLine(renderer, line, c, one, this.coc.texture);
+    this.drawLine(renderer, lastLine, d, output, one.texture, finished.texture);
   }
 
   drawLine(renderer, material, angle, target, ...colors) {
     this.uniforms.lineAngle.value = angle;
-    this.draw(renderer, material, target, this.depth.texture, ...colors.map((color) => color.texture));
+    this.draw(renderer, material, target, ...colors);
   }
 
   // Where a pass reads fewer textures than there are uniforms, the rest gets the last one: it is not read.
-  draw(renderer, material, target, depth, ...colors) {
-    this.uniforms.DepthSamp.value = depth;
+  draw(renderer, material, target, ...colors) {
     ['ColorSamp', 'ColorSampB', 'ColorSampC', 'ColorSampD'].forEach((name, i) => {
       this.uniforms[name].value = colors[Math.min(i, colors.length - 1)] ?? null;
     });

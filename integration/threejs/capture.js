@@ -4,7 +4,10 @@ import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
 
 const WIDTH = 320;
 const HEIGHT = 240;
-const SHAPES = { hexagon: 6, octagon: 8 };
+const SHAPES = {
+  exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
+  paper: { hexagon: 6, octagon: 8 },
+};
 
 // How each sample is asked.
 //   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
@@ -36,7 +39,7 @@ const samples = {
         return { composer, bokeh, renderer };
       },
       read({ composer, bokeh, renderer }) {
-        // the buffers were swapped twice: behind the bokeh and behind the output
+        // the buffers were swapped twice: after the bokeh and after the output
         const color = pixels(renderer, composer.readBuffer, Uint16Array, 4);
         const result = pixels(renderer, composer.writeBuffer, Uint16Array, 4);
         return { color, depth: pixels(renderer, bokeh.depth, Float32Array, 1), result };
@@ -97,8 +100,8 @@ export async function capture(kind) {
   const data = { engine: `${engine} r${REVISION}`, device, width: WIDTH, height: HEIGHT, shots: [] };
   const picture = await sample.picture(sample.draw({}, [2 * WIDTH, 2 * HEIGHT]));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  for (const method of ['exact', 'paper']) {
-    for (const [aperture, sides] of Object.entries(SHAPES)) {
+  for (const [method, shapes] of Object.entries(SHAPES)) {
+    for (const [aperture, sides] of Object.entries(shapes)) {
       const name = `${method}-${aperture}`;
       const frame = sample.draw({ method, sides, opaque: false }, [WIDTH, HEIGHT]);
       const shot = { name, method, aperture, max_samples: 33, ...settings(frame.bokeh.uniforms) };

@@ -12,7 +12,7 @@ Shader "Hidden/BokehDepthOfField"
     #error Bokeh: single-pass instanced rendering has texture arrays; set the XR plug-in to multi-pass
     #endif
 
-    // textures and samplers as Direct3D 11 has them; Unity translates that to all of its platforms
+    // textures and samplers as Direct3D 11 has them; Unity translates that for all of its platforms
     #define BOKEH_HLSL_SM 5
     // samples on a line, at most
     #define BOKEH_NUM_SAMPLES 33
@@ -25,71 +25,86 @@ Shader "Hidden/BokehDepthOfField"
 
     // metres
     float _BokehApertureDiameter, _BokehFocalLength, _BokehFocusDistance, _BokehSensorHeight;
-    // fractions of the image height
+    // fraction of the image height
     float _BokehMaxCoC;
-    float _BokehImageHeight, _BokehAspectRatio, _BokehSqueeze, _BokehSpacing;
+    float _BokehSqueeze;
+    // pixels
+    float2 _BokehImageSize;
+    float _BokehSpacing;
     // radians: rotation of the polygon (exact), direction of the line (paper)
     float _BokehAngle;
     float _BokehDebugMode;
 
-    // what the two passes of the exact method are given behind their textures
-    #define BOKEH_EXACT(sides) input.texcoord, sides, _BokehAngle, _BokehSqueeze, _BokehAspectRatio, \
-        _BokehImageHeight, _BokehSpacing, BOKEH_NUM_SAMPLES, 0.0, BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT
-
     // Depth: whatever the platform has, reversed or not, to metres along the view axis
     float DepthFragment(Varyings input) : SV_Target
     {
-        float depth = SAMPLE_TEXTURE2D_X_LOD(_BlitTexture, sampler_PointClamp, input.texcoord, 0).r;
-        return LinearEyeDepth(depth, _ZBufferParams);
+        return LinearEyeDepth(BokehFetchNearest(_BlitTexture, input.texcoord).r, _ZBufferParams);
     }
 
+    float4 SignedCoCMapFragment(Varyings input) : SV_Target
+    {
+        return BokehSignedCoCMap(_BlitTexture, _BokehDepth, input.texcoord, _BokehApertureDiameter, _BokehFocalLength,
+            _BokehFocusDistance, _BokehSensorHeight, _BokehMaxCoC);
+    }
+
+    // The paper's way: a CoC without a sign
     float4 CoCMapFragment(Varyings input) : SV_Target
     {
-        return BokehCoCMap(_BlitTexture, sampler_PointClamp, _BokehDepth, sampler_PointClamp, input.texcoord,
-            _BokehApertureDiameter, _BokehFocalLength, _BokehFocusDistance, _BokehSensorHeight, _BokehMaxCoC);
+        return BokehCoCMap(_BlitTexture, _BokehDepth, input.texcoord, _BokehApertureDiameter, _BokehFocalLength,
+            _BokehFocusDistance, _BokehSensorHeight, _BokehMaxCoC);
+    }
+
+    BokehFilter BokehSettings()
+    {
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
+        settings.spacing = _BokehSpacing;
+        return settings;
+    }
+
+    BokehPolygon BokehAperture(int sides)
+    {
+        return BokehMakePolygon(sides, _BokehAngle, _BokehSqueeze);
     }
 
     void HexagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
     {
-        float4x4 T = BokehExactFirst(_BlitTexture, sampler_LinearClamp, _BokehDepth, sampler_PointClamp,
-            BOKEH_EXACT(6.0));
-        target0 = T[0];
-        target1 = T[1];
+        BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
+            BokehAperture(6), BokehSettings());
+        target0 = targets.T2;
+        target1 = targets.T3;
     }
 
     float4 HexagonSecondFragment(Varyings input) : SV_Target
     {
-        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, sampler_LinearClamp,
-            _BokehColorB, sampler_LinearClamp, _BokehColorB, sampler_LinearClamp, _BokehDepth, sampler_PointClamp,
-            BOKEH_EXACT(6.0));
+        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, _BokehColorB, _BokehColorB,
+            input.texcoord, BokehAperture(6), BokehSettings());
         return float4(color.rgb, 1.0);
     }
 
     void OctagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1,
         out float4 target2 : SV_Target2)
     {
-        float4x4 T = BokehExactFirst(_BlitTexture, sampler_LinearClamp, _BokehDepth, sampler_PointClamp,
-            BOKEH_EXACT(8.0));
-        target0 = T[0];
-        target1 = T[1];
-        target2 = T[2];
+        BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
+            BokehAperture(8), BokehSettings());
+        target0 = targets.T2;
+        target1 = targets.T3;
+        target2 = targets.T4;
     }
 
     float4 OctagonSecondFragment(Varyings input) : SV_Target
     {
-        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, sampler_LinearClamp,
-            _BokehColorC, sampler_LinearClamp, _BokehColorC, sampler_LinearClamp, _BokehDepth, sampler_PointClamp,
-            BOKEH_EXACT(8.0));
+        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, _BokehColorC, _BokehColorC,
+            input.texcoord, BokehAperture(8), BokehSettings());
         return float4(color.rgb, 1.0);
     }
 
     // The paper's way: one line a pass, parallelograms combined by min
     float4 LineFragment(Varyings input) : SV_Target
     {
+        BokehFilter settings = BokehSettings();
         float4 segment = BokehSegment(_BokehAngle, 1.0, float2(0.0, 0.0), _BokehSqueeze);
-        return BokehDepthOfFieldAdaptive(_BlitTexture, sampler_LinearClamp, _BokehDepth, sampler_PointClamp,
-            input.texcoord, segment, _BokehAspectRatio, _BokehImageHeight, _BokehSpacing, BOKEH_NUM_SAMPLES, 0.0,
-            BOKEH_BLEEDING_BIAS, BOKEH_BLEEDING_MULT, true);
+        return BokehDepthOfFieldAdaptive(_BlitTexture, sampler_LinearClamp, _BokehDepth, input.texcoord, segment,
+            settings, true);
     }
 
     float4 LineFinalFragment(Varyings input) : SV_Target
@@ -103,7 +118,7 @@ Shader "Hidden/BokehDepthOfField"
     float4 DebugFragment(Varyings input) : SV_Target
     {
         float4 color = BokehFetch(_BlitTexture, sampler_LinearClamp, input.texcoord);
-        float depth = BokehSafeDepth(BokehFetchNearest(_BokehDepth, sampler_PointClamp, input.texcoord).r);
+        float depth = BokehSafeDepth(BokehFetchNearest(_BokehDepth, input.texcoord).r);
         float4 result = float4(color.rgb, 1.0);
         if (_BokehDebugMode > 2.5)
         {
@@ -128,6 +143,7 @@ Shader "Hidden/BokehDepthOfField"
         ZTest Always
         ZWrite Off
         Cull Off
+        // alpha is the circle of confusion
         Blend Off
 
         // in the order of BokehRendererFeature.ShaderPass
@@ -135,6 +151,11 @@ Shader "Hidden/BokehDepthOfField"
             #pragma target 3.5
             #pragma vertex Vert
             #pragma fragment DepthFragment
+        ENDHLSL }
+        Pass { Name "SignedCoCMap" HLSLPROGRAM
+            #pragma target 3.5
+            #pragma vertex Vert
+            #pragma fragment SignedCoCMapFragment
         ENDHLSL }
         Pass { Name "CoCMap" HLSLPROGRAM
             #pragma target 3.5

@@ -45,7 +45,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
     // in the order of the shader's passes
     enum ShaderPass
     {
-        Depth, CoCMap, HexagonFirst, HexagonSecond, OctagonFirst, OctagonSecond, Line, LineFinal, Debug
+        Depth, SignedCoCMap, CoCMap, HexagonFirst, HexagonSecond, OctagonFirst, OctagonSecond, Line, LineFinal, Debug
     }
 
     [SerializeField] Shader shader;
@@ -120,8 +120,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         static readonly int FocusDistance = Shader.PropertyToID("_BokehFocusDistance");
         static readonly int SensorHeight = Shader.PropertyToID("_BokehSensorHeight");
         static readonly int MaxCoC = Shader.PropertyToID("_BokehMaxCoC");
-        static readonly int ImageHeight = Shader.PropertyToID("_BokehImageHeight");
-        static readonly int AspectRatio = Shader.PropertyToID("_BokehAspectRatio");
+        static readonly int ImageSize = Shader.PropertyToID("_BokehImageSize");
         static readonly int Squeeze = Shader.PropertyToID("_BokehSqueeze");
         static readonly int Spacing = Shader.PropertyToID("_BokehSpacing");
         static readonly int Angle = Shader.PropertyToID("_BokehAngle");
@@ -160,17 +159,20 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
 
             TextureHandle depth = Target(graph, "_BokehDepth", GraphicsFormat.R32_SFloat);
             Draw(graph, ShaderPass.Depth, new Inputs { source = resources.cameraDepthTexture }, depth);
+            // the exact passes read a signed CoC, the paper's read depth as well
+            bool exact = settings.method == Method.Exact;
             TextureHandle coc = Target(graph, "_BokehCoC");
-            Draw(graph, ShaderPass.CoCMap, new Inputs { source = color, depth = depth }, coc);
+            Draw(graph, exact ? ShaderPass.SignedCoCMap : ShaderPass.CoCMap,
+                new Inputs { source = color, depth = depth }, coc);
 
             // the last pass writes into the camera's own texture, which was read above and not since
             if (settings.view != View.Result)
             {
                 Draw(graph, ShaderPass.Debug, new Inputs { source = coc, depth = depth }, color);
             }
-            else if (settings.method == Method.Exact)
+            else if (exact)
             {
-                Exact(graph, coc, depth, color);
+                Exact(graph, coc, color);
             }
             else
             {
@@ -179,12 +181,12 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         }
 
         // Two passes; the first writes two targets for the hexagon, three for the octagon
-        void Exact(RenderGraph graph, TextureHandle coc, TextureHandle depth, TextureHandle result)
+        void Exact(RenderGraph graph, TextureHandle coc, TextureHandle result)
         {
             TextureHandle target2 = Target(graph, "_BokehTarget2");
             TextureHandle target3 = Target(graph, "_BokehTarget3");
-            Inputs first = new Inputs { source = coc, depth = depth };
-            Inputs second = new Inputs { source = target2, depth = depth, second = target3 };
+            Inputs first = new Inputs { source = coc };
+            Inputs second = new Inputs { source = target2, second = target3 };
             if (settings.aperture == Aperture.Hexagon)
             {
                 Draw(graph, ShaderPass.HexagonFirst, first, target2, target3);
@@ -275,8 +277,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             Properties.SetFloat(FocusDistance, data.focusDistance);
             Properties.SetFloat(SensorHeight, settings.sensorHeight);
             Properties.SetFloat(MaxCoC, settings.maxCoC);
-            Properties.SetFloat(ImageHeight, data.height);
-            Properties.SetFloat(AspectRatio, data.width / data.height);
+            Properties.SetVector(ImageSize, new Vector4(data.width, data.height, 0.0f, 0.0f));
             Properties.SetFloat(Squeeze, settings.squeeze);
             Properties.SetFloat(Spacing, settings.spacing);
             Properties.SetFloat(Angle, Mathf.Deg2Rad * (data.inputs.degrees + settings.rotation));

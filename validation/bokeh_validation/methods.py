@@ -75,9 +75,6 @@ PAPER_SAMPLES = 13
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
 EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
-# The noise of the passes of one frame must not be the same. Another frame shifts its phase, and after 64 it repeats: 6
-# keeps any two of six passes at least a tenth of the range apart, in the mean over the pixels.
-FRAMES_BETWEEN_PASSES = 6
 
 
 def default_samples(method: str, aperture: str) -> int:
@@ -97,10 +94,10 @@ class Plan:
     result: str = "result"
 
 
-def _coc_pass(settings: Settings) -> Pass:
+def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
     parameters = settings.camera.parameters()
     if settings.coc is None:
-        return Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
+        return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
     parameters["BokehConstantCoC"] = settings.coc
     return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", parameters)
 
@@ -116,12 +113,8 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
         "BokehImageWidth": float(size[0]),
         "BokehImageHeight": float(size[1]),
         "BokehJitter": settings.jitter,
+        "BokehFrame": float(settings.frame),
     }
-
-
-def _frame(settings: Settings, index: int) -> float:
-    """BokehFrame of the filter pass number `index`."""
-    return float(settings.frame + FRAMES_BETWEEN_PASSES * index)
 
 
 def paper(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -147,14 +140,17 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
             passes.append(_line(settings, common, shape.second, source, finished))
         else:
             passes.append(_line(settings, common, shape.second, source, "result", finished))
-    return Plan(_framed(settings, passes), {})
+    return Plan(_numbered(passes), {})
 
 
-def _framed(settings: Settings, passes: list[Pass]) -> tuple[Pass, ...]:
-    """The passes, each with noise of its own."""
-    return tuple(
-        replace(item, parameters={**item.parameters, "BokehFrame": _frame(settings, index)})
-        for index, item in enumerate(passes)
+def _numbered(passes: list[Pass]) -> tuple[Pass, ...]:
+    """A CoC map and line passes, each of these with noise of its own."""
+    return (
+        passes[0],
+        *(
+            replace(item, parameters={**item.parameters, "BokehPassIndex": float(index)})
+            for index, item in enumerate(passes[1:])
+        ),
     )
 
 
@@ -186,7 +182,7 @@ def paper_polygon(shape: decomposition.Decomposition, settings: Settings, size: 
             inputs["ColorSampB"] = names[line.combines]
         entry = "BokehAdaptive" if line.combines is None else "BokehAdaptiveFinal"
         passes.append(Pass(entry, inputs, name, {**common, **line.parameters()}, settings.count))
-    return Plan(_framed(settings, passes), {})
+    return Plan(_numbered(passes), {})
 
 
 def exact(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -199,18 +195,16 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     stem = f"Bokeh{settings.aperture.capitalize()}"
     common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
     names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
-    inputs = {"ColorSamp": "coc", "DepthSamp": "depth"}
-    passes = [_coc_pass(settings)]
+    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
     if settings.targets:
-        passes.append(Pass(stem + "First", inputs, names, common, settings.count))
+        passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count))
     else:
-        for k, name in enumerate(names, 1):
-            before = dict(zip(("ColorSampB", "ColorSampC"), names[max(k - 3, 0) : k - 1][::-1], strict=False))
+        for k, name in enumerate(names, 2):
             edge = {**common, "BokehSides": float(sides), "BokehEdge": float(k)}
-            passes.append(Pass("BokehExactEdge", {**inputs, **before}, name, edge, settings.count))
+            passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count))
     read = dict(zip(("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD"), names, strict=False))
-    passes.append(Pass(stem + "Second", {**read, "DepthSamp": "depth"}, "result", common, settings.count))
-    return Plan(_framed(settings, passes), {})
+    passes.append(Pass(stem + "Second", read, "result", common, settings.count))
+    return Plan(tuple(passes), {})
 
 
 def naive(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -258,11 +252,13 @@ def fetches(passes: tuple[Pass, ...]) -> int:
     total = 0
     for item in passes:
         stem = item.entry.removeprefix("Bokeh")
-        if stem in ("LinearDepth", "CoCMap", "ConstantCoC", "Debug"):
+        if stem in ("LinearDepth", "CoCMap", "SignedCoCMap", "ConstantCoC", "Debug"):
             continue
         sides = EXACT.get(stem.removesuffix("First").removesuffix("Second").lower())
         lines = sides // 2 - 1 if sides else 1
-        others = len(item.inputs) - 2 if stem not in ("NaiveGather",) and not sides else 0
+        if stem == "ExactEdge":
+            lines = round(item.values()["BokehEdge"]) - 1
+        others = 1 if stem.endswith("Final") else 0
         total += 1 + others + lines * (item.samples**2 if stem == "NaiveGrid" else item.samples)
     return total
 

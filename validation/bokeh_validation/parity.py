@@ -1,25 +1,27 @@
-"""The three languages as three columns: the libraries must read as one, and this is what checks it.
+"""The three languages are one text, and this is what checks it.
 
-A line that has to deviate carries `// differs: reason` behind it. The statement it stands on is then exempt, and the
-reason must be found in docs/paper.md. Everything else that is not porting (listing/normal.py) is a difference.
+HLSL and WGSL are rewritten to GLSL, word by word, with all that is porting taken away; then the three are compared
+statement by statement and comment by comment. What cannot be rewritten, because it is not written as that language's
+other text is, gets a '?' and so is a difference. A statement that has to deviate ends in `// differs: reason`, and the
+reason must be found in docs/paper.md.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from difflib import SequenceMatcher
 from functools import lru_cache
+from itertools import combinations, zip_longest
 from os import PathLike, fspath
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bokeh_validation import paths
+from bokeh_validation import listing, paths, rules, shaders
 from bokeh_validation.errors import UserError
-from bokeh_validation.listing import configuration, normal, passes, rules
-from bokeh_validation.listing.difference import Difference, first_unequal
-from bokeh_validation.listing.normal import Function, Statement
-from bokeh_validation.listing.rows import agree, is_marked, rows
-from bokeh_validation.listing.syntax import Item, Section, items, marked_reason, sections, tokenize
+from bokeh_validation.listing import Statement
+from bokeh_validation.passes import PARAMETERS
 
 LANGUAGES = paths.LANGUAGES
 PAPER = "docs/paper.md"
@@ -27,15 +29,31 @@ LIBRARY = {language: f"{language}/bokeh.{language}" for language in LANGUAGES}
 PASSES = {language: f"{language}/bokeh_passes.{language}" for language in LANGUAGES}
 NUMBERS = tuple(range(1, 10))
 CONFIGURATION, PORTING = 1, 2
-
-# The one thing that the comments of [1] may say in words of their own: how a value is set.
-HOW_TO_SET = {
-    "hlsl": "define it before this file",
-    "glsl": "define it before this file",
-    "wgsl": "an override constant",
-}
+# Section [2] is each language's own business up to here, and so are the bodies of these functions
+SHARED_PORTING = "// where the image lies in its textures"
+FETCHES = ("BokehFetch", "BokehFetchNearest", "BokehFetchTable")
+# In the passes, the last heading: from here on are helpers and entries
+ENTRIES = re.compile(r"^// (?:pixel|fragment) shaders\n// -+\n", re.MULTILINE)
+TARGETS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
 
 Texts = Mapping[str | PathLike, str]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One thing that is not the same in the languages, or breaks a rule.
+
+    where  section or function, or file and line
+    text   language -> 'line n: text', or what stands for it
+    """
+
+    where: str
+    what: str
+    text: Mapping[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        lines = [f"{self.where}: {self.what}"]
+        return "\n".join(lines + [f"    {language:5} {text}" for language, text in self.text.items()])
 
 
 @dataclass(frozen=True)
@@ -47,89 +65,71 @@ class Deviation:
     reason: str
 
 
-@dataclass(frozen=True)
-class Library:
-    """A parsed `bokeh.*`.
-
-    others    section -> items that are neither functions nor comments
-    comments  section -> comment lines that belong to no function
-    """
-
-    language: str
-    header: tuple[str, ...]
-    sections: tuple[Section, ...]
-    functions: tuple[Function, ...]
-    others: Mapping[int, tuple[Item, ...]]
-    comments: Mapping[int, tuple[str, ...]]
-
-    def named(self, name: str) -> Function | None:
-        """The first function of a name."""
-        return next((function for function in self.functions if function.name == name), None)
-
-
 def check(texts: Texts | None = None) -> list[Difference]:
-    """Every difference between the languages; empty where all is well.
+    """Every difference between the languages, and every broken rule; empty where all is well.
 
     `texts`: path from the top of the checkout ('hlsl/bokeh.hlsl', ..., 'docs/paper.md') -> text that stands in for
     that file; files not named are read from the checkout.
     """
     files = _files(texts)
-    libraries = {language: library(language, files[LIBRARY[language]]) for language in LANGUAGES}
-    found = list(_rules(files))
-    for compare in (_headers, _sections, _functions, _comments):
-        found += compare(libraries)
-    found += configuration.check(
-        {language: one.others.get(CONFIGURATION, ()) for language, one in libraries.items()},
-        {language: one.comments.get(CONFIGURATION, ()) for language, one in libraries.items()},
-    )
-    found += _passes(tuple(files[PASSES[language]] for language in LANGUAGES))
+    libraries = {language: files[LIBRARY[language]] for language in LANGUAGES}
+    passes = {language: files[PASSES[language]] for language in LANGUAGES}
+    found = []
+    for language in LANGUAGES:
+        found += _ruled(LIBRARY[language], libraries[language], language, True)
+        found += _ruled(PASSES[language], passes[language], language, False)
+    found += _unequal("[0] header", {key: _header(key, text) for key, text in libraries.items()})
+    for language, text in libraries.items():
+        numbers = [section.number for section in listing.sections(text)]
+        if numbers != list(NUMBERS):
+            found.append(Difference(LIBRARY[language], "sections are not [1] to [9] in this order"))
+    sampled = {language: _sampled(language, text) for language, text in libraries.items()}
+    found += _unequal("functions", {key: sorted(sampled[key]) for key in ("hlsl", "wgsl")}, "with a sampler")
+    found += _compared({key: _library(key, text) for key, text in libraries.items()})
+    found += _configuration(libraries)
+    found += _compared({key: _passes(key, text, libraries[key]) for key, text in passes.items()}, "passes, ")
+    found += _interface(passes)
     found += _reasons(files)
     return found
 
 
 def deviations(texts: Texts | None = None) -> list[Deviation]:
     """Every marked deviation, in the order of the files."""
-    return _deviations(_files(texts))
+    return [
+        Deviation(key, line, mark[1].strip())
+        for key, text in _files(texts).items()
+        if key != PAPER
+        for line, row in enumerate(text.split("\n"), 1)
+        if (mark := listing.MARK.search(row)) and row[: mark.start()].strip()
+    ]
 
 
-def columns(function_name: str, texts: Texts | None = None) -> dict[str, str]:
+def columns(name: str, texts: Texts | None = None) -> dict[str, str]:
     """Language -> text of a library function with its doc comment; empty where the language lacks it."""
-    found = _named(function_name, texts)
-    return {language: function.text if function else "" for language, function in found.items()}
+    files = _files(texts)
+    found = {language: listing.functions(files[LIBRARY[language]]) for language in LANGUAGES}
+    names = list(dict.fromkeys(function.name for one in found.values() for function in one))
+    if name not in names:
+        raise UserError(f"no function {name!r} in the libraries. There are: {', '.join(names)}.")
+    return {key: next((function.text for function in one if function.name == name), "") for key, one in found.items()}
 
 
-def render_columns(function_name: str, console: Console | None = None, texts: Texts | None = None) -> None:
+def render_columns(name: str, console: Console | None = None, texts: Texts | None = None) -> None:
     """Print a library function in three columns, statement beside statement: differences red, marked lines yellow."""
-    found = _named(function_name, texts)
-    present = {language: function for language, function in found.items() if function}
-    table = Table(title=function_name, show_lines=False, expand=True)
-    for language in LANGUAGES:
+    table = Table(title=name, show_lines=False, expand=True)
+    written, common = {}, {}
+    for language, text in columns(name, texts).items():
         table.add_column(language.upper(), ratio=1, overflow="fold")
-    docs = {language: "\n".join(function.doc) for language, function in present.items()}
-    _add_row(table, docs, _style(len(set(docs.values())) == 1))
-    heads = {language: function.signature for language, function in present.items()}
-    _add_row(table, heads, _style(not list(_signatures(function_name, present)), _any_reason(present.values())))
-    for row in rows({language: function.statements for language, function in present.items()}):
-        lines = {language: _with_reason(statement) for language, statement in row.items() if statement}
-        _add_row(table, lines, _style(agree(row), _any_reason(row.values())))
-    _add_row(table, {language: "}" for language in present}, "")
+        written[language] = listing.statements(text)
+        common[language] = listing.statements(
+            _to_glsl(language, text, _sampled(language, _files(texts)[LIBRARY[language]]))
+        )
+    for row, same in zip_longest(zip_longest(*written.values()), zip_longest(*common.values()), fillvalue=(None,) * 3):
+        alike = len({one.words for one in same if one and one.reason is None}) < 2 and None not in same
+        marked = any(one and one.reason is not None for one in same)
+        style = ("yellow" if marked else "") if alike else "red"
+        table.add_row(*(Text(one.source.rstrip() if one else "", style=style) for one in row))
     (console or Console()).print(table)
-
-
-def _with_reason(statement: Statement) -> str:
-    return statement.source + (f" // differs: {statement.reason}" if is_marked(statement) else "")
-
-
-def _any_reason(found: Iterable[Function | Statement | None]) -> bool:
-    return any(one.reason is not None for one in found if one)
-
-
-def _style(same: bool, marked: bool = False) -> str:
-    return "" if same and not marked else ("yellow" if same else "red")
-
-
-def _add_row(table: Table, cells: Mapping[str, str], style: str) -> None:
-    table.add_row(*(Text(cells.get(language, ""), style=style) for language in LANGUAGES))
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -148,247 +148,345 @@ def _files(texts: Texts | None) -> dict[str, str]:
 
 
 def _read(key: str) -> str:
-    path = paths.ROOT / key
-    if not path.exists() and key == PAPER:
-        return ""
     try:
-        # As it is: what is not UTF-8, and every kind of line end, is the rules' business.
-        return path.read_bytes().decode("utf-8", errors="surrogateescape")
+        # As it is: what is not UTF-8, and every kind of line end, is for the rules to see.
+        return (paths.ROOT / key).read_bytes().decode("utf-8", errors="surrogateescape")
     except OSError as error:
         raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
 
 
-@lru_cache(maxsize=256)
-def library(language: str, text: str) -> Library:
-    """A library file parsed."""
-    header, found = sections(tokenize(text))
-    functions: list[Function] = []
-    others: dict[int, tuple[Item, ...]] = {}
-    comments: dict[int, tuple[str, ...]] = {}
-    for section in found:
-        rest: list[Item] = []
-        lines: list[str] = []
-        for item in section.items:
-            function = normal.function(item, language, section.number, text) if item.kind == "function" else None
-            if function:
-                functions.append(function)
-            elif item.kind == "comment":
-                lines += [token.text for token in item.tokens]
-            else:
-                rest.append(item)
-                lines += [token.text for token in item.doc]
-        others[section.number] = (*others.get(section.number, ()), *rest)
-        comments[section.number] = (*comments.get(section.number, ()), *lines)
-    return Library(language, tuple(token.text for token in header), tuple(found), tuple(functions), others, comments)
-
-
-def _named(name: str, texts: Texts | None) -> dict[str, Function | None]:
-    files = _files(texts)
-    libraries = {language: library(language, files[LIBRARY[language]]) for language in LANGUAGES}
-    names = list(dict.fromkeys(function.name for one in libraries.values() for function in one.functions))
-    if name not in names:
-        raise UserError(f"no function {name!r} in the libraries. There are: {', '.join(names)}.")
-    return {language: one.named(name) for language, one in libraries.items()}
-
-
-def _at(line: int, text: str) -> str:
-    return f"line {line}: {' '.join(text.split())}"
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# rules of each file
-# ----------------------------------------------------------------------------------------------------------------------
-
-
 # The tests change one file a thousand times over: what was found in the others is kept.
-KEPT = 64
-
-
-def _rules(files: Mapping[str, str]) -> Iterator[Difference]:
-    for language in LANGUAGES:
-        yield from _library_rules(language, files[LIBRARY[language]])
-        yield from _passes_rules(language, files[PASSES[language]])
-
-
-@lru_cache(maxsize=KEPT)
-def _library_rules(language: str, text: str) -> tuple[Difference, ...]:
-    one = library(language, text)
-    later = [function for function in one.functions if function.section > PORTING]
-    findings = [
-        *rules.text_findings(text),
-        *rules.token_findings(tokenize(text)),
-        *rules.name_findings([item for part in one.sections for item in part.items], language),
-        *(finding for function in later for finding in rules.sampling_findings(function)),
-        *(finding for function in later for finding in rules.portable_findings(function)),
-        *((line, what, function.name) for function in later for line, what in function.problems),
-    ]
-    key = LIBRARY[language]
-    return tuple(Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
-
-
-@lru_cache(maxsize=KEPT)
-def _passes_rules(language: str, text: str) -> tuple[Difference, ...]:
-    tokens = tokenize(text)
-    top = items(tokens)
-    entries = [normal.function(item, language, 0, text) for item in top if item.kind == "function"]
-    findings = [
-        *rules.text_findings(text),
-        *rules.token_findings(tokens),
-        *rules.name_findings(top, language, exempt=("main",) if language == "glsl" else ()),
-        *(finding for entry in entries if entry for finding in rules.sampling_findings(entry)),
-    ]
-    key = PASSES[language]
-    return tuple(Difference(f"{key}:{line}", what, {language: line_text}) for line, what, line_text in findings)
-
-
-@lru_cache(maxsize=KEPT)
-def _passes(texts: tuple[str, ...]) -> tuple[Difference, ...]:
-    return tuple(passes.check(dict(zip(LANGUAGES, texts, strict=True))))
-
-
-def _deviations(files: Mapping[str, str]) -> list[Deviation]:
-    return [one for key in (*LIBRARY.values(), *PASSES.values()) for one in _marked(key, files[key])]
-
-
-@lru_cache(maxsize=KEPT)
-def _marked(key: str, text: str) -> tuple[Deviation, ...]:
-    return tuple(
-        Deviation(key, token.line, reason) for token in tokenize(text) if (reason := marked_reason(token)) is not None
-    )
+@lru_cache(maxsize=64)
+def _ruled(key: str, text: str, language: str, is_library: bool) -> tuple[Difference, ...]:
+    findings = rules.findings(text, language, is_library)
+    return tuple(Difference(f"{key}:{line}", what, {language: row}) for line, what, row in findings)
 
 
 def _reasons(files: Mapping[str, str]) -> Iterator[Difference]:
     """Every reason for a deviation stands in docs/paper.md (its line breaks do not matter)."""
-    told = " ".join(files[PAPER].split())
-    for deviation in _deviations(files):
+    given = " ".join(files[PAPER].split())
+    for deviation in deviations(files):
         where = f"{deviation.file}:{deviation.line}"
         if not deviation.reason:
             yield Difference(where, "a '// differs:' without a reason")
-        elif " ".join(deviation.reason.split()) not in told:
+        elif " ".join(deviation.reason.split()) not in given:
             yield Difference(where, f"the reason of this deviation is not in {PAPER}", {PAPER: deviation.reason})
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# libraries
+# rewriting: every language to GLSL
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def _headers(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    """The header says the same in each language, but for its name and the paste block."""
-    told = {}
-    for language, one in libraries.items():
-        kept, paste = [], False
-        for line in one.header:
-            paste = line.startswith("// PASTE") or (paste and line != "//")
-            if not paste:
-                kept.append(line.replace(language.upper(), "LANGUAGE").replace(f".{language}", ".LANGUAGE"))
-        told[language] = kept
-    yield from first_unequal("[0] header", "not the same", told)
+def _sampled(language: str, text: str) -> frozenset[str]:
+    """Functions whose first parameter is a texture with a sampler of its own; GLSL has no such difference."""
+    head = {"hlsl": r"(\w+)\(BOKEH_TEXTURE\(", "wgsl": r"fn (\w+)\((\w+): texture_2d<f32>,\s*\2Sampler: sampler"}
+    return frozenset(found[1] for found in re.finditer(head.get(language, r"(?!)"), text))
 
 
-def _sections(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    for language, one in libraries.items():
-        numbers = tuple(section.number for section in one.sections)
-        if numbers != NUMBERS:
-            shown = " ".join(f"[{number}]" for number in numbers)
-            yield Difference(LIBRARY[language], "sections are not [1] to [9] in this order", {language: shown})
-    titles = {
-        language: [f"[{section.number}] {section.title}" for section in one.sections]
-        for language, one in libraries.items()
-    }
-    yield from first_unequal("headings", "not the same", titles)
+def _to_glsl(language: str, text: str, sampled: Iterable[str]) -> str:
+    """A text in GLSL, line for line. Comments stay as they are."""
+    comments: list[str] = []
+
+    def kept(found: re.Match) -> str:
+        comments.append(found[0])
+        return "//\0"
+
+    text = listing.COMMENT.sub(kept, text)
+    text = REWRITES[language](text, "|".join(sorted(sampled)) or "(?!)")
+    following = iter(comments)
+    return re.sub("//\0", lambda _: next(following), text)
 
 
-def _comments(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    """Comments that belong to no function: the table of [1], pictures and explanations of the others."""
-    for number in NUMBERS:
-        if number == PORTING:
-            continue
-        lines = {
-            language: [
-                line.replace(HOW_TO_SET[language], "(how to set it)") if number == CONFIGURATION else line
-                for line in one.comments.get(number, ())
-            ]
-            for language, one in libraries.items()
-        }
-        yield from first_unequal(f"[{number}] comments", "not the same", lines)
+def _strange(text: str, words: str) -> str:
+    """Words of another language made strangers."""
+    return re.sub(rf"\b({words})\b", r"?\1", text)
 
 
-def _functions(libraries: Mapping[str, Library]) -> Iterator[Difference]:
-    order = {
-        language: list(dict.fromkeys(function.name for function in one.functions))
-        for language, one in libraries.items()
-    }
-    everything = list(dict.fromkeys(name for names in order.values() for name in names))
-    common = [name for name in everything if all(name in names for names in order.values())]
-    shared = {language: [name for name in names if name in common] for language, names in order.items()}
-    yield from first_unequal("functions", "not in the same order", shared)
-    for language, one in libraries.items():
-        yield from _strangers(one)
-        yield from _repeated(language, one.functions)
-    for name in everything:
-        there = {language: one.named(name) for language, one in libraries.items()}
-        present = {language: function for language, function in there.items() if function}
-        if len(present) < len(LANGUAGES):
-            text = {
-                language: _at(function.line, function.signature) if function else "(nothing)"
-                for language, function in there.items()
-            }
-            yield Difference(name, "not in every language", text)
-        yield from _one_function(name, present)
+def _hlsl(text: str, sampled: str) -> str:
+    text = _strange(text, r"vec[234]|mat[234]|sampler2D")
+
+    def function(found: re.Match) -> str:
+        own = re.search(r"BOKEH_TEXTURE\((\w+)\)", found["head"])
+
+        def argument(call: re.Match) -> str:
+            alone, one, other = call[2], call[3], call[4]
+            right = alone and (own is None or alone == own[1]) or one and own and other == own[1] != one
+            return f"{call[1]}({'' if right else '?'}{alone or one or call[5]}"
+
+        call = rf"\b({sampled})\((?:BOKEH_ARGUMENT\((\w+)\)|BOKEH_SHARED\((\w+), (\w+)\)|(?!BOKEH_)(\w+))"
+        return found["doc"] + found["head"] + "\n" + re.sub(call, argument, found["body"])
+
+    text = listing.FUNCTION.sub(function, text)
+    text = re.sub(r"BOKEH_(?:TEXTURE|TEXELS)\((\w+)\)", r"sampler2D \1", text)
+    text = re.sub(r"(BOKEH_LOOP )?\bfor\b", lambda found: "for" if found[1] else "?for", text)
+    text = re.sub(r"^static ", "", text, flags=re.MULTILINE)
+    return re.sub(r"\bfloat([234])\b", r"vec\1", text)
 
 
-def _strangers(one: Library) -> Iterator[Difference]:
-    """Sections [3] to [9] hold functions only."""
-    for number, found in one.others.items():
-        for item in found:
-            if number > PORTING and item.reason is None:
-                text = " ".join(token.text for token in item.tokens)
-                yield Difference(f"[{number}]", "not a function", {one.language: _at(item.line, text)})
+def _wgsl(text: str, sampled: str) -> str:
+    text = _strange(text, r"vec[234]|mat[234]|float|int|sampler2D")
+
+    def function(found: re.Match) -> str:
+        own = re.search(r"(\w+Sampler): sampler", found["head"])
+        sampler = own[1] if own else "BokehLinearClamp"
+
+        def argument(call: re.Match) -> str:
+            if call[4] == sampler:
+                return f"{call[1]}({call[2]}" + "\n" * call[3].count("\n")
+            return f"{call[1]}(?{call[2]}{call[3]}{call[4]}"
+
+        body = re.sub(rf"\b({sampled})\((\w+)(,\s*)(\w+)", argument, found["body"])
+        head = re.sub(r"(\w+): texture_2d<f32>(,\s*\1Sampler: sampler)?", _texture, found["head"])
+        head = re.sub(r"(\w+): (\w+)", r"\2 \1", head)
+        head = re.sub(r"^fn (\w+\(.*\)) -> (\w+)$", r"\2 \1", head, flags=re.DOTALL)
+        return found["doc"] + re.sub(r"^fn (\w+\(.*\))$", r"void \1", head, flags=re.DOTALL) + "\n" + body
+
+    text = listing.FUNCTION.sub(function, text)
+    text = re.sub(r"^(struct \w+\n\{\n)((?:    \w+: \w+,\n)+)\}$", _struct, text, flags=re.MULTILINE)
+    text = re.sub(r"^( *)(?:let|var|var<private>) (\w+): (\w+)(;| =)", r"\1\3 \2\4", text, flags=re.MULTILINE)
+    text = re.sub(r"\bfor \(var (\w+): (\w+) =", r"for (\2 \1 =", text)
+    text = re.sub(r"\bvec([234])f\b", r"vec\1", text)
+    return re.sub(r"\b[fi]32\b", lambda found: {"f32": "float", "i32": "int"}[found[0]], text)
 
 
-def _repeated(language: str, functions: Sequence[Function]) -> Iterator[Difference]:
-    """No overloads. In [2] a function may stand in several branches of an #if, with the same parameters."""
-    seen: dict[str, Function] = {}
-    for function in functions:
-        first = seen.setdefault(function.name, function)
-        branches = first.section == function.section == PORTING and first.parameters == function.parameters
-        if first is not function and not branches:
-            text = {language: _at(function.line, function.signature)}
-            yield Difference(f"[{function.section}] {function.name}", "there already: no overloads", text)
+def _texture(found: re.Match) -> str:
+    return f"sampler2D {found[1]}" + "\n" * (found[2] or "").count("\n")
 
 
-def _one_function(name: str, present: Mapping[str, Function]) -> Iterator[Difference]:
-    numbers = {language: function.section for language, function in present.items()}
-    if len(set(numbers.values())) > 1:
-        yield Difference(name, "not in the same section", {key: f"[{number}]" for key, number in numbers.items()})
-    if set(numbers.values()) == {PORTING}:
-        names = {language: [p.name for p in function.parameters] for language, function in present.items()}
-        yield from first_unequal(f"[{PORTING}] {name}", "names or order of parameters", names)
-        return
-    where = f"[{min(numbers.values())}] {name}"
-    yield from _signatures(where, present)
-    docs = {language: function.doc for language, function in present.items()}
-    yield from first_unequal(where, "tag line", {language: doc[:1] for language, doc in docs.items()})
-    yield from first_unequal(where, "doc comment", {language: doc[1:] for language, doc in docs.items()})
-    for row in rows({language: function.statements for language, function in present.items()}):
-        if not agree(row):
-            text = {
-                language: _at(statement.line, statement.source) if statement else "(nothing)"
-                for language, statement in row.items()
-            }
-            yield Difference(where, "statement", text)
+def _struct(found: re.Match) -> str:
+    return found[1] + re.sub(r"(\w+): (\w+),", r"\2 \1;", found[2]) + "};"
 
 
-def _signatures(where: str, present: Mapping[str, Function]) -> Iterator[Difference]:
-    unmarked = {language: function for language, function in present.items() if function.reason is None}
-    parts: dict[str, Callable[[Function], object]] = {
-        "names or order of parameters": lambda function: [parameter.name for parameter in function.parameters],
-        "types of parameters": lambda function: [parameter.type for parameter in function.parameters],
-        "type of the result": lambda function: function.returns,
-    }
-    for what, part in parts.items():
-        if len({str(part(function)) for function in unmarked.values()}) > 1:
-            text = {language: _at(function.line, function.signature) for language, function in present.items()}
-            yield Difference(where, what, text)
+REWRITES: Mapping[str, Callable[[str, str], str]] = {"hlsl": _hlsl, "glsl": lambda text, _: text, "wgsl": _wgsl}
+
+
+def _library(language: str, text: str) -> list[Statement]:
+    """Sections [3] to [9], headings and all, and of [2] what is not each language's own."""
+    return list(_library_of(language, text))
+
+
+@lru_cache(maxsize=64)
+def _library_of(language: str, text: str) -> tuple[Statement, ...]:
+    common = _to_glsl(language, text, _sampled(language, text))
+    found: list[Statement] = []
+    for section in listing.sections(common):
+        found.append(Statement(f"[{section.number}] {section.title}", "", section.line))
+        line, part = section.line, section.text
+        if section.number == PORTING and SHARED_PORTING in part:
+            line += part.count("\n", 0, part.index(SHARED_PORTING))
+            part = listing.FUNCTION.sub(_without_body, part[part.index(SHARED_PORTING) :])
+        if section.number != CONFIGURATION:
+            found += listing.statements(part, line)
+    return tuple(found)
+
+
+def _without_body(found: re.Match) -> str:
+    """A function that fetches, to its head and the first line of its comment."""
+    if found["name"] not in FETCHES:
+        return found[0]
+    first, _, rest = found["doc"].partition("\n")
+    return f"{first}\n{found['head']};" + "\n" * (rest.count("\n") + found["body"].count("\n") + 1)
+
+
+def _passes(language: str, text: str, library: str) -> list[Statement]:
+    """Helpers and entries."""
+    start = ENTRIES.search(text)
+    if not start:
+        return []
+    # the heads of entries are rewritten before they can be taken for functions
+    body = ENTRY_HEADS[language](text[start.end() :])
+    sampled = _sampled(language, library) | _sampled(language, body)
+    common = _to_glsl(language, body, sampled)
+    if language != "glsl":
+        entry = re.compile(r"^(ENTRY \w+\(\)\n)(\{\n.*?^\})$", re.MULTILINE | re.DOTALL)
+        common = entry.sub(lambda found: found[1] + _entry(found[2]), common)
+    return listing.statements(common.strip("\n"), listing.line_of(text, start.end()) + 1)
+
+
+def _entry(body: str) -> str:
+    """The body of an entry as GLSL writes it: results are assigned."""
+    body = re.sub(r"\b(?:input\.)?uv\b", "BokehUV", body)
+    body = re.sub(r"\btarget(\d) =", lambda found: f"{TARGETS[int(found[1])]} =", body)
+    body = re.sub(r"\breturn BokehTargets\d\(([^()]*)\);", lambda found: _assigned(found[1]), body)
+    return re.sub(r"\breturn\b", f"{TARGETS[0]} =", body)
+
+
+def _assigned(values: str) -> str:
+    return " ".join(f"{name} = {value};" for name, value in zip(TARGETS, values.split(", "), strict=False))
+
+
+def _glsl_heads(text: str) -> str:
+    """The branches of BOKEH_PASS."""
+    names = {shaders.glsl_pass(entry): entry for entry in shaders.ENTRIES}
+    text = re.sub(
+        r"^#(?:el)?if BOKEH_PASS == (\w+)\n\n((?://[^\n]*\n)*)void main\(\)$",
+        lambda found: f"\n\n{found[2]}ENTRY {names.get(found[1], found[1])}()",
+        text,
+        flags=re.MULTILINE,
+    )
+    return re.sub(r"\n#endif\n#endif\n\Z", "\n\n\n", text)
+
+
+def _hlsl_heads(text: str) -> str:
+    """One result, or several out parameters."""
+    text = re.sub(r"^float4 (Bokeh\w+)_PS\(BOKEH_INPUT\) : BOKEH_OUTPUT$", r"ENTRY \1()", text, flags=re.MULTILINE)
+    several = r"^void (Bokeh\w+)_PS\(BOKEH_INPUT((?:,\s+out float4 target(\d) : BOKEH_TARGET\(\3\))+)\)$"
+    return re.sub(several, lambda found: "\n" * found[2].count("\n") + f"ENTRY {found[1]}()", text, flags=re.MULTILINE)
+
+
+def _wgsl_heads(text: str) -> str:
+    """Structs of several results, and the block of parameters with its name."""
+    struct = r"^struct BokehTargets\d\n\{\n(?:    @location\((\d)\) target\1: vec4f,\n)+\}\n"
+    text = re.sub(struct, lambda found: "\n" * found[0].count("\n"), text, flags=re.MULTILINE)
+    head = r"^@fragment fn (Bokeh\w+)_PS\(input: BokehVertex\) -> (?:@location\(0\) vec4f|BokehTargets\d)$"
+    return re.sub(head, r"ENTRY \1()", text, flags=re.MULTILINE).replace("bokehParameters.", "")
+
+
+ENTRY_HEADS = {"hlsl": _hlsl_heads, "glsl": _glsl_heads, "wgsl": _wgsl_heads}
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# comparing
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def _unequal(where: str, lines: Mapping[str, Sequence[str]], what: str = "not the same") -> Iterator[Difference]:
+    """The first line that is not the same everywhere."""
+    for row in zip_longest(*lines.values(), fillvalue="(nothing)"):
+        if len(set(row)) > 1:
+            yield Difference(where, what, dict(zip(lines, row, strict=True)))
             return
+
+
+def _compared(found: Mapping[str, list[Statement]], where: str = "") -> Iterator[Difference]:
+    """Each language with each other. A mark exempts its own statement, and one of the other language that it faces."""
+    for one, other in combinations(found, 2):
+        left, right = found[one], found[other]
+        words = [[statement.words for statement in side] for side in (left, right)]
+        for tag, i, j, k, m in SequenceMatcher(None, *words, autojunk=False).get_opcodes():
+            if tag == "equal":
+                continue
+            parts = {one: left[i:j], other: right[k:m]}
+            marked = {key: sum(statement.reason is not None for statement in part) for key, part in parts.items()}
+            if j - i - marked[one] > marked[other] or m - k - marked[other] > marked[one]:
+                shown = {key: _shown(part) for key, part in parts.items()}
+                yield Difference(where + _place(left[:j]), "not the same", shown)
+
+
+def _place(before: Sequence[Statement]) -> str:
+    """Name of the last function that began, or of the section."""
+    for statement in reversed(before):
+        named = re.match(r"(?:ENTRY |\w+ |struct )(\w+)(?:\(.*)?$|(\[\d\])", statement.words)
+        if named and not statement.words.startswith(("return", "else")) and "=" not in statement.words:
+            return named[1] or named[2]
+    return "[2]"
+
+
+def _shown(part: Sequence[Statement]) -> str:
+    if not part:
+        return "(nothing)"
+    return f"line {part[0].line}: {' '.join(' '.join(one.source.split()) or '(an empty line)' for one in part[:4])}"
+
+
+def _header(language: str, text: str) -> list[str]:
+    """It says the same in each language, but for its name and the paste block."""
+    kept, paste = [], False
+    for line in listing.header(text).split("\n"):
+        paste = line.startswith("// PASTE") or (paste and not line.startswith("// CONTENTS"))
+        if not paste:
+            kept.append(line.replace(language.upper(), "LANGUAGE").replace(f".{language}", ".LANGUAGE"))
+    return kept
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# section [1]
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def _configuration(libraries: Mapping[str, str]) -> Iterator[Difference]:
+    """HLSL and GLSL are the same text. WGSL has the same comments, names and values, and no presets but their table."""
+    where = f"[{CONFIGURATION}]"
+    texts = {
+        language: next((part.text for part in listing.sections(text) if part.number == CONFIGURATION), "")
+        for language, text in libraries.items()
+    }
+    yield from _compared({key: listing.statements(texts[key]) for key in ("hlsl", "glsl")}, f"{where} ")
+    comments = {key: [row for row in text.split("\n") if row.startswith("//")] for key, text in texts.items()}
+    yield from _unequal(where, comments, "comments")
+    values = {key: settings(key, text) for key, text in texts.items()}
+    marked = {name for found in values.values() for name, _, reason in found if reason is not None}
+    rows = {
+        key: [name if name in marked else f"{name} {value}" for name, value, _ in found]
+        for key, found in values.items()
+    }
+    yield from _unequal(where, rows, "values")
+    table = re.findall(r"^//   (BOKEH_(?!PRESET)\w+) +(\S+)", texts["glsl"], re.MULTILINE)
+    shown = [name if name in marked else f"{name} {value}" for name, value in table]
+    yield from _unequal(where, {"table": shown, "code": rows["glsl"]}, "the table is not what the code does")
+    table = re.findall(r"^//   BOKEH_PRESET_(\w+) +(\S+) +(\S+)", texts["glsl"], re.MULTILINE)
+    code = [(name, *values) for name, values in presets(texts["glsl"]).items()]
+    shown = {"table": [" ".join(row) for row in table], "code": [" ".join(row) for row in code]}
+    yield from _unequal(where, shown, "the table is not what the presets are")
+    for row in texts["wgsl"].split("\n"):
+        if row and not row.startswith("//") and not WGSL_SETTING.match(row):
+            yield Difference(where, "neither a const nor an override with type and value", {"wgsl": row})
+
+
+# (name, value, reason of a deviation)
+Setting = tuple[str, str, str | None]
+WGSL_SETTING = re.compile(r"(?:const|override) (\w+): (?:i32 = (-?\d+)|f32 = (-?\d+\.\d+));(?: // differs:(.*))?$")
+
+
+def settings(language: str, text: str) -> list[Setting]:
+    """Of section [1]. HLSL and GLSL have three lines for each; a value of the presets is the one without a preset."""
+    if language == "wgsl":
+        lines = (WGSL_SETTING.match(row) for row in text.split("\n"))
+        return [(one[1], one[2] or one[3], one[4]) for one in lines if one]
+    plain = dict(re.findall(r"^#define (BOKEH_PRESET_\w+) (\S+)$", text.partition("#else\n")[2], re.MULTILINE))
+    found = re.findall(r"^#ifndef (\w+)\n#define \1 ([^\s/]+)(?: // differs:(.*))?\n#endif$", text, re.MULTILINE)
+    return [(name, plain.get(value, value), reason or None) for name, value, reason in found]
+
+
+def presets(text: str) -> dict[str, tuple[str, str]]:
+    """HLSL and GLSL: name -> BOKEH_NUM_SAMPLES, BOKEH_SPACING."""
+    preset = r"defined\(BOKEH_PRESET_(\w+)\)\n#define BOKEH_PRESET_SAMPLES (\S+)\n#define BOKEH_PRESET_SPACING (\S+)\n"
+    return {name: (samples, spacing) for name, samples, spacing in re.findall(preset, text)}
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# passes: what a program outside sees of them
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def _interface(texts: Mapping[str, str]) -> Iterator[Difference]:
+    """Entries and parameters are those that the harness knows; the tables in the headers say the same."""
+    for language, text in texts.items():
+        where = f"{language} passes"
+        entries = re.findall(r"^ENTRY (\w+)\(\)", ENTRY_HEADS[language](text), re.MULTILINE)
+        yield from _unequal(where, {language: entries, "harness": list(shaders.ENTRIES)}, "entry points")
+        wanted = [f"{number} float {name}" for number, name in enumerate(PARAMETERS)]
+        yield from _unequal(where, {language: _parameters(language, text), "harness": wanted}, "parameters")
+    yield from _unequal("passes", {key: _table(key, text) for key, text in texts.items()}, "table in the header")
+    numbers = [" ".join(pair) for pair in re.findall(r"^#define (BOKEH_\w+) (\d+)$", texts["glsl"], re.MULTILINE)]
+    wanted = [f"{shaders.glsl_pass(entry)} {i}" for i, entry in enumerate((*shaders.ENTRIES, "BokehFullScreen"), 1)]
+    yield from _unequal("glsl passes", {"glsl": numbers, "harness": wanted}, "values of BOKEH_PASS")
+
+
+def _parameters(language: str, text: str) -> list[str]:
+    """Index, type, name."""
+    if language == "wgsl":
+        block = text.partition("struct BokehParameters\n")[2].partition("}")[0]
+        members = re.findall(r"^    (\w+): (\w+),$", block, re.MULTILINE)
+        return [f"{number} {'float' if kind == 'f32' else kind} {name}" for number, (name, kind) in enumerate(members)]
+    found = re.findall(r"^BOKEH_PARAMETER\((\w+), (\w+)(?:, (\d+))?\)$", text, re.MULTILINE)
+    return [f"{index or number} {kind} {name}" for number, (kind, name, index) in enumerate(found)]
+
+
+def _table(language: str, text: str) -> list[str]:
+    """Pass, what it reads, what it writes; the row of the vertex shader is each language's own."""
+    named = r"BOKEH_(?!PASS\b)\w+" if language == "glsl" else r"Bokeh\w+_PS"
+    names = {shaders.glsl_pass(entry): entry for entry in shaders.ENTRIES}
+    rows = re.findall(rf"^//   ({named})  +(\S.*)$", listing.HEAD_COMMENT.match(text)[0], re.MULTILINE)
+    found = [(names.get(name, name.removesuffix("_PS")), re.sub(r"  +", " | ", rest)) for name, rest in rows]
+    return [" | ".join(row) for row in found if row[0] != "BOKEH_FULL_SCREEN"]

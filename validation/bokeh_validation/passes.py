@@ -42,19 +42,20 @@ PARAMETERS: dict[str, float] = {
     "BokehViewportY": 0.0,
     "BokehTextureWidth": 1.0,
     "BokehTextureHeight": 1.0,
+    "BokehPassIndex": 0.0,
 }
 
 # Texture slots in the order of their bindings.
 SLOTS = ("ColorSamp", "DepthSamp", "ColorSampB", "ColorSampC", "ColorSampD", "KernelSamp")
-# Slots that the filter passes sample with a linear filter; all else is fetched from the nearest texel. The first pass
-# copies colour texel by texel: a linear filter there would blur by the rounding of uv.
+# Slots that the filter passes sample with a linear filter; all else is fetched texel by texel, and needs a nearest
+# filter in Direct3D 9 only. So is the colour that the first pass copies.
 LINEAR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
-COPYING_ENTRIES = ("BokehCoCMap", "BokehConstantCoC")
+COPYING_ENTRIES = ("BokehCoCMap", "BokehSignedCoCMap", "BokehConstantCoC")
 
-# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the textures, then two samplers, linear and nearest.
+# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the textures, then the linear sampler.
 FIRST_TEXTURE = 1
 FIRST_SAMPLER = FIRST_TEXTURE + len(SLOTS)
-# Slot -> sample type of its binding in WebGPU: what is only fetched from the nearest texel need not be filterable.
+# Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
 SAMPLE_TYPES = {slot: "float" if slot in LINEAR_SLOTS else "unfilterable-float" for slot in SLOTS}
 
 
@@ -98,15 +99,15 @@ class Pass:
         return (self.output,) if isinstance(self.output, str) else self.output
 
     @property
-    def constants(self) -> dict[str, int | float]:
+    def constants(self) -> dict[str, int]:
         """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
         values = self.values()
         adaptive = values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0
         return {
             "BOKEH_NUM_SAMPLES": self.samples,
-            "BOKEH_ADAPTIVE_SAMPLES": 1.0 if adaptive else 0.0,
+            "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
             # to draw into a part of a target is one thing, to read a part of a texture another
-            "BOKEH_VIEWPORT": 1.0 if "BokehTextureWidth" in self.parameters else 0.0,
+            "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
         }
 
     def values(self) -> dict[str, float]:

@@ -8,7 +8,7 @@ from bokeh_validation import apertures, methods, metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case
-from bokeh_validation.reference import polygons
+from bokeh_validation.reference import listings, polygons
 
 # Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
 BRUTE_CELLS = 38
@@ -32,12 +32,32 @@ def brute_table(corners: np.ndarray, cells: int = BRUTE_CELLS) -> np.ndarray:
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
     """The polygon of a case gathered by the naive pass with `cells` samples across, (H, W, 4)."""
     table = brute_table(outline(case.settings), cells)
-    coc = case.plan.passes[0]
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)
+    coc = naive.passes[0]
     gather = Pass("BokehNaiveGather", inputs, "result", naive.passes[1].parameters, len(table))
     textures = {**case.textures(), "kernel": methods.kernel_texture(table)}
     return driver.run([coc, gather], textures, case.size)["result"]
+
+
+def around_focus(depth: np.ndarray, camera: methods.Camera, bias: float = 0.02) -> np.ndarray:
+    """Where a sharp object may glow onto what is behind it, (H, W) bool.
+
+    depth  (H, W) metres. Meant are pixels behind the focus, blurrier than `bias`, whose CoC reaches a pixel in focus,
+           which is one with a CoC below a pixel.
+    """
+    height = len(depth)
+    coc = listings.circle_of_confusion(listings.safe_depth(depth.astype(np.float64)), *vars(camera).values())
+    radius = np.where(depth > camera.focus_distance, coc, 0.0) * height / 2
+    sharp = coc * height < 1.0
+    found = np.zeros(depth.shape, bool)
+    reach = int(np.ceil(radius.max()))
+    padded = np.pad(sharp, reach)
+    for dy in range(-reach, reach + 1):
+        for dx in range(-reach, reach + 1):
+            rows, columns = slice(reach + dy, reach + dy + height), slice(reach + dx, reach + dx + depth.shape[1])
+            found |= padded[rows, columns] & (dx * dx + dy * dy <= radius * radius)
+    return found & (coc > bias) & ~sharp
 
 
 def distance(driver: Driver, case: Case, truth: np.ndarray | None = None) -> float:

@@ -10,6 +10,7 @@ from bokeh_validation import paths
 ENTRIES = (
     "BokehLinearDepth",
     "BokehCoCMap",
+    "BokehSignedCoCMap",
     "BokehConstantCoC",
     "BokehDepthOfField",
     "BokehDepthOfFieldFinal",

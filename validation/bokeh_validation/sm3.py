@@ -25,16 +25,16 @@ OTHERS = {
 float4 BokehOneLoop_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
-    float centerDepth = BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv).r;
+    float centerDepth = BokehFetchNearest(BokehDepthSamp, uv).r;
     float4 color = float4(0.0, 0.0, 0.0, 0.0);
     float totalWeight = 0.0;
+    BokehFilter settings = BokehDefaultFilter(float2(BokehImageWidth, BokehImageHeight));
     BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
     {
-        float2 kernelCoords = float2((float(i) + 0.5) / float(BOKEH_NUM_SAMPLES), 0.5);
-        float2 offset = BokehFetchNearest(BOKEH_ARGUMENT(BokehKernelSamp), kernelCoords).rg;
+        float2 offset = BokehFetchTable(BokehKernelSamp, i, BOKEH_NUM_SAMPLES).rg;
         float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv + offset * centerPixel.a);
-        float sampleDepth = BokehFetchNearest(BOKEH_ARGUMENT(BokehDepthSamp), uv + offset * centerPixel.a).r;
-        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, 0.02, 30.0);
+        float sampleDepth = BokehFetchNearest(BokehDepthSamp, uv + offset * centerPixel.a).r;
+        float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a, settings);
         color += samplePixel * weight;
         totalWeight += weight;
     }

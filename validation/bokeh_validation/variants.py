@@ -172,8 +172,8 @@ def _variant(where: str, table: Mapping, sets: Mapping[str, list]) -> list[Varia
     keys = {"id", "language", "profile", "sets", "compilers"}
     _keys(where, table, keys | {"values"}, keys)
     values = table.get("values", {})
-    if not isinstance(values, dict) or not all(type(value) is float for value in values.values()):
-        raise _Wrong(f"{where}: values must be a table of numbers with a point, not {values!r}")
+    if not isinstance(values, dict) or not all(type(value) is int for value in values.values()):
+        raise _Wrong(f"{where}: values must be a table of whole numbers, not {values!r}")
     for key in ("id", "language", "profile"):
         if not isinstance(table[key], str) or not table[key]:
             raise _Wrong(f"{where}: {key} must be a text, not {table[key]!r}")

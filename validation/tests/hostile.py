@@ -39,7 +39,7 @@ def reach(plan: methods.Plan, clean: Mapping[str, np.ndarray], bad: np.ndarray, 
 
     clean      every texture that the passes write, for the image without them: the CoC of each pass
     bad        (H, W) bool: pixels with bad colour or depth
-    bad_depth  (H, W) bool: those with bad depth, which every pass reads
+    bad_depth  (H, W) bool: those with bad depth, which every pass but those of exact reads
 
     Every pass gathers, so a pixel changes only where a texel that it reads has: its own, or one under a sample. The
     samples lie on lines whose places follow from the pixel's own CoC, and where nothing in reach changed that is the
@@ -53,10 +53,11 @@ def reach(plan: methods.Plan, clean: Mapping[str, np.ndarray], bad: np.ndarray, 
     for item in plan.passes[1:]:
         alpha = clean[item.inputs["ColorSamp"]][..., 3].astype(np.float64)
         found = np.zeros_like(bad)
+        read_depth = bad_depth if "DepthSamp" in item.inputs else np.zeros_like(bad)
         for name in _colors(item).values():
-            found |= _grown(touched[name] | bad_depth)
+            found |= _grown(touched[name] | read_depth)
         for slot, middle, half in _lines(item, plan):
-            found |= _on_line(_grown(touched[item.inputs[slot]] | bad_depth), _used(item, alpha), middle, half)
+            found |= _on_line(_grown(touched[item.inputs[slot]] | read_depth), _used(item, alpha), middle, half)
         touched |= dict.fromkeys(item.outputs, found)
     return touched[plan.result]
 
@@ -77,7 +78,7 @@ def _used(item: Pass, coc: np.ndarray) -> np.ndarray:
     """The CoC that a pass scales its lines by, texels."""
     values = item.values()
     fixed = item.entry.startswith(("BokehDepthOfField", "BokehNaive"))
-    return coc.shape[0] * segments.filter_coc(coc, coc.shape[0], 0.0 if fixed else values["BokehSpacing"])
+    return coc.shape[0] * segments.filter_coc(np.abs(coc), coc.shape[0], 0.0 if fixed else values["BokehSpacing"])
 
 
 def _on_line(mask: np.ndarray, coc: np.ndarray, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
@@ -120,7 +121,7 @@ def _lines(item: Pass, plan: methods.Plan) -> Iterator[tuple[str, np.ndarray, np
             yield "ColorSamp", t * half(values["BokehAngleB"]), half(angle)
     elif stem == "ExactEdge":
         k = round(values["BokehEdge"])
-        for line in edges(round(values["BokehSides"]), range(k, k + 1), False):
+        for line in edges(round(values["BokehSides"]), range(1, k), False):
             yield "ColorSamp", line.middle, line.half
     else:
         second = stem.endswith("Second")

@@ -199,6 +199,7 @@ class TestCompilers:
         assert not result.ok and "targets[2]" in result.messages
 
     def test_linear_filter_on_depth(self, session):
-        source = shaders.wgsl().replace("BokehDepthSamp, BokehNearestClamp", "BokehDepthSamp, BokehLinearClamp")
+        direct = "BokehFetchNearest(DepthSamp, uv)"
+        source = shaders.wgsl().replace(direct, "BokehFetch(DepthSamp, ColorSampSampler, uv)")
         result = wgsl("BokehFullScreen_VS", "BokehDepthOfField_PS", source)
         assert not result.ok and "UnfilterableFloat" in result.messages

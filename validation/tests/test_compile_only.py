@@ -36,6 +36,7 @@ TARGETS = ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")
 # The passes of both samples, and the targets that each writes
 PASSES = {
     "Depth": 1,
+    "SignedCoCMap": 1,
     "CoCMap": 1,
     "HexagonFirst": 2,
     "HexagonSecond": 1,
@@ -136,7 +137,7 @@ def test_shader_mistakes_are_seen(target, source):
     entry = "LineFragment" if source is unity_source else "LinePS"
     for right, wrong in (
         (r"BokehSegment\(_?BokehAngle, ", "BokehSegment("),
-        ("BOKEH_BLEEDING_MULT, true", "Mult, true"),
+        (r"([Ss]ettings), true", r"\1s, true"),
     ):
         broken, changes = re.subn(right, wrong, source())
         assert changes
@@ -144,9 +145,10 @@ def test_shader_mistakes_are_seen(target, source):
 
 
 # What a sample leaves out of the package's own passes: it has no noise, the default leakage test, lines of length 1
-# that are centred, blurs the CoC with the colour, combines by min
+# that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is that of the image
 LEFT_OUT = {
-    "BokehJitter * BOKEH_ADAPTIVE_SAMPLES * BokehNoise(uv, BokehImageWidth, BokehImageHeight, BokehFrame)": "0.0",
+    "BokehJitter": "0.0",
+    "= BokehAspectRatio;": "= imageSize.x / imageSize.y;",
     "BokehBleedingBias": "BOKEH_BLEEDING_BIAS",
     "BokehBleedingMult": "BOKEH_BLEEDING_MULT",
     "BokehBlurCoC > 0.5": "true",
@@ -163,7 +165,7 @@ UNITY_NAMES = {
     "_BokehColorB": "BokehColorSampB",
     "_BokehColorC": "BokehColorSampC",
     "sampler_LinearClamp": "BokehLinearClamp",
-    "sampler_PointClamp": "BokehNearestClamp",
+    "_BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
     "_Bokeh": "Bokeh",
 }
 UNREAL_NAMES = {
@@ -171,17 +173,17 @@ UNREAL_NAMES = {
     "LinePS(SvPosition)": "LinePS(SvPosition, uv)",
     "float4 SvPosition : SV_POSITION": "float4 SvPosition : SV_POSITION, float2 uv : TEXCOORD0",
     "ImageUV(SvPosition)": "uv",
-    "AspectRatio()": "BokehAspectRatio",
-    "BokehImageSize.y": "BokehImageHeight",
+    "BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
     "BokehColorB,": "BokehColorSampB,",
     "BokehColorC,": "BokehColorSampC,",
     "BokehColor,": "BokehColorSamp,",
     "BokehDepth,": "BokehDepthSamp,",
     "BokehLinear,": "BokehLinearClamp,",
-    "BokehNearest,": "BokehNearestClamp,",
 }
-PACKAGE_ENTRIES = {name: f"Bokeh{name}_PS" for name in list(PASSES)[1:6]}
-PACKAGE_ENTRIES |= {"Line": "BokehAdaptive_PS", "LineFinal": "BokehAdaptiveFinal_PS", "Debug": "BokehDebug_PS"}
+PACKAGE_ENTRIES = {name: f"Bokeh{name}_PS" for name in PASSES if name != "Depth"}
+PACKAGE_ENTRIES |= {"Line": "BokehAdaptive_PS", "LineFinal": "BokehAdaptiveFinal_PS"}
+# In Unreal, these read the engine's own textures
+READ_UNREAL = ("SignedCoCMap", "CoCMap")
 
 
 def replaced(source: str, names: dict[str, str]) -> str:
@@ -207,16 +209,14 @@ def program(source: str, entry: str) -> bytes:
 def unity_functions() -> str:
     """The fragment functions alone, with the package's names for their textures and parameters."""
     (code,) = re.findall(r"HLSLINCLUDE\n(.*?)ENDHLSL", text(SHADER), re.DOTALL)
-    code = replaced(code[code.index("    // what the two passes") :], UNITY_NAMES)
-    code = re.sub(r"    // Depth: .*?\n    \}\n", "", code, flags=re.DOTALL)
+    code = replaced(code[code.index("    float4 SignedCoCMapFragment") :], UNITY_NAMES)
     return f"struct Varyings {{ float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; }};\n{code}"
 
 
 def unreal_functions() -> str:
-    """The same of the Unreal shader, without the two passes that read the engine's own textures."""
+    """The same of the Unreal shader, without the passes that read the engine's own textures."""
     code = text(USF)
-    macro = code[code.index("// what the two passes") : code.index("// 0 .. 1 over the view")]
-    return replaced(macro + code[code.index("void HexagonFirstPS") :], UNREAL_NAMES)
+    return replaced(code[code.index("BokehFilter BokehSettings()") :], UNREAL_NAMES)
 
 
 @pytest.mark.parametrize("functions", [unity_functions, unreal_functions])
@@ -226,10 +226,10 @@ def test_passes_are_those_of_the_package(functions):
     model = f"#define BOKEH_HLSL_SM 5\n#define BOKEH_NUM_SAMPLES 33\n{text(paths.library('hlsl'))}{head}"
     package = model + replaced("// pixel shaders\n" + bodies, LEFT_OUT)
     sample = model + functions()
-    names = list(PACKAGE_ENTRIES) if functions is unity_functions else list(PACKAGE_ENTRIES)[1:]
     suffix = "Fragment" if functions is unity_functions else "PS"
-    for name in names:
-        assert program(sample, name + suffix) == program(package, PACKAGE_ENTRIES[name]), name
+    for name, entry in PACKAGE_ENTRIES.items():
+        if functions is unity_functions or name not in READ_UNREAL:
+            assert program(sample, name + suffix) == program(package, entry), name
 
 
 @pytest.mark.parametrize("source", [unity_source, unreal_source])
@@ -373,7 +373,7 @@ def test_unity_properties_are_the_shader_s():
     declared = set(re.findall(r"\b(_Bokeh\w+)[,;)]", text(SHADER)))
     of_blit = {"_BlitTexture", "_BlitScaleBias"}
     code = re.sub(r"//.*", "", text(SHADER))
-    fields = re.findall(r"^    float ([^;()]+);", code, re.MULTILINE)
+    fields = re.findall(r"^    float2? ([^;()]+);", code, re.MULTILINE)
     uniforms = {name.strip() for line in fields for name in line.split(",")}
     uniforms |= set(re.findall(r"^    TEXTURE2D\((\w+)\);", code, re.MULTILINE))
     assert names - of_blit == uniforms

@@ -1,23 +1,20 @@
-"""The documents against the code: README snippets compile, tables name what exists."""
+"""The documents against the code: tables and names are those of the code, links lead somewhere.
+
+The README's snippets are run by test_paste.py.
+"""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import load
 
-from bokeh_validation import methods, passes, paths, shaders
-from bokeh_validation.compilers import dxc, fxc, glslang, naga
+from bokeh_validation import methods, passes, paths
 from bokeh_validation.patterns.model import Case, depth_of, flat
+from bokeh_validation.reference import listings
 
-README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def snippets(language: str, count: int = 1) -> list[str]:
-    """The fenced blocks of a language in the README."""
-    found = re.findall(rf"^```{language}\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-    assert len(found) == count, f"{len(found)} blocks of {language}"
-    return found
+INPUTS = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
 
 
 def library(language: str) -> str:
@@ -25,33 +22,7 @@ def library(language: str) -> str:
     return paths.library(language).read_text(encoding="ascii")
 
 
-@pytest.mark.parametrize("profile", ["330", "300es"])
-@pytest.mark.parametrize("index", [0, 1])
-def test_readme_glsl_compiles(profile, index):
-    """Pasted as the README says, first and second pass."""
-    shown = snippets("glsl", 2)[index]
-    result = glslang.parse(f"{shaders.GLSL_VERSIONS[profile]}\n{library('glsl')}{shown}", "frag")
-    assert result.ok, result.messages
-
-
-@pytest.mark.parametrize("entry", ["first", "second"])
-def test_readme_hlsl_compiles(entry):
-    """Shader model 6 by DXC; 3, 4 and 5 by Microsoft's compiler."""
-    (shown,) = snippets("hlsl")
-    result = dxc.build(f"#define BOKEH_HLSL_SM 6\n{library('hlsl')}{shown}", "frag", entry)
-    assert result.ok, result.messages
-    (old,) = snippets("hlsl3")
-    assert fxc.bytecode(library("hlsl") + old, "ps_3_0", entry)
-    for model in (4, 5):
-        assert fxc.bytecode(f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{shown}", f"ps_{model}_0", entry)
-
-
-def test_readme_wgsl_compiles():
-    """By naga, which raises what it has against a module."""
-    naga.driver().device.create_shader_module(code=library("wgsl") + snippets("wgsl")[0])
-
-
-def test_readme_links_exist():
+def test_links_exist():
     """Every relative link leads somewhere."""
     for document in (
         paths.ROOT / "README.md",
@@ -64,15 +35,35 @@ def test_readme_links_exist():
 
 def test_parameter_table():
     """docs/inputs.md lists the parameters with the indices and offsets that the drivers use."""
-    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", text, re.MULTILINE)
+    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", INPUTS, re.MULTILINE)
     assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
 
 
+@pytest.mark.parametrize("language", ["cpp", "csharp", "rust", "js"])
+def test_parameter_structs(language):
+    """The structs of docs/inputs.md have the fields of the block in its order, and nothing but padding after them."""
+    (shown,) = re.findall(rf"^```{language}\n(.*?)^```", INPUTS, re.MULTILINE | re.DOTALL)
+    if language == "rust":
+        fields = re.findall(r"pub (\w+): f32,", shown)
+    elif language == "js":
+        fields = re.findall(r'"(\w+)",', shown)
+    else:
+        declared = re.findall(r"^ +(?:public )?float ([\w, ]+);", shown, re.MULTILINE)
+        fields = ", ".join(declared).split(", ")
+    assert [field.replace("_", "").lower() for field in fields] == [
+        name.removeprefix("Bokeh").lower() for name in passes.PARAMETERS
+    ]
+    # 33 floats; the block has a multiple of 16 bytes
+    padding = {"cpp": "float Unused[3];", "csharp": "Size = 144", "rust": "unused: [f32; 3]", "js": "Float32Array(36)"}
+    assert padding[language] in shown
+
+
 def test_parameter_buffer(monkeypatch):
-    """The buffer is as large as docs/inputs.md says: wgpu refuses one that is four bytes shorter, and says so."""
-    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
-    size = int(re.search(r"The buffer is (\d+) bytes", text)[1])
+    """A buffer as large as docs/inputs.md says holds all parameters, and is a whole number of 16 bytes.
+
+    wgpu refuses one that ends before the last parameter, and says so.
+    """
+    size = int(re.search(r"The buffer is (\d+) bytes", INPUTS)[1])
     driver = load("wgpu")
     case = Case("", methods.Settings("exact"), flat((8, 6), 1.0), depth_of((8, 6), 5.0))
     whole = driver.device.create_bind_group
@@ -86,19 +77,21 @@ def test_parameter_buffer(monkeypatch):
         monkeypatch.setattr(driver.device, "create_bind_group", bound)
         return driver.run(case.plan.passes, case.textures(), case.size)["result"]
 
+    needed = 4 * len(passes.PARAMETERS)
+    assert needed <= size < needed + 16 and size % 16 == 0
     assert (run(size)[..., :3] > 0.0).all()
-    with pytest.raises(driver.wgpu.GPUValidationError, match=f"size {size - 4} where the shader expects {size}"):
-        run(size - 4)
+    with pytest.raises(driver.wgpu.GPUValidationError, match=f"size {needed - 4} where the shader expects {needed}"):
+        run(needed - 4)
 
 
 def test_paper_names_exist():
-    """Every function that docs/paper.md names is in all three libraries."""
+    """Every function and struct that docs/paper.md names is in all three libraries."""
     text = (paths.ROOT / "docs/paper.md").read_text(encoding="utf-8")
     names = set(re.findall(r"`(Bokeh[A-Z]\w+)`", text))
     assert len(names) > 8
     for language in paths.LANGUAGES:
         for name in names:
-            assert re.search(rf"\b{name}\(", library(language)), f"{name} in {language}"
+            assert re.search(rf"\b{name}\(|\bstruct {name}\b", library(language)), f"{name} in {language}"
 
 
 def test_pitfalls_name_tests():
@@ -111,3 +104,41 @@ def test_pitfalls_name_tests():
         assert not name or re.search(rf"^(?:    )?def {name}\(", source, re.MULTILINE), f"{file}::{name}"
     for row in re.findall(r"^\| .* \|$", text, re.MULTILINE):
         assert row.count(" | ") == 3, row
+
+
+def test_jitter_as_stated():
+    """docs/inputs.md: how the mean of n frames comes near to a sample a pixel, within one of its figures."""
+    frames, errors = (
+        [float(cell) for cell in re.search(rf"^\| {row} \| (.*) \|$", INPUTS, re.MULTILINE)[1].split(" | ")]
+        for row in ("frames", r"error \(%\)")
+    )
+    assert frames == [1, 4, 16, 64]
+    driver, size = load("egl"), (96, 96)
+    color = flat(size, 0.5)
+    color[44:52, 44:52, :3] = 50.0
+    base = methods.Settings("exact", "hexagon", camera=methods.Camera(max_coc=1.0), coc=0.6, spacing=1.0)
+
+    def run(**changes) -> np.ndarray:
+        case = Case("", replace(base, **changes), color, depth_of(size, 5.0))
+        return driver.run(case.plan.passes, case.textures(), size, "float")["result"][..., 1].astype(np.float64)
+
+    truth = run()
+    plain = np.abs(run(max_samples=5) - truth).mean()
+    noisy = [run(max_samples=5, jitter=1.0, frame=frame) for frame in range(64)]
+    for count, stated in zip(frames, errors, strict=True):
+        off = np.abs(np.mean(noisy[: int(count)], axis=0) - truth).mean()
+        assert 100 * off / plain == pytest.approx(stated, abs=1.0), count
+
+
+def test_signed_coc_decides_as_depth_did():
+    """docs/apertures.md: Listing 3's weight from signed CoC alone is that from depth and CoC, for a lens's own CoC."""
+    random = np.random.default_rng(3)
+    camera = methods.Camera()
+    depth = random.choice(np.geomspace(0.5, 1000.0, 400), (2, 200_000))
+    coc = listings.circle_of_confusion(depth, *camera.parameters().values())
+    signed = listings.signed_coc(depth, coc, camera.focus_distance)
+    for bias in (0.0, 0.02, 1.0):
+        wanted = listings.leakage_weight(depth[0], coc[0], depth[1], coc[1], bias, 30.0)
+        found = listings.signed_leakage_weight(signed[0], signed[1], bias, 30.0)
+        np.testing.assert_array_equal(found, wanted)
+        assert (wanted < 1.0).any() == (bias < 1.0)

@@ -43,7 +43,7 @@ def test_parameters_are_in_order(name):
     """The samples' structs have the parameters of docs/inputs.md, in its order."""
     (source,) = (file for file in direct3d.sources(name) if file.stem == "main")
     text = source.read_text(encoding="ascii")
-    struct = text[text.index("static struct {\n    float apertureDiameter") :].partition("}")[0]
+    struct = text[text.index("    float apertureDiameter") :].partition("}")[0]
     fields = re.findall(r"(\w+)(?: = [^,;]+)?[,;]", re.sub(r"//.*", "", struct))
     # near and far are macros of Windows' headers
     assert fields == [f"z{word}" if word in ("Near", "Far") else word[0].lower() + word[1:] for word in WORDS]

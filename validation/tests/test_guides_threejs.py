@@ -74,9 +74,8 @@ def test_depth_of_every_camera(sample, kind):
 def test_logarithmic_depth(sample, kind):
     """WebGL: the same depth, and with it the same CoC, as from the usual buffer. WebGPU: refused, and told why.
 
-    Colours are the same to the bit: where things are drawn does not depend on what is stored as depth. The passes after
-    the first read depth in metres and nothing else of the buffer, so the CoC stands for all of them. In units of 2^-24,
-    relative, depth z may be off by
+    Colours are the same to the bit: where things are drawn does not depend on what is stored as depth. No later pass
+    reads the buffer, so the CoC stands for all of them. In units of 2^-24, relative, depth z may be off by
 
       * usual: 8 z / near. dz / dd = z^2 / near, and d is near 1: six roundings up to its store, two in the formula
       * logarithmic: (9 + 16 x)(1 + z) / z with x = log2(1 + z). Of 1 + z: 3 of interpolation, 6 + 4 x of exp2 (3 + 2 x
@@ -106,22 +105,23 @@ def test_logarithmic_depth(sample, kind):
     focus, focal = lens["focus_distance"], lens["focal_length"]
     slope = lens["aperture_diameter"] * focal * focus / (z * (focus - focal)) / lens["sensor_height"]
     coc = usual["coc"].astype(np.float64)
-    assert coc.max() > 0.05
-    step = np.spacing(np.maximum(usual["coc"], logarithmic["coc"])).astype(np.float64)
+    assert abs(coc).max() > 0.05
+    step = np.spacing(np.maximum(abs(usual["coc"]), abs(logarithmic["coc"]))).astype(np.float64)
     assert (np.abs(logarithmic["coc"] - coc) <= slope * allowed + step).all()
 
 
 def test_debug_views(sample, kind):
-    """Depth, circle of confusion, near and far field, as section [9] has them."""
+    """Depth, circle of confusion, near and far field, as section [9] has them; alpha is the signed CoC."""
     said = sample.call("views", kind)
     half = {mode: _pixels(data, np.float16) for mode, data in said["views"].items()}
     depth = _pixels(said["depth"], np.float32)
     coc = _pixels(said["coc"], np.float16)[..., 3]
     focus = said["focus"]
     assert np.allclose(half["1"][..., 0], depth / (depth + focus), atol=2e-3)
-    assert np.allclose(half["2"][..., 0], coc / said["maxCoC"], atol=2e-3)
-    blurred = coc > 0.005
+    assert np.allclose(half["2"][..., 0], abs(coc) / said["maxCoC"], atol=2e-3)
+    blurred = abs(coc) > 0.005
     near = depth < focus
+    assert ((coc < 0) == near)[blurred].all()
     assert (half["3"][..., 0] > half["3"][..., 2])[blurred & near].all() and (blurred & near).any()
     assert (half["3"][..., 2] > half["3"][..., 0])[blurred & ~near].all() and (blurred & ~near).any()
 

@@ -6,9 +6,8 @@ import re
 import pytest
 from rich.console import Console
 
-from bokeh_validation import parity, paths
+from bokeh_validation import listing, parity, paths, rules
 from bokeh_validation.errors import UserError
-from bokeh_validation.listing.syntax import tokenize
 
 LANGUAGES = paths.LANGUAGES
 TEXTS = {
@@ -34,6 +33,13 @@ def mutated(language: str, old: str, new: str) -> dict[str, str]:
     return {key: replaced(TEXTS[key], old, new)}
 
 
+def spelt(text: str, language: str) -> str:
+    """GLSL's names of types as another language has them."""
+    if language == "wgsl":
+        return re.sub(r"\bvec([234])\(", r"vec\1f(", text.replace("float(", "f32("))
+    return re.sub(r"\bvec([234])\(", r"float\1(", text) if language == "hlsl" else text
+
+
 def test_the_checkout_passes():
     assert not parity.check(), "\n" + "\n".join(map(str, parity.check()))
 
@@ -45,12 +51,12 @@ def test_every_deviation_is_listed():
 
 # Changes that read the same in every language: name -> (old, new). The first occurrence is replaced.
 EVERYWHERE = {
-    "a literal": ("sampleCoC * bleedingMult, 0.0, 1.0)", "sampleCoC * bleedingMult, 0.0, 2.0)"),
+    "a literal": ("sampleCoC * settings.bleedingMult, 0.0, 1.0)", "sampleCoC * settings.bleedingMult, 0.0, 2.0)"),
     "the spelling of a literal": ("(0.5 * cos(angle)", "(.5 * cos(angle)"),
     "a suffix of a literal": ("0.5 * sin(angle)", "0.5f * sin(angle)"),
     "a comparison": ("sampleDepth < centerDepth", "sampleDepth <= centerDepth"),
-    "a comparison in a loop": ("i < numSamples", "i <= numSamples"),
-    "an operator": ("centerCoC > sampleCoC + bleedingBias", "centerCoC > sampleCoC - bleedingBias"),
+    "a comparison in a loop": ("i < BOKEH_NUM_SAMPLES", "i <= BOKEH_NUM_SAMPLES"),
+    "an operator": ("> sampleCoC + settings.bleedingBias", "> sampleCoC - settings.bleedingBias"),
     "another joint": ("< centerDepth && centerCoC", "< centerDepth || centerCoC"),
     "min for max": ("result = max(a, b);", "result = min(a, b);"),
     "a swapped pair of arguments": (
@@ -75,24 +81,24 @@ EVERYWHERE = {
     "a tag line": ("// Listing 2: the end of a line", "// Listing 3: the end of a line"),
     "a tag line dropped": ("// Listing 2: the end of a line of length 1 centred on this pixel\n", ""),
     "a doc comment": ("//   MaxCoC        largest CoC allowed", "//   MaxCoC        smallest CoC allowed"),
-    "a doc comment cut off": ("//   returns       0 .. 1\n", "//   returns       0 .. 1\n\n"),
+    "a doc comment cut off": ("//   returns       -0.5 .. 0.5\n", "//   returns       -0.5 .. 0.5\n\n"),
     "a picture": ("^ this pixel", "^ that pixel"),
     "a heading": ("// [7] naive gather\n", "// [7] gather\n"),
     "a section number": ("// [8] exact polygons", "// [7] exact polygons"),
     "the contract": ("CoC   circle of confusion: a DIAMETER", "CoC   circle of confusion: a RADIUS"),
     "the contents": ("BokehDebugDepth, BokehDebugCoC, BokehDebugFocus", "BokehDebugCoC, BokehDebugFocus"),
-    "a default in the table": ("//   BOKEH_MAX_COC         0.1 ", "//   BOKEH_MAX_COC         0.2 "),
-    "a range in the table": ("0.02       0 .. 1    Listing 3;", "0.02       0 .. 2    Listing 3;"),
-    "a row of the table": ("//   BOKEH_MAX_COLOR       65504.0              largest half float\n", ""),
+    "a default in the table": ("//   BOKEH_MAX_COC           0.1 ", "//   BOKEH_MAX_COC           0.2 "),
+    "a range in the table": ("0.02       0 .. 1  Listing 3;", "0.02       0 .. 2  Listing 3;"),
+    "a row of the table": ("//   BOKEH_MAX_COLOR         65504.0            largest half float\n", ""),
     "a tab": ("    return lineEnd * t;", "\treturn lineEnd * t;"),
     "a tab in a comment": ("// [7] naive gather", "// [7]\tnaive gather"),
     "a character that is not ASCII": ("Listing 1: CoC of a thin lens", "Listing 1: CoC of a thin lens \u00e9"),
     "a backslash at the end of a line": ("length 1 centred on this pixel\n", "length 1 centred on this pixel\\\n"),
-    "a long line": ("    return lineEnd * t;", "    return lineEnd * t;" + " " * 120 + "//"),
+    "a long line": ("    return lineEnd * t;", "    return lineEnd * t;" + " " * 100 + "//"),
     "a carriage return": ("    return lineEnd * t;\n", "    return lineEnd * t;\r\n"),
     "no licence line": ("// SPDX-License-Identifier: MIT\n", ""),
-    "a version": ("Version 0.1.0.", "Version 0.1.1."),
-    "no version": (" Version 0.1.0.", ""),
+    "a version": ("Version 0.2.0.", "Version 0.2.1."),
+    "no version": (" Version 0.2.0.", ""),
     "a block comment": ("    return lineEnd * t;", "    /* why */ return lineEnd * t;"),
     "a misspelt call": ("BokehResolve(color,", "BokehResolved(color,"),
     "an unmarked deviation": ("float(last)", "max(float(last), 1.0)"),
@@ -107,6 +113,21 @@ EVERYWHERE = {
     "a bracket without its other": ("    return lineEnd * t;", "    return lineEnd * (t;"),
     "a brace without its other": ("    return lineEnd * t;\n}", "    return lineEnd * t;\n"),
     "a derivative": ("    return lineEnd * t;", "    return lineEnd * t + dFdx(t);"),
+    "a member for another": ("settings.bleedingBias = BOKEH", "settings.bleedingMult = BOKEH"),
+    "a member read for another": (
+        "2.0 * length(segment.zw) * CoC * settings.imageHeight",
+        "2.0 * length(segment.zw) * CoC * settings.spacing",
+    ),
+    "a row of the presets": (
+        "//   BOKEH_PRESET_LOW        5          2.0 ",
+        "//   BOKEH_PRESET_LOW        5          1.0 ",
+    ),
+    "a bound of a viewport": ("vec2(0.5078125, 0.5078125)", "vec2(0.5, 0.5)"),
+    "a comment of the porting section": ("// Porting: image uv to texture uv", "// Porting: texture uv to image uv"),
+    "a loop's iterations said to be turns": (
+        "// Section 3: gather with",
+        "// Section 3, 255 turns at most: gather with",
+    ),
     "a macro": ("// Debug: linear depth", "#define BOKEH_MORE 1\n\n// Debug: linear depth"),
     "a condition in a body": ("    return lineEnd * t;", "#if 0\n    return lineEnd * t;\n#endif"),
 }
@@ -116,8 +137,7 @@ EVERYWHERE = {
 @pytest.mark.parametrize("name", EVERYWHERE)
 def test_a_change_in_one_language_is_found(name, language):
     old, new = EVERYWHERE[name]
-    if language == "wgsl":
-        old, new = old.replace("float(", "f32("), new.replace("float(", "f32(")
+    old, new = (spelt(text, language) for text in (old, new))
     found = new_differences(mutated(language, old, new))
     assert found, f"{name} in {language} was not found"
     assert all(difference.where and difference.what for difference in found)
@@ -157,18 +177,16 @@ SPELT = {
     },
     "textures in another order": {
         "hlsl": (
-            "BokehCoCMap(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXTURE(DepthSamp),",
-            "BokehCoCMap(BOKEH_TEXTURE(DepthSamp), BOKEH_TEXTURE(ColorSamp),",
+            "BokehCoCMap(BOKEH_TEXELS(ColorSamp), BOKEH_TEXELS(DepthSamp),",
+            "BokehCoCMap(BOKEH_TEXELS(DepthSamp), BOKEH_TEXELS(ColorSamp),",
         ),
         "glsl": (
             "BokehCoCMap(sampler2D ColorSamp, sampler2D DepthSamp,",
             "BokehCoCMap(sampler2D DepthSamp, sampler2D ColorSamp,",
         ),
         "wgsl": (
-            "BokehCoCMap(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,\n"
-            "    DepthSampSampler: sampler,",
-            "BokehCoCMap(DepthSamp: texture_2d<f32>, DepthSampSampler: sampler, ColorSamp: texture_2d<f32>,\n"
-            "    ColorSampSampler: sampler,",
+            "BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>,",
+            "BokehCoCMap(DepthSamp: texture_2d<f32>, ColorSamp: texture_2d<f32>,",
         ),
     },
     "a parameter renamed": {
@@ -207,47 +225,90 @@ SPELT = {
         "wgsl": ("    var totalWeight: f32 =", "    var totalWeight ="),
     },
     "a fetch without its coordinates": {
-        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp))"),
-        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp)"),
-        "wgsl": (
-            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
-            "BokehFetchNearest(DepthSamp, DepthSampSampler)",
-        ),
+        language: ("SafeDepth(BokehFetchNearest(DepthSamp, uv)", "SafeDepth(BokehFetchNearest(DepthSamp)")
+        for language in LANGUAGES
     },
     "a fetch of the other texture": {
-        "hlsl": (
-            "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)",
-            "BokehFetchNearest(BOKEH_ARGUMENT(ColorSamp), uv)",
-        ),
-        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(ColorSamp, uv)"),
-        "wgsl": (
-            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
-            "BokehFetchNearest(ColorSamp, ColorSampSampler, uv)",
-        ),
+        language: ("SafeDepth(BokehFetchNearest(DepthSamp, uv)", "SafeDepth(BokehFetchNearest(ColorSamp, uv)")
+        for language in LANGUAGES
     },
     "a texture without its sampler": {
-        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "BokehFetchNearest(DepthSamp, uv)"),
-        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)"),
-        "wgsl": ("BokehFetchNearest(DepthSamp, DepthSampSampler, uv)", "BokehFetchNearest(DepthSamp, uv)"),
+        "hlsl": ("BokehFetch(BOKEH_ARGUMENT(ColorSamp), uv)", "BokehFetch(ColorSamp, uv)"),
+        "glsl": ("BokehFetch(ColorSamp, uv)", "BokehFetch(ColorSamp, ColorSampSampler, uv)"),
+        "wgsl": ("BokehFetch(ColorSamp, ColorSampSampler, uv)", "BokehFetch(ColorSamp, uv)"),
     },
-    "the sampler of the other texture": {
+    "the sampler of another texture": {
+        "hlsl": ("BOKEH_SHARED(T3Samp, T2Samp)", "BOKEH_SHARED(T3Samp, T3Samp)"),
+        "glsl": ("BokehFetch(ColorSamp, uv)", "BokehFetch(ColorSamp, DepthSampSampler, uv)"),
+        "wgsl": ("BokehLineSum(T3Samp, T2SampSampler,", "BokehLineSum(T3Samp, T3SampSampler,"),
+    },
+    "another texture with the shared sampler": {
+        "hlsl": ("BOKEH_SHARED(T3Samp, T2Samp)", "BOKEH_SHARED(T4Samp, T2Samp)"),
+        "glsl": ("BokehLineSum(T3Samp,", "BokehLineSum(T4Samp,"),
+        "wgsl": ("BokehLineSum(T3Samp, T2SampSampler,", "BokehLineSum(T4Samp, T2SampSampler,"),
+    },
+    "a sampler too many": {
         "hlsl": (
-            "BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)",
-            "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)",
+            "SafeDepth(BokehFetchNearest(DepthSamp, uv)",
+            "SafeDepth(BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)",
         ),
-        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)"),
+        "glsl": (
+            "SafeDepth(BokehFetchNearest(DepthSamp, uv)",
+            "SafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+        ),
         "wgsl": (
-            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
-            "BokehFetchNearest(DepthSamp, ColorSampSampler, uv)",
+            "SafeDepth(BokehFetchNearest(DepthSamp, uv)",
+            "SafeDepth(BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
+        ),
+    },
+    "a parameter with a sampler for one without": {
+        "hlsl": (
+            "BOKEH_TEXTURE(MapSamp), float2 uv, float4 segment",
+            "BOKEH_TEXELS(MapSamp), float2 uv, float4 segment",
+        ),
+        "glsl": ("BokehLineSum(sampler2D MapSamp,", "BokehLineSum(sampler2D MapSamp, sampler MapSampSampler,"),
+        "wgsl": (
+            "BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler,",
+            "BokehLineSum(MapSamp: texture_2d<f32>,",
         ),
     },
     "sampling past BokehFetch": {
-        "hlsl": ("BokehFetchNearest(BOKEH_ARGUMENT(DepthSamp), uv)", "tex2D(DepthSamp, uv)"),
-        "glsl": ("BokehFetchNearest(DepthSamp, uv)", "texture(DepthSamp, uv)"),
+        "hlsl": ("SafeDepth(BokehFetchNearest(DepthSamp, uv)", "SafeDepth(tex2D(DepthSamp, uv)"),
+        "glsl": ("SafeDepth(BokehFetchNearest(DepthSamp, uv)", "SafeDepth(texture(DepthSamp, uv)"),
         "wgsl": (
-            "BokehFetchNearest(DepthSamp, DepthSampSampler, uv)",
-            "textureSample(DepthSamp, DepthSampSampler, uv)",
+            "SafeDepth(BokehFetchNearest(DepthSamp, uv)",
+            "SafeDepth(textureSample(DepthSamp, DepthSampSampler, uv)",
         ),
+    },
+    "a member of a struct": {
+        "hlsl": ("    float spacing;\n", "    float jitter;\n"),
+        "glsl": ("    float spacing;\n", "    float jitter;\n"),
+        "wgsl": ("    spacing: f32,\n", "    jitter: f32,\n"),
+    },
+    "members in another order": {
+        "hlsl": ("    float rotation;\n    float squeeze;\n", "    float squeeze;\n    float rotation;\n"),
+        "glsl": ("    float rotation;\n    float squeeze;\n", "    float squeeze;\n    float rotation;\n"),
+        "wgsl": ("    rotation: f32,\n    squeeze: f32,\n", "    squeeze: f32,\n    rotation: f32,\n"),
+    },
+    "a type of a member": {
+        "hlsl": ("    int sides;\n", "    float sides;\n"),
+        "glsl": ("    int sides;\n", "    float sides;\n"),
+        "wgsl": ("    sides: i32,\n", "    sides: f32,\n"),
+    },
+    "a value of a preset": {
+        "hlsl": ("#define BOKEH_PRESET_SAMPLES 9", "#define BOKEH_PRESET_SAMPLES 8"),
+        "glsl": ("#define BOKEH_PRESET_SAMPLES 9", "#define BOKEH_PRESET_SAMPLES 8"),
+        "wgsl": ("//   BOKEH_PRESET_MEDIUM     9 ", "//   BOKEH_PRESET_MEDIUM     8 "),
+    },
+    "the default of the presets": {
+        "hlsl": ("#define BOKEH_PRESET_SAMPLES 13", "#define BOKEH_PRESET_SAMPLES 12"),
+        "glsl": ("#define BOKEH_PRESET_SAMPLES 13", "#define BOKEH_PRESET_SAMPLES 12"),
+        "wgsl": ("BOKEH_NUM_SAMPLES: i32 = 13;", "BOKEH_NUM_SAMPLES: i32 = 12;"),
+    },
+    "an initial value of the viewport": {
+        "hlsl": ("BokehViewport = float4(0.0, 0.0, 1.0, 1.0)", "BokehViewport = float4(0.0, 0.0, 1.0, 0.5)"),
+        "glsl": ("BokehViewport = vec4(0.0, 0.0, 1.0, 1.0)", "BokehViewport = vec4(0.0, 0.0, 1.0, 0.5)"),
+        "wgsl": ("vec4f = vec4f(0.0, 0.0, 1.0, 1.0)", "vec4f = vec4f(0.0, 0.0, 1.0, 0.5)"),
     },
     "a size of a texture": {
         "hlsl": ("    return lineEnd * t;", "    tex.GetDimensions(t);\n    return lineEnd * t;"),
@@ -271,9 +332,9 @@ SPELT = {
         ),
     },
     "a helper in the porting section": {
-        "hlsl": ("// Porting: one texel", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: one texel"),
-        "glsl": ("// Porting: one texel", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: one texel"),
-        "wgsl": ("// Porting: one texel", "fn BokehX(x: f32) -> f32\n{\n    return x;\n}\n\n// Porting: one texel"),
+        "hlsl": ("// Porting: entry i", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: entry i"),
+        "glsl": ("// Porting: entry i", "float BokehX(float x)\n{\n    return x;\n}\n\n// Porting: entry i"),
+        "wgsl": ("// Porting: entry i", "fn BokehX(x: f32) -> f32\n{\n    return x;\n}\n\n// Porting: entry i"),
     },
     "a global": {
         "hlsl": ("// Debug: linear", "static const float bokehX[2] = { 1.0, 2.0 };\n\n// Debug: linear"),
@@ -307,10 +368,9 @@ def test_a_function_dropped_moved_or_repeated_is_found(language):
     moved = parity.columns("BokehDebugCoC")[language] + "\n\n"
     assert new_differences({key: replaced(TEXTS[key], moved, "")})
     before = replaced(replaced(TEXTS[key], moved, ""), "// Debug: linear depth", moved + "// Debug: linear depth")
-    assert any("order" in difference.what for difference in new_differences({key: before}))
-    rule = "// " + "-" * 117 + "\n// [8]"
-    elsewhere = replaced(replaced(TEXTS[key], moved, ""), rule, moved + rule)
-    assert any("section" in difference.what for difference in new_differences({key: elsewhere}))
+    assert new_differences({key: before})
+    rule = listing.RULE + "// [8]"
+    assert new_differences({key: replaced(replaced(TEXTS[key], moved, ""), rule, moved + rule)})
     again = replaced(TEXTS[key], moved, moved + moved)
     assert any("overload" in difference.what for difference in new_differences({key: again}))
 
@@ -324,30 +384,81 @@ def test_line_breaks_and_spaces_do_not_matter(language):
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_hardly_a_token_can_go_unnoticed(language):
-    """Every 23rd token of sections [3] to [9] dropped."""
+    """Every 23rd token of sections [3] to [9] dropped, but for the statement of a marked line."""
     key = parity.LIBRARY[language]
     text = TEXTS[key]
     start = text.index("// [3] Listing 1")
-    later = [token for token in tokenize(text) if token.start > start and not token.text.startswith("// ---")]
+    later = list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s]", text[start:]))
+    assert len(later) > 2000
+    marked = {one.line + more for one in parity.deviations() if one.file == key for more in (0, 1)}
     for token in later[::23]:
-        if token.text != "BOKEH_LOOP":
-            dropped = text[: token.start] + text[token.end :]
-            assert new_differences({key: dropped}), f"line {token.line}: {token.text} dropped"
+        if listing.line_of(text, start + token.start()) in marked:
+            continue
+        dropped = text[: start + token.start()] + text[start + token.end() :]
+        assert new_differences({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
+
+
+# One change to all three languages: name -> (old, new), spelt as in GLSL.
+ALIKE = {
+    "nine parameters": (
+        "BokehDebugDepth(float S2, float S1)",
+        "BokehDebugDepth(float a, float b, float c, float d, float e,\n    float f, float g, float S2, float S1)",
+    ),
+    "a tag line": ("// Exact: the samples along one line", "// The samples along one line"),
+    "a bit operator": ("max(numSamples, 2) - 1;", "(numSamples | 2) - 1;"),
+    "a swizzle assigned": ("    return lineEnd * t;", "    lineEnd.xy = lineEnd * t;\n    return lineEnd;"),
+    "turns": ("// Debug: linear depth as", "// Debug: after 255 turns, linear depth as"),
+    "turns over a line break": ("// Debug: linear depth as", "// Debug: after 255\n//   turns, linear depth as"),
+    "behind": ("// Debug: linear depth as", "// Debug: behind the `#version` line, linear depth as"),
+    "count as": ("// Debug: linear depth as", "// Debug: what does not count as metres, linear depth as"),
+    "counts as": ("// Debug: linear depth as", "// Debug: what counts as metres, linear depth as"),
+    "at hand": ("// Debug: linear depth as", "// Debug: with no GPU at hand, linear depth as"),
+    "hands on": ("// Debug: linear depth as", "// Debug: what a pass hands on, linear depth as"),
+    "told": ("// Debug: linear depth as", "// Debug: as told, linear depth as"),
+    "spelt": ("// Debug: linear depth as", "// Debug: spelt, linear depth as"),
+}
+
+
+@pytest.mark.parametrize("name", ALIKE)
+def test_a_rule_broken_in_all_languages_is_found(name):
+    """Where the languages agree only the rules are left."""
+    texts = {}
+    for language, key in parity.LIBRARY.items():
+        old, new = ALIKE[name]
+        if language == "wgsl":
+            old, new = (re.sub(r"\bfloat (\w+)", r"\1: f32", text) for text in (old, new))
+        texts[key] = replaced(TEXTS[key], old, new)
+    found = new_differences(texts)
+    assert {difference.where.partition("/")[0] for difference in found} == set(LANGUAGES) - (
+        {"wgsl"} if name == "nine parameters" else set()
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1 turns the leakage test off", "1 or more turns\n//   the test off", "behind the focus", "behind a near object"],
+)
+def test_words_in_their_plain_sense_may_stay(text):
+    assert not list(
+        rules.findings(
+            replaced(TEXTS["glsl/bokeh.glsl"], "// Debug: linear", f"// Debug: {text}\n//\n// Debug: linear"), "glsl", True
+        )
+    )
 
 
 # ----------------------------------------------------------------------------------------------------------------------
 # marked deviations
 # ----------------------------------------------------------------------------------------------------------------------
 
-REASON = "this compiler has no multiplication of a vector by a scalar"
+REASON = "this compiler cannot multiply a vector by a scalar"
 
 
 def marked(language: str, statement: str = "return t * lineEnd;") -> dict[str, str]:
-    """A marked statement in one language, told of in docs/paper.md (over a line break)."""
-    told = REASON.replace("multiplication of", "multiplication\nof")
+    """A marked statement in one language, with its reason in docs/paper.md (over a line break)."""
+    written = REASON.replace("cannot multiply", "cannot\nmultiply")
     return {
         **mutated(language, "return lineEnd * t;", f"{statement} // differs: {REASON}"),
-        parity.PAPER: f"Deviations:\n- {told}.\n",
+        parity.PAPER: f"Deviations:\n- {written}.\n- 255 loops.\n",
     }
 
 
@@ -355,7 +466,8 @@ def marked(language: str, statement: str = "return t * lineEnd;") -> dict[str, s
 def test_a_marked_statement_is_exempt_and_listed(language):
     texts = marked(language)
     assert not new_differences(texts)
-    assert [(one.file, one.reason) for one in parity.deviations(texts)] == [(parity.LIBRARY[language], REASON)]
+    found = [(one.file, one.reason) for one in parity.deviations(texts)]
+    assert sorted(found) == sorted([(parity.LIBRARY[language], REASON), (parity.LIBRARY["hlsl"], "255 loops")])
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -365,7 +477,7 @@ def test_an_extra_marked_statement_is_exempt(language):
             **mutated(
                 language, "    return lineEnd * t;", f"    t += 0.0; // differs: {REASON}\n    return lineEnd * t;"
             ),
-            parity.PAPER: REASON,
+            parity.PAPER: f"{REASON}, 255 loops",
         }
     )
 
@@ -388,12 +500,12 @@ def test_a_marked_signature_and_a_marked_default_are_exempt():
         **mutated(
             "glsl", "vec2 BokehLineEnd(float angle,", f"vec2 BokehLineEnd( // differs: {REASON}\n    highp float angle,"
         ),
-        parity.PAPER: REASON,
+        parity.PAPER: f"{REASON}, 255 loops",
     }
     assert not new_differences(texts)
     texts = {
         **mutated("wgsl", "BOKEH_MAX_COC: f32 = 0.1;", f"BOKEH_MAX_COC: f32 = 0.2; // differs: {REASON}"),
-        parity.PAPER: REASON,
+        parity.PAPER: f"{REASON}, 255 loops",
     }
     assert not new_differences(texts)
 
@@ -435,7 +547,7 @@ DIRECT = {
         lambda language: BLUR_ENTRY[language],
         lambda language: UNPREFIXED[language],
         lambda language: DIRECT[language],
-        lambda language: ("Version 0.1.0.", "Version 0.2.0."),
+        lambda language: ("Version 0.2.0.", "Version 0.3.0."),
         lambda language: ("// BokehDebugMode: 0 colour", "// BokehDebugMode: 0\tcolour"),
         lambda language: ("// BokehDebugMode: 0 colour", "// BokehDebugMode: 0 colour\\\n"),
     ],
@@ -457,6 +569,51 @@ def test_a_change_in_a_passes_file_is_found(change, language):
     assert new_differences({key: replaced(TEXTS[key], *change(language))})
 
 
+# In the helpers and entries: name -> (old, new), the same in every language.
+BODIES = {
+    "an argument": ("BokehMakePolygon(sides, ", "BokehMakePolygon(sides + 0, "),
+    "the index of a pass": ("BokehBegin(uv, 1.0)", "BokehBegin(uv, 0.0)"),
+    "the sides": ("uv, 8)", "uv, 6)"),
+    "a member": ("settings.bleedingBias = ", "settings.bleedingMult = "),
+    "a target": ("targets.T3", "targets.T2"),
+    "a texture": ("BokehColorSampC", "BokehColorSampB"),
+    "a parameter of the block": ("settings, BokehBlurCoC > 0.5", "settings, BokehUseMax > 0.5"),
+    "a comparison": ("BokehUseMax > 0.5", "BokehUseMax < 0.5"),
+    "a statement dropped": ("    BokehUseViewport();\n", ""),
+    "a comment": ("// exact, first pass", "// exact, second pass"),
+    "a comment of an entry": ("// BokehDebugMode: 0 colour, 1 depth", "// BokehDebugMode: 0 depth, 1 colour"),
+    "a row of the table": ("a grid of samples", "a grid"),
+    "what a row reads": ("ColorSamp, DepthSamp, KernelSamp", "ColorSamp, KernelSamp"),
+}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", BODIES)
+def test_a_change_in_the_body_of_a_pass_is_found(name, language):
+    key = parity.PASSES[language]
+    old, new = BODIES[name]
+    text = TEXTS[key]
+    if language == "wgsl":
+        old = re.sub(r"\b(BokehUseMax|BokehBlurCoC)\b", r"bokehParameters.\1", old)
+        new = re.sub(r"\b(BokehUseMax|BokehBlurCoC)\b", r"bokehParameters.\1", new)
+    if language == "glsl" and old.startswith("uv,"):
+        old, new = f"BokehUV, {old[4:]}", f"BokehUV, {new[4:]}"
+    # past the bindings, where a texture has its name
+    start = 0 if "Samp, " in old or "grid" in old else text.index(" shaders\n// ---")
+    assert new_differences({key: text[:start] + replaced(text[start:], old, new)})
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_hardly_a_token_of_a_pass_can_go_unnoticed(language):
+    """Every 11th token of the helpers and entries dropped."""
+    key = parity.PASSES[language]
+    text = TEXTS[key]
+    start = parity.ENTRIES.search(text).end()
+    for token in list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s]", text[start:]))[::11]:
+        dropped = text[: start + token.start()] + text[start + token.end() :]
+        assert new_differences({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_parameters_in_another_order_are_found(language):
     key = parity.PASSES[language]
@@ -469,7 +626,7 @@ def test_hlsl_registers_and_glsl_pass_numbers_are_checked():
     key = parity.PASSES["hlsl"]
     assert new_differences({key: replaced(TEXTS[key], "BokehAngleB, 8)", "BokehAngleB, 9)")})
     key = parity.PASSES["glsl"]
-    assert new_differences({key: replaced(TEXTS[key], "#define BOKEH_DEBUG 19", "#define BOKEH_DEBUG 6")})
+    assert new_differences({key: replaced(TEXTS[key], "#define BOKEH_DEBUG 20", "#define BOKEH_DEBUG 6")})
 
 
 # ----------------------------------------------------------------------------------------------------------------------

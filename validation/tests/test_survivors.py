@@ -8,7 +8,7 @@ import pytest
 from conftest import load
 from test_drivers import HOSTILE_COLOR, compared, noise_case
 
-from bokeh_validation import methods, metrics, passes, paths, shaders
+from bokeh_validation import methods, metrics, parity, passes, paths, shaders
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import depth_of, flat
 from bokeh_validation.reference import listings
@@ -23,7 +23,7 @@ def changed(plain: np.ndarray, output: np.ndarray) -> bool:
 
 
 def test_a_sensor_of_no_height(driver):
-    """It counts as one of BOKEH_MIN_DEPTH, as in the reference: 0 in focus and not 0 / 0, and elsewhere not infinite.
+    """It becomes BOKEH_MIN_DEPTH, as in the reference: 0 in focus and not 0 / 0, and elsewhere not infinite.
 
     So small an aperture that the CoC stays below MaxCoC even so. As COC_ROUNDINGS of the reference: 16 roundings of
     2^-24, the focus distance is exact in float32 and its difference from the depths loses nothing.
@@ -118,9 +118,34 @@ def test_jitter_of_the_exact_passes(aperture, targets, driver):
     assert changed(plain, output)
 
 
+def test_noise_comes_again(driver):
+    """After 64 frames, and after 2^22 as well, where the number of the frame times 33/64 has no room for a fraction."""
+    camera = methods.Camera(max_coc=1.0)
+    settings = methods.Settings("exact", coc=0.5, camera=camera, max_samples=3, spacing=1.0, jitter=1.0)
+    results = []
+    for frame in (5, 64 + 5, 2**22 + 5, 6):
+        case = noise_case((61, 48), replace(settings, frame=frame))
+        results.append(driver.run(case.plan.passes, case.textures(), case.size)["result"])
+    np.testing.assert_array_equal(results[1], results[0])
+    np.testing.assert_array_equal(results[2], results[0])
+    assert changed(results[0], results[3])
+
+
+@pytest.mark.parametrize("mode", [2, 3])
+def test_debug_views_of_the_near_field(mode, driver):
+    """A signed CoC below 0 is as bright as the same above 0."""
+    coc = flat((2, 1))
+    coc[0, :, 3] = -0.0625, 0.0625
+    parameters = {"BokehDebugMode": float(mode), "BokehMaxCoC": 0.125, "BokehFocusDistance": 4.0}
+    view = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
+    output = driver.run([view], {"coc": coc, "depth": depth_of((2, 1), 2.0)}, (2, 1), "float")["result"][0]
+    tints = {2: [0.5, 0.5, 0.5, 1.0], 3: [0.5, 0.25, 0.0, 1.0]}[mode]
+    np.testing.assert_array_equal(output, [tints, tints])
+
+
 @pytest.mark.parametrize("mode", [2, 3])
 def test_debug_views_of_a_pinhole(mode, driver):
-    """MaxCoC 0 counts as BOKEH_MIN_DEPTH: in focus black and not 0 / 0, and elsewhere not infinite."""
+    """MaxCoC 0 is taken for BOKEH_MIN_DEPTH: in focus black and not 0 / 0, and elsewhere not infinite."""
     small = 2.0**-21  # half of BOKEH_MIN_DEPTH, and a half float
     coc = flat((2, 1))
     coc[0, :, 3] = 0.0, small
@@ -147,6 +172,33 @@ def test_squeeze_of_the_naive_methods(method, driver):
     assert changed(plain, output)
 
 
+@pytest.mark.parametrize("count", [2, 127, 128, 129, 200, 256, 300])
+def test_many_offsets(count, driver):
+    """A table of more offsets than a loop of shader model 3 has iterations: each is read once.
+
+    The offsets are whole pixels along a row, each nearer to the pixel than the last, with a value of its own there.
+    """
+    width, coc = 1024, 0.5
+    random = np.random.default_rng(count)
+    color = np.ones((2, width, 4), np.float16)
+    color[..., :3] = random.integers(0, 2, (2, width, 1))
+    places = random.permutation(count) - count // 2
+    # uv counts widths, offsets the CoC over the aspect ratio 512: a pixel is 1 / 1024 of uv
+    kernel = np.zeros((1, count, 4), np.float32)
+    kernel[0, :, 0] = places / width / coc * (width / 2)
+    first = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", {"BokehConstantCoC": coc, "BokehMaxCoC": 1.0})
+    inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
+    parameters = {"BokehAspectRatio": width / 2, "BokehBleedingBias": 1.0}
+    gather = Pass("BokehNaiveGather", inputs, "result", parameters, samples=count)
+    textures = {"color": color, "depth": depth_of((width, 2), 5.0), "kernel": kernel}
+    output = driver.run([first, gather], textures, (width, 2), "float")["result"]
+    wanted = np.mean(
+        [color[:, np.clip(np.arange(width) + place, 0, width - 1), 0] for place in places], axis=0, dtype=float
+    )
+    # sums of 0 and 1 are exact; the fetch is bilinear, with places as exact as the device has them
+    np.testing.assert_allclose(output[..., 0], wanted, atol=2.0**-7)
+
+
 def test_constant_coc_is_clamped(driver):
     """A constant CoC below 0 is 0, one above MaxCoC is that."""
     for value, wanted in ((-0.5, 0.0), (0.125, 0.125), (0.5, 0.25)):
@@ -161,6 +213,9 @@ def test_defaults():
     camera, settings = methods.Camera(), methods.Settings()
     wanted = {
         "BOKEH_NUM_SAMPLES": methods.PAPER_SAMPLES,
+        "BOKEH_SPACING": 1.0,
+        "BOKEH_ADAPTIVE_SAMPLES": 1,
+        "BOKEH_VIEWPORT": 0,
         "BOKEH_SENSOR_HEIGHT": camera.sensor_height,
         "BOKEH_MAX_COC": camera.max_coc,
         "BOKEH_BLEEDING_BIAS": settings.bleeding_bias,
@@ -171,10 +226,46 @@ def test_defaults():
     }
     for language in paths.LANGUAGES:
         text = paths.library(language).read_text(encoding="ascii")
-        for name, value in wanted.items():
-            (found,) = re.findall(rf"^(?:#define|const|override) {name}(?:: \w+ =)? ([\d.]+);?$", text, re.MULTILINE)
-            assert np.float32(found) == np.float32(value), (language, name)
+        found = {name: np.float32(value) for name, value, _ in parity.settings(language, text)}
+        assert found == {name: np.float32(value) for name, value in wanted.items()}, language
     assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
     assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
     assert passes.PARAMETERS["BokehBleedingBias"] == settings.bleeding_bias
     assert passes.PARAMETERS["BokehBleedingMult"] == settings.bleeding_mult
+
+
+# Number of samples and spacing
+PRESETS = {"LOW": (5, 2.0), "MEDIUM": (9, 1.5), "HIGH": (17, 1.0), "ULTRA": (33, 1.0)}
+
+
+def test_presets():
+    """Two passes of two lines each make the fetches of the table, and the pixels at their centres two more. Smooth is
+    the CoC whose edge, half of it in a hexagon, the samples fill.
+    """
+    for language in paths.LANGUAGES:
+        text = paths.library(language).read_text(encoding="ascii")
+        rows = re.findall(r"^//   BOKEH_PRESET_(\w+) +(\d+) +([\d.]+) +(\d+) +(\d+)$", text, re.MULTILINE)
+        assert {name: (int(samples), float(spacing)) for name, samples, spacing, _, _ in rows} == PRESETS
+        for _, samples, spacing, fetches, smooth in rows:
+            assert int(fetches) == 4 * int(samples) + 2
+            assert int(smooth) == int(2 * int(samples) * float(spacing))
+        if language != "wgsl":
+            found = {name: (int(one), float(other)) for name, (one, other) in parity.presets(text).items()}
+            assert found == PRESETS
+
+
+@pytest.mark.parametrize("f_number", [1.4, 16.0])
+def test_signed_map(f_number, driver):
+    """BokehSignedCoCMap against BokehCoCMap: the same CoC, below 0 where the pixel is nearer than the focus."""
+    camera = methods.Camera(0.05 / f_number, 0.05, 4.0, max_coc=0.25)
+    depth = np.array([[0.5, 2.0, 3.9, 4.0, 4.1, 8.0, 1e5, np.inf]], np.float32)
+    textures = {"color": flat((8, 1), 0.5), "depth": depth}
+    inputs = {"ColorSamp": "color", "DepthSamp": "depth"}
+    maps = {
+        entry: driver.run([Pass(entry, inputs, "coc", camera.parameters())], textures, (8, 1), "float", keep=("coc",))
+        for entry in ("BokehCoCMap", "BokehSignedCoCMap")
+    }
+    plain, signed = (found["coc"][0] for found in maps.values())
+    np.testing.assert_array_equal(signed[:, :3], plain[:, :3])
+    np.testing.assert_array_equal(signed[:, 3], np.where(depth[0] < 4.0, -plain[:, 3], plain[:, 3]))
+    assert (plain[:3, 3] > 0.0).all() and plain[3, 3] == 0.0 and (plain[4:, 3] > 0.0).all()

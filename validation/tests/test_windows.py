@@ -153,7 +153,7 @@ class TestDirect3D:
             ("drow 1", "cannot use the line 'drow 1'"),
             ("input 16 0 linear", "no slot 16"),
             ("input 0 7 linear", "texture 7 is not there"),
-            ("value 32 1.0", "no parameter 32"),
+            ("value 36 1.0", "no parameter 36"),
             ("draw 1", "draw needs size, vertex and pixel before it, and 1 to 4 numbers"),
         ],
     )

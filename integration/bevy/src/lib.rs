@@ -203,28 +203,36 @@ const fn pass(entry: &'static str, reads: &'static [Target], writes: &'static [T
 }
 
 const LINEAR_DEPTH: &[Pass] = &[Pass { depth: DeviceDepth, ..pass("BokehLinearDepth_PS", &[Scene], &[Depth], 0.0) }];
-const COC_MAP: &[Pass] = &[pass("BokehCoCMap_PS", &[Scene], &[CoC], 0.0)];
-const EXACT_HEXAGON: &[Pass] =
-    &[pass("BokehHexagonFirst_PS", &[CoC], &[A, B], 0.0), pass("BokehHexagonSecond_PS", &[A, B], &[Out], 0.0)];
-const EXACT_OCTAGON: &[Pass] =
-    &[pass("BokehOctagonFirst_PS", &[CoC], &[A, B, C], 0.0), pass("BokehOctagonSecond_PS", &[A, B, C], &[Out], 0.0)];
+const EXACT_HEXAGON: &[Pass] = &[
+    pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0),
+    pass("BokehHexagonFirst_PS", &[CoC], &[A, B], 0.0),
+    pass("BokehHexagonSecond_PS", &[A, B], &[Out], 0.0),
+];
+const EXACT_OCTAGON: &[Pass] = &[
+    pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0),
+    pass("BokehOctagonFirst_PS", &[CoC], &[A, B, C], 0.0),
+    pass("BokehOctagonSecond_PS", &[A, B, C], &[Out], 0.0),
+];
 const PAPER_HEXAGON: &[Pass] = &[
+    pass("BokehCoCMap_PS", &[Scene], &[CoC], 0.0),
     pass("BokehAdaptive_PS", &[CoC], &[A], 90.0),
     pass("BokehAdaptive_PS", &[A], &[B], 30.0),
     pass("BokehAdaptiveFinal_PS", &[A, B], &[Out], 150.0),
 ];
 const PAPER_OCTAGON: &[Pass] = &[
+    pass("BokehCoCMap_PS", &[Scene], &[CoC], 0.0),
     pass("BokehAdaptive_PS", &[CoC], &[A], 0.0),
     pass("BokehAdaptive_PS", &[A], &[B], 90.0),
     pass("BokehAdaptive_PS", &[CoC], &[A], 45.0),
     pass("BokehAdaptiveFinal_PS", &[A, B], &[Out], 135.0),
 ];
-const DEBUG: &[Pass] = &[pass("BokehDebug_PS", &[CoC], &[Out], 0.0)];
+const DEBUG: &[Pass] =
+    &[pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0), pass("BokehDebug_PS", &[CoC], &[Out], 0.0)];
 
 /// Of BokehDepthKind: 1 at the near plane, 0 at infinity.
 const REVERSED_INFINITE: f32 = 3.0;
 
-const ALL: [&[Pass]; 7] = [LINEAR_DEPTH, COC_MAP, EXACT_HEXAGON, EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON, DEBUG];
+const ALL: [&[Pass]; 6] = [LINEAR_DEPTH, EXACT_HEXAGON, EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON, DEBUG];
 
 impl Bokeh {
     fn passes(&self) -> impl Iterator<Item = &'static Pass> {
@@ -235,7 +243,7 @@ impl Bokeh {
             (None, BokehMethod::Paper, BokehShape::Hexagon) => PAPER_HEXAGON,
             (None, BokehMethod::Paper, BokehShape::Octagon) => PAPER_OCTAGON,
         };
-        LINEAR_DEPTH.iter().chain(COC_MAP).chain(filter)
+        LINEAR_DEPTH.iter().chain(filter)
     }
 
     fn parameters(&self, size: UVec2, near: f32, pass: &Pass) -> BokehParameters {
@@ -299,6 +307,7 @@ struct BokehParameters {
     viewport_y: f32,
     texture_width: f32,
     texture_height: f32,
+    pass_index: f32,
 }
 
 #[derive(Resource)]
@@ -308,7 +317,6 @@ struct BokehShader(Handle<Shader>);
 struct BokehPipelines {
     layout: BindGroupLayoutDescriptor,
     linear: Sampler,
-    nearest: Sampler,
     by_entry: HashMap<&'static str, CachedRenderPipelineId>,
 }
 
@@ -341,7 +349,6 @@ fn create_pipelines(
                 color(),
                 table(),
                 sampler(SamplerBindingType::Filtering),
-                sampler(SamplerBindingType::NonFiltering),
             ),
         ),
     );
@@ -359,6 +366,7 @@ fn create_pipelines(
                 fragment: Some(FragmentState {
                     shader: shader.0.clone(),
                     entry_point: Some(pass.entry.into()),
+                    // without a blend state, since alpha is the circle of confusion
                     targets: pass.writes.iter().map(|target| Some(target.format().into())).collect(),
                     ..default()
                 }),
@@ -373,7 +381,6 @@ fn create_pipelines(
             min_filter: FilterMode::Linear,
             ..default()
         }),
-        nearest: device.create_sampler(&SamplerDescriptor::default()),
         by_entry,
     });
 }
@@ -464,7 +471,6 @@ fn bokeh(
                 read(0),
                 read(0),
                 &pipelines.linear,
-                &pipelines.nearest,
             )),
         );
         let attachments: Vec<_> = pass

@@ -8,8 +8,8 @@ uniform sampler2D BokehColorSampC;
 uniform sampler2D BokehColorSampD;
 in vec2 BokehUV;
 
-// Samples first, first + between .., as many as `count`
-vec4 FloorLine(sampler2D color, sampler2D depth, vec2 first, vec2 between, int count)
+// Samples first, first + between .., as many as `count`; `deep`: depth is fetched too
+vec4 FloorLine(sampler2D color, sampler2D depth, bool deep, vec2 first, vec2 between, int count)
 {
     vec4 colors = vec4(0.0, 0.0, 0.0, 0.0);
     float depths = 0.0;
@@ -17,13 +17,16 @@ vec4 FloorLine(sampler2D color, sampler2D depth, vec2 first, vec2 between, int c
     {
         vec2 coords = first + between * float(i);
         colors += BokehFetch(color, coords);
-        depths += BokehFetchNearest(depth, coords).r;
+        if (deep)
+        {
+            depths += BokehFetchNearest(depth, coords).r;
+        }
     }
     return colors + depths;
 }
 
 // The same over side x side samples
-vec4 FloorGrid(sampler2D color, sampler2D depth, vec2 first, vec2 betweenU, vec2 betweenV, int side)
+vec4 FloorGrid(sampler2D color, sampler2D depth, bool deep, vec2 first, vec2 betweenU, vec2 betweenV, int side)
 {
     vec4 colors = vec4(0.0, 0.0, 0.0, 0.0);
     float depths = 0.0;
@@ -34,28 +37,33 @@ vec4 FloorGrid(sampler2D color, sampler2D depth, vec2 first, vec2 betweenU, vec2
         {
             vec2 coords = row + betweenU * float(i);
             colors += BokehFetch(color, coords);
-            depths += BokehFetchNearest(depth, coords).r;
+            if (deep)
+            {
+                depths += BokehFetchNearest(depth, coords).r;
+            }
         }
     }
     return colors + depths;
 }
 
-// As many samples as the line needs, where BokehLineMean has them; `halfLine` from its middle to its end, uv
-vec4 FloorAdaptive(sampler2D color, sampler2D depth, vec2 middle, vec2 halfLine, float cells, int most)
+// As many samples as the line needs, where BokehLineSum has them; `halfLine` from its middle to its end, uv
+vec4 FloorAdaptive(sampler2D color, sampler2D depth, bool deep, vec2 middle, vec2 halfLine, float cells, int most)
 {
-    int count = min(int(ceil(cells)), most);
     vec2 cellLength = halfLine * (2.0 / cells);
     vec4 colors = vec4(0.0, 0.0, 0.0, 0.0);
     float depths = 0.0;
     for (int i = 0; i < most; i++)
     {
-        if (i >= count)
+        if (float(i) >= cells)
         {
             break;
         }
-        vec2 coords = middle + cellLength * BokehCell(cells, i, 0.5).x;
+        vec2 coords = middle - halfLine + cellLength * (float(i) + 0.5 * clamp(cells - float(i), 0.0, 1.0));
         colors += BokehFetch(color, coords);
-        depths += BokehFetchNearest(depth, coords).r;
+        if (deep)
+        {
+            depths += BokehFetchNearest(depth, coords).r;
+        }
     }
     return colors + depths;
 }

@@ -25,7 +25,7 @@ class Dialect:
 
     vec2, vec4, scalar  types
     declare   (type, name) -> the beginning of a declaration
-    texture   slot -> a texture with its sampler, as an argument
+    texture   slot -> a texture with its sampler, as an argument; texels: one without
     frame     (statements, expressions of the targets) -> the complete program
     """
 
@@ -34,6 +34,7 @@ class Dialect:
     scalar: str
     declare: Callable[[str, str], str]
     texture: Callable[[str], str]
+    texels: Callable[[str], str]
     frame: Callable[[list[str], list[str]], str]
 
 
@@ -69,21 +70,24 @@ def _wgsl(statements: list[str], results: list[str]) -> str:
     return f"{head}\n@fragment fn {ENTRY}_PS(input: BokehVertex) -> FloorTargets\n{{\n{body}}}\n"
 
 
-def _wgsl_texture(slot: str) -> str:
-    return f"Bokeh{slot}, " + ("BokehNearestClamp" if slot == "DepthSamp" else "BokehLinearClamp")
+def _named(slot: str) -> str:
+    return f"Bokeh{slot}"
 
 
 DIALECTS = {
-    "glsl": Dialect("vec2", "vec4", "float", lambda kind, name: f"{kind} {name}", lambda slot: f"Bokeh{slot}", _glsl),
+    "glsl": Dialect("vec2", "vec4", "float", lambda kind, name: f"{kind} {name}", _named, _named, _glsl),
     "hlsl": Dialect(
         "float2",
         "float4",
         "float",
         lambda kind, name: f"{kind} {name}",
         lambda slot: f"BOKEH_ARGUMENT(Bokeh{slot})",
+        _named,
         _hlsl,
     ),
-    "wgsl": Dialect("vec2f", "vec4f", "f32", lambda kind, name: f"var {name}: {kind}", _wgsl_texture, _wgsl),
+    "wgsl": Dialect("vec2f", "vec4f", "f32", lambda kind, name: f"var {name}: {kind}",
+        lambda slot: f"Bokeh{slot}, BokehLinearClamp", _named, _wgsl,
+    ),
 }
 
 
@@ -96,14 +100,16 @@ def _vector(dialect: Dialect, value: np.ndarray) -> str:
     return f"{dialect.vec2}({_number(value[0])}, {_number(value[1])})"
 
 
-def _line(dialect: Dialect, line: Line, aspect: float, height: float) -> str:
+def _line(dialect: Dialect, line: Line, deep: bool, aspect: float, height: float) -> str:
     """The expression that adds up a line's samples; `coc` is the CoC that the pass blurs by."""
     to_uv = np.array([1.0 / aspect, 1.0])
     middle, half = line.middle * to_uv, line.half * to_uv
-    textures = f"{dialect.texture(line.slot)}, {dialect.texture('DepthSamp')}"
+    # without depth the place of its texture is taken by one that is there
+    depth = dialect.texels("DepthSamp" if deep else line.slot)
+    textures = f"{dialect.texture(line.slot)}, {depth}, {str(deep).lower()}"
     if line.spacing > 0.0:
         length = 2.0 * float(np.hypot(*line.half)) * height
-        cells = f"BokehCells({_number(length)} * coc, {_number(line.spacing)}, {line.count})"
+        cells = f"clamp({_number(length / line.spacing)} * coc, 1.0, {line.count}.0)"
         places = f"uv + {_vector(dialect, middle)} * coc, {_vector(dialect, half)} * coc"
         return f"FloorAdaptive({textures}, {places}, {cells}, {line.count})"
     parts = line.count - 1 if line.ends else line.count
@@ -121,17 +127,16 @@ def _program(dialect: Dialect, item: Pass, found: Reads) -> str:
     values = item.values()
     aspect, height, spacing = (values[f"Bokeh{name}"] for name in ("AspectRatio", "ImageHeight", "Spacing"))
     declare, vec4 = dialect.declare, dialect.vec4
-    color, depth = (dialect.texture(slot) for slot in ("ColorSamp", "DepthSamp"))
-    statements = [f"{declare(vec4, 'center')} = BokehFetch({color}, uv)"]
-    coc = "center.a"
+    statements = [f"{declare(vec4, 'center')} = BokehFetch({dialect.texture('ColorSamp')}, uv)"]
+    coc = "abs(center.a)"
     if found.skips and spacing > 0.0:
-        coc = f"BokehFilterCoC(center.a, {_number(height)}, {_number(spacing)})"
+        coc = f"BokehFilterCoC(abs(center.a), {_number(height)}, {_number(spacing)})"
     statements.append(f"{declare(dialect.scalar, 'coc')} = {coc}")
     names = [f"sum{index}" for index in range(len(found.lines))]
     statements += [f"{declare(vec4, name)} = center" for name in names]
-    taken = [f"{names[0]} += BokehFetchNearest({depth}, uv).r"] if names else []
+    taken = [f"{names[0]} += BokehFetchNearest({dialect.texels('DepthSamp')}, uv).r"] if names and found.depth else []
     taken += [
-        f"{name} += {_line(dialect, line, aspect, height)}" for name, line in zip(names, found.lines, strict=True)
+        f"{name} += {_line(dialect, line, found.depth, aspect, height)}" for name, line in zip(names, found.lines, strict=True)
     ]
     if found.skips and spacing > 0.0:
         statements.append("if (coc > 0.0) { " + "; ".join(taken) + "; }")
@@ -153,7 +158,7 @@ def _program(dialect: Dialect, item: Pass, found: Reads) -> str:
 
 def _replaced(item: Pass, found: Reads) -> Pass:
     sources = {language: _program(dialect, item, found) for language, dialect in DIALECTS.items()}
-    wanted = {"ColorSamp", "DepthSamp", *found.others, *(line.slot for line in found.lines)}
+    wanted = {"ColorSamp", *(["DepthSamp"] if found.depth else []), *found.others, *(line.slot for line in found.lines)}
     inputs = {slot: name for slot, name in item.inputs.items() if slot in wanted}
     return replace(item, entry=ENTRY, inputs=inputs, parameters={}, sources=sources)
 

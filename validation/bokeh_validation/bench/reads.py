@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bokeh_validation import apertures, methods
-from bokeh_validation.passes import Pass
+from bokeh_validation.passes import COPYING_ENTRIES, Pass
 from bokeh_validation.reference import listings, segments
 
-COPIES = ("BokehCoCMap", "BokehConstantCoC")
+COPIES = COPYING_ENTRIES
 COLOR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
 TARGET_BYTES = 8  # RGBA16F
 
@@ -52,6 +52,7 @@ class Line:
 class Reads:
     """All fetches of a pass beside the pixel's own colour and depth.
 
+    depth   whether it fetches depth, at the pixel and at every sample
     lines   in the order in which the pass takes them
     others  further colour textures that it fetches at the pixel
     skips   whether a pixel whose CoC is below half a pixel takes its own colour and nothing else of the lines
@@ -60,6 +61,7 @@ class Reads:
     lines: tuple[Line, ...]
     others: tuple[str, ...] = ()
     skips: bool = False
+    depth: bool = True
 
 
 def reads(item: Pass) -> Reads:
@@ -87,7 +89,7 @@ def reads(item: Pass) -> Reads:
         edge = segments.polygon_edge(k + second, sides, values["BokehAngle"], values["BokehSqueeze"], second)
         slot = COLOR_SLOTS[k - 1] if second else "ColorSamp"
         lines.append(Line(slot, edge.middle, edge.half, item.samples, spacing=spacing))
-    return Reads(tuple(lines), skips=True)
+    return Reads(tuple(lines), skips=True, depth=False)
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ class Cost:
 
 
 def stored_coc(item: Pass, depth: np.ndarray) -> np.ndarray:
-    """CoC that the first pass stores in a half float, from depth (H, W) in metres; (H, W)."""
+    """Size of the CoC that the first pass stores in a half float, from depth (H, W) in metres; (H, W)."""
     values = item.values()
     if item.entry == "BokehConstantCoC":
         found = np.full(depth.shape, min(values["BokehConstantCoC"], values["BokehMaxCoC"]))
@@ -125,7 +127,7 @@ def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
         written += TARGET_BYTES * len(item.outputs)
         if item.entry in COPIES:
             color += 1
-            of_depth += item.entry == "BokehCoCMap"
+            of_depth += item.entry != "BokehConstantCoC"
             continue
         found = reads(item)
         blurred = np.ones(coc.shape)
@@ -133,5 +135,5 @@ def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
             blurred = (segments.filter_coc(coc, len(depth), item.values()["BokehSpacing"]) > 0.0).astype(float)
         samples = sum(line.counts(coc, len(depth)) for line in found.lines) * blurred
         color += float(np.mean(samples)) + 1 + len(found.others)
-        of_depth += float(np.mean(samples + blurred))
+        of_depth += float(np.mean(samples + blurred)) if found.depth else 0.0
     return Cost(len(passes), color, of_depth, written)

@@ -107,7 +107,7 @@ def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None
 def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:
     """What a pass writes to each of its targets."""
     values = item.given()
-    if item.entry == "BokehCoCMap":
+    if item.entry in ("BokehCoCMap", "BokehSignedCoCMap"):
         depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
         coc = listings.circle_of_confusion(
             depth,
@@ -117,6 +117,8 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
             values["BokehSensorHeight"],
             values["BokehMaxCoC"],
         )
+        if item.entry == "BokehSignedCoCMap":
+            coc = listings.signed_coc(depth, coc, values["BokehFocusDistance"])
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
     if item.entry == "BokehLinearDepth":
         depth = textures[item.inputs["DepthSamp"]].astype(np.float64)
@@ -127,13 +129,14 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
     if item.entry == "BokehDebug":
         return [_debug(live[item.inputs["ColorSamp"]], textures[item.inputs["DepthSamp"]], values)]
-    filters = _Filters(item, values, live, textures[item.inputs["DepthSamp"]], size, precision)
+    filters = _Filters(item, values, live, textures, size, precision)
     if item.entry in ("BokehAdaptive", "BokehAdaptiveFinal"):
         return [filters.combined(filters.adaptive())]
     if item.entry == "BokehExactEdge":
-        return [filters.exact_edge()]
+        return [filters.exact_target(round(values["BokehEdge"]), round(values["BokehSides"]))]
     if item.entry.endswith("First"):
-        return filters.exact_first(SIDES[item.entry.removesuffix("First")])
+        sides = SIDES[item.entry.removesuffix("First")]
+        return [filters.exact_target(k, sides) for k in range(2, sides // 2 + 1)]
     if item.entry.endswith("Second"):
         return [filters.exact_second(SIDES[item.entry.removesuffix("Second")])]
     table = Table(_offsets(item, values, textures, size), size[1])
@@ -148,12 +151,15 @@ SIDES = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon":
 class _Filters:
     """Filters of one pass: what they have in common, read from the pass once."""
 
-    def __init__(self, item: Pass, values: Mapping[str, float], live: Mapping[str, Image], depth, size, precision):
-        self.item, self.values, self.live, self.depth, self.precision = item, values, live, depth, precision
+    def __init__(self, item: Pass, values: Mapping[str, float], live: Mapping[str, Image], textures, size, precision):
+        self.item, self.values, self.live, self.precision = item, values, live, precision
+        self.depth = textures[item.inputs["DepthSamp"]] if "DepthSamp" in item.inputs else None
         self.color = live[item.inputs["ColorSamp"]]
         self.leakage = Leakage(values["BokehBleedingBias"], values["BokehBleedingMult"])
+        # the exact passes know which they are
+        index = values["BokehPassIndex"] if "Adaptive" in item.entry else float(item.entry.endswith("Second"))
         self.quality = segments.quality(
-            size, values["BokehSpacing"], item.samples, values["BokehJitter"], values["BokehFrame"]
+            size, values["BokehSpacing"], item.samples, values["BokehJitter"], values["BokehFrame"], index
         )
 
     def slot(self, name: str) -> Image:
@@ -164,25 +170,22 @@ class _Filters:
         """The texture in a slot, read at each pixel's centre."""
         return at_center(self.slot(name), self.precision)
 
-    def line(self, segment: segments.Segment, image: Image, blur_coc: bool = True) -> Image:
-        """Mean of an image along a segment, around the pixels of ColorSamp."""
-        return segments.adaptive(
-            image, self.depth, segment, self.quality, self.leakage, blur_coc, self.precision, self.color
-        )
+    def line(self, segment: segments.Segment) -> segments.Line:
+        """The samples along a segment."""
+        return segments.Line(segment, self.quality, self.color.size[1])
 
-    def edge(self, k: int, sides: int, image: Image, second_pass: bool) -> Image:
-        """Mean of an image along edge k of the polygon."""
+    def edge(self, k: int, sides: int, second_pass: bool) -> segments.Line:
+        """The samples along edge k of the polygon."""
         values = self.values
-        return self.line(
-            segments.polygon_edge(k, sides, values["BokehAngle"], values["BokehSqueeze"], second_pass), image
-        )
+        return self.line(segments.polygon_edge(k, sides, values["BokehAngle"], values["BokehSqueeze"], second_pass))
 
     def adaptive(self) -> Image:
         """`BokehAdaptive`."""
         values = self.values
         middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
         segment = segments.line_segment(values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"])
-        return self.line(segment, self.color, values["BokehBlurCoC"] > 0.5)
+        blur_coc = values["BokehBlurCoC"] > 0.5
+        return segments.adaptive(self.color, self.depth, self.line(segment), self.leakage, blur_coc, self.precision)
 
     def combined(self, image: Image) -> Image:
         """Listing 4, where the pass has a second image."""
@@ -190,26 +193,27 @@ class _Filters:
             return image
         return listings.combine(image, self.center("ColorSampB"), self.values["BokehUseMax"] > 0.5)
 
-    def exact_first(self, sides: int) -> list[Image]:
-        """First pass of the exact method."""
-        blurs = [self.edge(k, sides, self.color, False) for k in range(1, sides // 2)]
-        return segments.exact_first(blurs, sides, self.center("ColorSamp"))
+    def exact_target(self, k: int, sides: int) -> Image:
+        """T_k of the first pass: the lines along the edges before k, in one weighted mean."""
+        edges = range(1, k)
+        lines = segments.Lines(
+            tuple(self.edge(i, sides, False) for i in edges),
+            tuple(segments.parallelogram(k, i, sides) for i in edges),
+            tuple(0 for _ in edges),
+        )
+        return segments.adaptive(self.color, None, lines, self.leakage, False, self.precision)
 
     def exact_second(self, sides: int) -> Image:
         """Second pass: ColorSamp, ColorSampB and so on hold the targets of the first."""
         slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
-        parts = []
-        for k in range(2, sides // 2 + 1):
-            parts.append((segments.weight(k, sides), self.edge(k, sides, self.slot(slots[k - 2]), True)))
-        return segments.mixed(parts, self.center("ColorSamp"))
-
-    def exact_edge(self) -> Image:
-        """One target of the first pass from the two before it."""
-        k, sides = round(self.values["BokehEdge"]), round(self.values["BokehSides"])
-        previous = self.center("ColorSampB") if k > 1 else None
-        earlier = self.center("ColorSampC") if k > 2 else None
-        blur = self.edge(k, sides, self.color, False)
-        return segments.exact_edge(k, sides, blur, previous, earlier, self.center("ColorSamp"))
+        edges = range(2, sides // 2 + 1)
+        lines = segments.Lines(
+            tuple(self.edge(k, sides, True) for k in edges),
+            tuple(segments.weight(k, sides) for k in edges),
+            tuple(range(len(edges))),
+        )
+        targets = [self.slot(slots[k - 2]) for k in edges]
+        return segments.adaptive(targets, None, lines, self.leakage, False, self.precision)
 
 
 def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: tuple[int, int]) -> np.ndarray:
@@ -235,7 +239,7 @@ def _debug(image: Image, depth: np.ndarray, values: Mapping[str, float]) -> Imag
     """Section [9] of the libraries."""
     mode, focus = values["BokehDebugMode"], values["BokehFocusDistance"]
     s2 = listings.safe_depth(depth.astype(np.float64))
-    amount = np.clip(image.value[..., 3] / max(values["BokehMaxCoC"], listings.MIN_DEPTH), 0.0, 1.0)
+    amount = np.clip(np.abs(image.value[..., 3]) / max(values["BokehMaxCoC"], listings.MIN_DEPTH), 0.0, 1.0)
     one = np.ones_like(amount)
     if mode > 2.5:
         near = np.stack([amount, 0.5 * amount, 0 * amount, one], axis=-1)

@@ -96,10 +96,7 @@ class WGPU:
         self._modules: dict[str, object] = {}
         self.timer = "timestamp-query" in wanted
         self.layout = self._make_layout()
-        self._samplers = {
-            linear: self.device.create_sampler(min_filter=kind, mag_filter=kind)
-            for linear, kind in {True: "linear", False: "nearest"}.items()
-        }
+        self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
         self._fence = self.device.create_buffer(size=4, usage=self.wgpu.BufferUsage.COPY_SRC)
 
@@ -109,13 +106,12 @@ class WGPU:
         return half_rounding(self)
 
     def _make_layout(self):
-        """One layout for every pass: parameters, all texture slots, two samplers. Depth need not be filterable."""
+        """One layout for every pass: parameters, all texture slots, the sampler. Depth need not be filterable."""
         stage = self.wgpu.ShaderStage.FRAGMENT
         entries = [{"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}}]
         for binding, kind in enumerate(SAMPLE_TYPES.values(), FIRST_TEXTURE):
             entries.append({"binding": binding, "visibility": stage, "texture": {"sample_type": kind}})
-        for binding, kind in enumerate(("filtering", "non-filtering"), FIRST_SAMPLER):
-            entries.append({"binding": binding, "visibility": stage, "sampler": {"type": kind}})
+        entries.append({"binding": FIRST_SAMPLER, "visibility": stage, "sampler": {"type": "filtering"}})
         return self.device.create_bind_group_layout(entries=entries)
 
     def modules(self, item: Pass) -> tuple:
@@ -181,8 +177,7 @@ class WGPU:
         for binding, slot in enumerate(SLOTS, FIRST_TEXTURE):
             texture = live[item.inputs[slot]] if slot in item.inputs else self._dummy
             entries.append({"binding": binding, "resource": texture.create_view()})
-        for binding, linear in enumerate((True, False), FIRST_SAMPLER):
-            entries.append({"binding": binding, "resource": self._samplers[linear]})
+        entries.append({"binding": FIRST_SAMPLER, "resource": self._sampler})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
     def step(self, item: Pass, live: dict, targets: Sequence, kept: frozenset[str]) -> Step:

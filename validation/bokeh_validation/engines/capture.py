@@ -4,7 +4,7 @@ capture.json beside raw little-endian files, rows from v = 0 (the first row in m
 
     {"engine": "three.js 0.187, WebGL 2", "device": "SwiftShader ...", "width": 320, "height": 240,
      "color": "color.f16",            (H, W, 4) float16: what CoCMap reads
-     "depth": "depth.f32",            (H, W) float32: metres, what CoCMap and all later passes read
+     "depth": "depth.f32",            (H, W) float32: metres, what the CoC map and the paper's passes read
      "camera": {"aperture_diameter": 0.05, "focal_length": 0.05, "focus_distance": 5.0, "sensor_height": 0.024,
                 "max_coc": 0.1},
      "shots": [{"name": "exact-hexagon", "method": "exact", "aperture": "hexagon", "result": "exact-hexagon.f16",

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation.half.domain import Domain
+from bokeh_validation.half.domain import MAX_SAMPLES, Domain
 from bokeh_validation.half.evaluate import ALL_FLOAT, ALL_HALF, Choice, Evaluator
-from bokeh_validation.half.numbers import FLOAT, HALF, Bounds, Rounded
+from bokeh_validation.half.numbers import Rounded
 
 INPUTS = 4000
 SEED = 20120
@@ -41,8 +41,7 @@ class Errors:
 class Row:
     """A line of the budget.
 
-    float32, half, flushed, chosen  measured; flushed: half without subnormals; chosen: half where allowed
-    bound, float_bound              derived: for each input, half and float32 cannot be farther off
+    float32, half, flushed, chosen  flushed: half without subnormals; chosen: half where allowed
     """
 
     domain: Domain
@@ -50,24 +49,18 @@ class Row:
     half: Errors
     flushed: Errors
     chosen: Errors
-    bound: Errors
-    float_bound: Errors
 
 
 def row(domain: Domain, allowed: Choice, inputs: int = INPUTS) -> Row:
     """Measure a function on its domain, the same inputs for every precision."""
     arguments = domain.arguments(np.random.default_rng(SEED), inputs)
-    exact = Evaluator(Rounded(np.float64), ALL_FLOAT).call(domain.function, *arguments)
+    exact = called(Rounded(np.float64), ALL_FLOAT, domain.function, arguments)
     scale = domain.scale(exact, arguments)
 
     def measured(numbers: Rounded, choice: Choice) -> Errors:
-        found = Evaluator(numbers, choice).call(domain.function, *arguments).astype(np.float64)
+        found = called(numbers, choice, domain.function, arguments)
         with np.errstate(invalid="ignore"):
             return _errors(np.abs(found - exact), scale)
-
-    def bound(precision: str) -> Errors:
-        choice = ALL_HALF if precision == HALF else ALL_FLOAT
-        return _errors(Evaluator(Bounds(precision), choice).call(domain.function, *arguments).error, scale)
 
     return Row(
         domain,
@@ -75,9 +68,15 @@ def row(domain: Domain, allowed: Choice, inputs: int = INPUTS) -> Row:
         measured(Rounded(), ALL_HALF),
         measured(Rounded(flush=True), ALL_HALF),
         measured(Rounded(), allowed),
-        bound(HALF),
-        bound(FLOAT),
     )
+
+
+def called(numbers: Rounded, choice: Choice, function: str, arguments: list) -> np.ndarray:
+    """Result (N, components) in float64, with as many samples as the domain has; members of a struct side by side."""
+    found = Evaluator(numbers, choice, {"BOKEH_NUM_SAMPLES": MAX_SAMPLES}).call(function, *arguments)
+    if isinstance(found, dict):
+        found = np.concatenate(np.broadcast_arrays(*found.values()), axis=1)
+    return found.astype(np.float64)
 
 
 def _errors(off: np.ndarray, scale: np.ndarray) -> Errors:

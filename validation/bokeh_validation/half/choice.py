@@ -17,39 +17,40 @@ LIMITS = {
 
 WHOLE = (Choice.EVERYTHING,)
 
-# Function -> variables that may be half; functions that are not here must be float altogether. BokehMakeOffsets and
-# BokehCell are not, within the limits as they are: a place beside the edge of a texel that is a tenth of a pixel off
-# reads another depth, the leakage test turns, and with it the CoC that the next pass blurs by.
+# Function -> variables that may be half, struct -> members; what is not here must be float altogether. BokehMakeOffsets
+# is not, within the limits as it is: a place beside the edge of a texel that is a tenth of a pixel off reads another
+# depth, the leakage test says the opposite, and with it the CoC that the next pass blurs by.
 MAY_BE_HALF: dict[str, tuple[str, ...]] = {
+    "BokehFilter": ("jitter", "bleedingMult"),
+    "BokehTargets": ("T2", "T3", "T4", "T5"),
     "BokehCoC": (RETURNED,),
+    "BokehSignedCoC": ("CoC", RETURNED),
     "BokehSafeChannel": WHOLE,
     "BokehPackCoC": WHOLE,
     "BokehCoCMap": ("CoC", RETURNED),
+    "BokehSignedCoCMap": ("CoC", RETURNED),
     "BokehFilterCoC": WHOLE,
     "BokehCells": WHOLE,
     "BokehNoise": (RETURNED,),
     "BokehLeakageWeight": ("sampleCoC", "weight", RETURNED),
+    "BokehSignedLeakageWeight": ("sampleCoC", "weight", RETURNED),
     "BokehResolve": ("centerPixel", "result", RETURNED),
     "BokehDepthOfField": ("centerPixel", "samplePixel", "weight", RETURNED),
-    "BokehLineMean": (
-        "CoC", "centerPixel", "jitter", "samplePixel", "leakageWeight", "weight", RETURNED,
-    ),
-    "BokehDepthOfFieldAdaptive": ("result", "CoC", "mean", RETURNED),
+    "BokehDepthOfFieldAdaptive": ("centerPixel", "result", "CoC", "samplePixel", "weight", RETURNED),
     "BokehCombine": WHOLE,
-    "BokehDepthOfFieldFinal": ("a", "b", RETURNED),
+    "BokehDepthOfFieldFinal": ("a", RETURNED),
     "BokehNaiveGather": ("centerPixel", "samplePixel", "weight", RETURNED),
     "BokehNaiveGrid": ("centerPixel", "samplePixel", "weight", RETURNED),
     "BokehExactWeight": WHOLE,
-    "BokehExactTarget": ("B1", "B2", "B3", "B4", "CoC", "mean", RETURNED),
-    "BokehExactFirst": (
-        "centerPixel", "result", "CoC", "B1", "B2", "B3", "B4", "T2", "T3", "T4", "T5", RETURNED,
-    ),
-    "BokehExactSecond": ("centerPixel", "result", "CoC", "weight", RETURNED),
+    "BokehLineSum": ("CoC", "centerCoC", "samplePixel", "weight"),
+    "BokehExactTarget": ("centerPixel", RETURNED),
+    "BokehExactFirst": ("centerPixel", "CoC"),
+    "BokehExactSecond": ("centerPixel", "result", "CoC", RETURNED),
     "BokehExactEdge": ("centerPixel", "result", "CoC", RETURNED),
     "BokehDebugDepth": ("grey", RETURNED),
     "BokehDebugCoC": WHOLE,
     "BokehDebugFocus": ("amount", "result", RETURNED),
-}  # fmt: skip
+}
 
 # beside them what a read of colour returns; that of depth is metres, which overflow
 ALLOWED = Choice({name: frozenset(names) for name, names in {**MAY_BE_HALF, FETCHES[0]: (RETURNED,)}.items()})

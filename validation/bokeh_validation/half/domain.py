@@ -1,7 +1,7 @@
 """What every function of the library may be given, and in what unit its error matters.
 
 Depth 0.1 .. 100000 m; lenses of 24 to 135 mm at f/1.4 to f/16, focused at 0.5 to 100 m; CoC up to MaxCoC, 0.1; images
-of 720 to 4320 rows; colour 0 .. 65504; 2 to 65 samples. Inputs that spread over decades are drawn evenly over those.
+of 720 to 4320 rows; colour 0 .. 65504; 65 samples. Inputs that spread over decades are drawn evenly over those.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ class Domain:
     function   as the library names it
     unit       of the error, for a reader
     scale      to that unit
-    arguments  (random generator, N) -> arrays (N,), (N, components) or numbers
+    arguments  (random generator, N) -> arrays (N,), (N, components) or numbers; structs as dictionaries of these
     note       what sets this row apart from another one of the same function
     """
 
@@ -75,18 +75,6 @@ def _uv(aspect: Callable[[Arguments], np.ndarray]) -> Scale:
     return scale
 
 
-def _cell_place(exact: np.ndarray, arguments: Arguments) -> np.ndarray:
-    """A place in cells as pixels: so many cells on a line as long as the largest CoC."""
-    length = MAX_COC * ROWS / arguments[0]
-    return np.stack([length, np.zeros_like(length)], axis=1)
-
-
-def _cell_weight(exact: np.ndarray, arguments: Arguments) -> np.ndarray:
-    """A weight relative to those of the whole line, which add up to the number of cells."""
-    share = 1.0 / arguments[0]
-    return np.stack([np.zeros_like(share), share], axis=1)
-
-
 def _depth(random: np.random.Generator, n: int) -> np.ndarray:
     return _logarithmic(random, 0.1, 1e5, n)
 
@@ -126,7 +114,7 @@ def _linear_depth(random: np.random.Generator, n: int) -> Arguments:
     metres = near * (far / near) ** random.uniform(0.0, 1.0, n)
     kind = random.integers(0, len(listings.DEPTH_KINDS), n)
     by_kind = [listings.stored_depth(metres, each, near, far) for each in listings.DEPTH_KINDS.values()]
-    return [np.choose(kind, by_kind), kind.astype(float), near, far]
+    return [np.choose(kind, by_kind), kind, near, far]
 
 
 def _directions(random: np.random.Generator, n: int) -> np.ndarray:
@@ -160,13 +148,16 @@ def _filter_coc(max_coc: float):
 
 
 def _cells(random: np.random.Generator, n: int) -> Arguments:
-    length = random.uniform(0.0, MAX_COC * 4320.0, n)
-    return [length, random.integers(0, 5, n) / 2.0, random.integers(2, MAX_SAMPLES + 1, n)]
+    return [random.uniform(0.0, MAX_COC * 4320.0, n), random.integers(0, 5, n) / 2.0]
 
 
-def _cell(random: np.random.Generator, n: int) -> Arguments:
-    cells = random.uniform(1.0, MAX_SAMPLES, n)
-    return [cells, np.floor(random.uniform(0.0, 1.0, n) * cells).astype(np.int64), random.uniform(0.0, 1.0, n)]
+def _default_filter(random: np.random.Generator, n: int) -> Arguments:
+    return [np.stack([random.integers(1280, 7681, n), random.integers(720, 4321, n)], axis=1).astype(float)]
+
+
+def _settings() -> dict[str, float]:
+    """BokehFilter; what a leakage test reads of it."""
+    return {"bleedingBias": BIAS, "bleedingMult": MULT}
 
 
 def _segment(random: np.random.Generator, n: int) -> Arguments:
@@ -177,7 +168,12 @@ def _segment(random: np.random.Generator, n: int) -> Arguments:
 def _leakage(random: np.random.Generator, n: int) -> Arguments:
     """CoC as RGBA16F has them."""
     sample, center = (random.uniform(0.0, MAX_COC, n).astype(np.float16).astype(float) for _ in range(2))
-    return [_depth(random, n), sample, _depth(random, n), center, np.full(n, BIAS), np.full(n, MULT)]
+    return [_depth(random, n), sample, _depth(random, n), center, _settings()]
+
+
+def _signed_leakage(random: np.random.Generator, n: int) -> Arguments:
+    sample, center = (random.uniform(-MAX_COC, MAX_COC, n).astype(np.float16).astype(float) for _ in range(2))
+    return [sample, center, _settings()]
 
 
 def _resolve(random: np.random.Generator, n: int) -> Arguments:
@@ -189,18 +185,21 @@ def _polygon(random: np.random.Generator, n: int, first: int) -> tuple[np.ndarra
     """k from `first` to sides / 2, and sides."""
     sides = random.choice(SIDES[SIDES >= 2 * first], n)
     k = first + np.floor(random.uniform(0.0, 1.0, n) * (sides // 2 - first + 1))
-    return k, sides.astype(float)
+    return k.astype(np.int64), sides
 
 
 def _edge(random: np.random.Generator, n: int) -> Arguments:
     k, sides = _polygon(random, n, 1)
-    return [k, sides, _directions(random, n), random.uniform(0.5, 1.0, n), random.integers(0, 2, n).astype(bool)]
+    polygon = {"sides": sides, "rotation": _angle(random, n), "squeeze": random.uniform(0.5, 1.0, n)}
+    return [k, polygon, random.integers(0, 2, n).astype(bool)]
 
 
 def _target(random: np.random.Generator, n: int) -> Arguments:
-    """From k = 3 on: the library makes the target of edge 2 without it."""
-    k, sides = _polygon(random, n, 3)
-    return [k, sides, *(_color(random, n) for _ in range(4)), random.uniform(0.0, MAX_COC, n)]
+    """Lines as BokehLineSum returns them: a mean weight in alpha, and the colour times that; none from edge k on."""
+    k, sides = _polygon(random, n, 2)
+    weights = random.uniform(0.1, 1.0, (4, n, 1)) * (np.arange(1, 5)[:, None, None] < k[:, None])
+    lines = [np.concatenate([_color(random, n)[:, :3] * weight, weight], axis=1) for weight in weights]
+    return [k, sides, *lines, _color(random, n)]
 
 
 def _debug_focus(random: np.random.Generator, n: int) -> Arguments:
@@ -215,6 +214,7 @@ CELLS = "cells"
 DOMAINS = (
     Domain("BokehCoC", PIXELS, _diameter, _coc(MAX_COC)),
     Domain("BokehCoC", PIXELS, _diameter, _coc(1.0), "MaxCoC 1"),
+    Domain("BokehSignedCoC", PIXELS, _diameter, _coc(MAX_COC)),
     Domain("BokehSafeChannel", RELATIVE, _relative, lambda r, n: [_color(r, n)[:, 0]]),
     Domain("BokehSafeDepth", RELATIVE, _relative, lambda r, n: [_depth(r, n)]),
     Domain("BokehDepthFromWindow", RELATIVE, _relative, _from_depth(1)),
@@ -226,18 +226,18 @@ DOMAINS = (
     Domain("BokehDepthFromLogarithmic", RELATIVE, _relative, lambda r, n: np.delete(_from_depth(8)(r, n), 1, axis=0)),
     Domain("BokehLinearDepth", RELATIVE, _relative, _linear_depth),
     Domain("BokehPackCoC", RELATIVE, _relative, lambda r, n: [_color(r, n), r.uniform(0.0, MAX_COC, n)]),
+    Domain("BokehDefaultFilter", RELATIVE, _relative, _default_filter),
     Domain("BokehLineEnd", PIXELS, _uv(lambda a: a[1]), lambda r, n: [_angle(r, n), _aspect(r, n)]),
     Domain("BokehMakeOffsets", PIXELS, _uv(lambda a: WIDE), _offsets),
     Domain("BokehFilterCoC", PIXELS, _diameter, _filter_coc(MAX_COC)),
     Domain("BokehFilterCoC", PIXELS, _diameter, _filter_coc(1.0), "MaxCoC 1"),
     Domain("BokehCells", CELLS, _absolute, _cells),
-    Domain("BokehCell", PIXELS, _cell_place, _cell, "place"),
-    Domain("BokehCell", RELATIVE, _cell_weight, _cell, "weight"),
     Domain("BokehSegment", PIXELS, _in_coc, _segment),
     Domain("BokehLeakageWeight", ABSOLUTE, _absolute, _leakage),
+    Domain("BokehSignedLeakageWeight", ABSOLUTE, _absolute, _signed_leakage),
     Domain("BokehResolve", RELATIVE, _relative, _resolve),
     Domain("BokehCombine", RELATIVE, _relative, lambda r, n: [_color(r, n), _color(r, n), False]),
-    Domain("BokehTurned", PIXELS, _in_coc, lambda r, n: [_directions(r, n), _angle(r, n)]),
+    Domain("BokehRotated", PIXELS, _in_coc, lambda r, n: [_directions(r, n), _directions(r, n)]),
     Domain("BokehPolygonEdge", PIXELS, _in_coc, _edge),
     Domain("BokehExactWeight", RELATIVE, _relative, lambda r, n: [*_polygon(r, n, 2)]),
     Domain("BokehExactTarget", RELATIVE, _relative, _target),

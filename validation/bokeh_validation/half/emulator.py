@@ -8,7 +8,7 @@ import numpy as np
 from bokeh_validation.drivers.base import Textures
 from bokeh_validation.half.evaluate import Choice, Evaluator
 from bokeh_validation.half.numbers import Rounded
-from bokeh_validation.passes import SLOTS, Pass, is_linear
+from bokeh_validation.passes import SLOTS, Pass
 from bokeh_validation.reference import images, sampling
 
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
@@ -76,19 +76,17 @@ class Emulator:
         uv = np.stack([x.ravel(), y.ravel()], axis=1) + 0.5 + np.array(window.origin)
         uv = (uv / np.array(window.frame)).astype(self.numbers.types["float"])
         bound = {f"Bokeh{slot}": item.inputs.get(slot, "nothing") for slot in SLOTS}
-        slots = {name: is_linear(item.entry, slot) for slot, name in item.inputs.items()}
         places = self.places[item.outputs[0]] = []
 
-        def fetch(texture: str, at, mask, nearest: bool) -> np.ndarray:
+        def fetch(kind: str, texture: str, at, mask) -> np.ndarray:
             image = live[texture]
-            if texture == "kernel":
-                place = self.numbers.values(at) * image.shape[1::-1]
-            else:
-                place = self.numbers.values(at) * np.array(window.frame) - np.array(window.origin)
-            if not nearest:
+            if kind == "BokehFetchTable":
+                return image[0, np.minimum(np.atleast_1d(at).ravel(), image.shape[1] - 1)]
+            place = self.numbers.values(at) * np.array(window.frame) - np.array(window.origin)
+            if kind == "BokehFetch":
                 counts = np.broadcast_to(np.asarray(mask).ravel(), len(place))
                 places.append(Place(place.astype(np.float32), counts))
-            return _read(image, place, nearest or not slots[texture])
+            return _read(image, place, kind == "BokehFetchNearest")
 
         constants = {**item.constants, **item.given(), "BokehUV": uv, **bound}
         written = Evaluator(self.numbers, self.choice, constants, fetch).main(item.entry)

@@ -2,7 +2,8 @@
 
 Precision follows the rules of GLSL ES: a variable, parameter or return value has one, an operation has that of the
 wider operand, and what is assigned is rounded to the variable's. What is made of literals or integers alone has the
-precision of its function, as `precision mediump float` would say.
+precision of its function, as `precision mediump float` would say. A member of a struct has its precision from the
+struct, whoever has one.
 
 Both sides of an `if` are run and their assignments masked; a loop runs as long as any input is in it.
 """
@@ -14,7 +15,7 @@ import numpy as np
 from pycparser import c_ast
 
 from bokeh_validation.half import program
-from bokeh_validation.half.numbers import FLOAT, HALF, Precision
+from bokeh_validation.half.numbers import FLOAT, HALF, Precision, Rounded
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 FETCHES = ("BokehFetch", "BokehFetchNearest", "BokehFetchTable")
@@ -27,7 +28,8 @@ class Choice:
     """Which variables are half; the others are float.
 
     names  function -> names of its half variables and parameters, RETURNED for its result; EVERYTHING for all. The
-           function MAIN has the pass's own variables, its uniforms, and uv as 'BokehUV'.
+           function MAIN has the pass's own variables, its uniforms, and uv as 'BokehUV'. A struct is named as a
+           function is, with its members.
     """
 
     EVERYTHING = "*"
@@ -44,26 +46,25 @@ class Choice:
 ALL_FLOAT = Choice()
 ALL_HALF = Choice(everywhere=True)
 
-# (texture, uv, mask, nearest) -> (N, 4); the mask tells which inputs really read
-Fetch = Callable[[str, object, object, bool], object]
+# (one of FETCHES, texture, uv or index, mask) -> (N, 4); the mask says which inputs really read
+Fetch = Callable[[str, str, object, object], object]
 
 
 class Evaluator:
     """Functions of the shaders with numbers of a kind and a choice of precisions.
 
-    numbers  Rounded or Bounds
     globals  what main() reads: uniforms, defines, uv; textures by their names
     fetch    what a texture read returns; None where none is to be read
     """
 
     def __init__(
-        self, numbers, choice: Choice, globals_: Mapping[str, object] | None = None, fetch: Fetch | None = None
+        self, numbers: Rounded, choice: Choice, globals_: Mapping[str, object] | None = None, fetch: Fetch | None = None
     ):
         self.numbers, self.choice, self.fetch = numbers, choice, fetch
         self.globals = {**program.constants(), **(globals_ or {})}
 
     def call(self, name: str, *arguments):
-        """One of program.library(), with arrays (N,), (N, components) or numbers; textures by name."""
+        """One of program.library(): arrays (N,), (N, components), numbers, or dictionaries of them for structs."""
         with np.errstate(all="ignore"):
             return _Frame(self, program.library()[name], True).run([_column(argument) for argument in arguments])
 
@@ -76,7 +77,9 @@ class Evaluator:
 
 
 def _column(argument):
-    """(N,) as (N, 1)."""
+    """(N,) as (N, 1), also in structs."""
+    if isinstance(argument, dict):
+        return {name: _column(value) for name, value in argument.items()}
     return argument[:, None] if isinstance(argument, np.ndarray) and argument.ndim == 1 else argument
 
 
@@ -100,9 +103,17 @@ class _Frame:
 
     def _typed(self, name: str, kind: str, value):
         """A value as the variable holds it."""
-        if kind in ("int", "bool", "sampler2D"):
+        if kind in (*program.INTEGERS, "sampler2D"):
             return value
+        if kind in program.structs():
+            return {member: self._member(kind, member, each) for member, each in value.items()}
         return self.numbers.convert(value, self._precision(name))
+
+    def _member(self, struct: str, member: str, value):
+        """A value as a member of a struct holds it."""
+        if program.structs()[struct][member] in program.INTEGERS:
+            return value
+        return self.numbers.convert(value, self.evaluator.choice.of(struct, member))
 
     def _precision(self, name: str = Choice.EVERYTHING) -> Precision:
         return self.evaluator.choice.of(self.name, name)
@@ -120,19 +131,26 @@ class _Frame:
         self.types[node.name] = program.type_name(node)
         if node.init is not None:
             self.variables[node.name] = self._typed(node.name, self.types[node.name], self._value(node.init))
+        elif self.types[node.name] in program.structs():
+            self.variables[node.name] = {}
 
     def _do_DeclList(self, node: c_ast.DeclList) -> None:
         for item in node.decls:
             self._statement(item)
 
     def _do_Assignment(self, node: c_ast.Assignment) -> None:
-        name = node.lvalue.name
         value = self._value(node.rvalue)
         if node.op != "=":
-            value = self.numbers.binary(node.op[0], self.variables[name], value)
-        value = self._typed(name, self.types.get(name, "vec4"), value)
-        old = self.variables.get(name)
-        self.variables[name] = value if self.mask is True or old is None else self.numbers.select(self.mask, value, old)
+            value = self.numbers.binary(node.op[0], self._value(node.lvalue), value)
+        if isinstance(node.lvalue, c_ast.StructRef):
+            name = node.lvalue.field.name
+            place = self.variables[node.lvalue.name.name]
+            value = self._member(self.types[node.lvalue.name.name], name, value)
+        else:
+            name, place = node.lvalue.name, self.variables
+            value = self._typed(name, self.types.get(name, "vec4"), value)
+        old = place.get(name)
+        place[name] = value if self.mask is True or old is None else self.numbers.select(self.mask, value, old)
 
     def _do_FuncCall(self, node: c_ast.FuncCall) -> None:
         """What every pass begins with: images fill their textures here, so there is no viewport to set."""
@@ -188,7 +206,8 @@ class _Frame:
         if self.loops or self.result is not None:
             raise NotImplementedError(f"{self.name}: a return that is not the last statement")
         value = self._value(node.expr)
-        self.result = self.numbers.convert(value, self._precision(RETURNED))
+        # what a struct holds has its precision
+        self.result = value if isinstance(value, dict) else self.numbers.convert(value, self._precision(RETURNED))
 
     # ----------------------------------------------------------------------------------------------------- expressions
 
@@ -217,23 +236,23 @@ class _Frame:
         return {"-": self.numbers.negative, "!": self.numbers.inverted}[node.op](value)
 
     def _of_StructRef(self, node: c_ast.StructRef):
-        return self.numbers.part(self._value(node.name), [COMPONENTS[letter] for letter in node.field.name])
-
-    def _of_ArrayRef(self, node: c_ast.ArrayRef):
-        """A column of a mat4."""
-        first = 4 * int(node.subscript.value)
-        return self.numbers.part(self._value(node.name), list(range(first, first + 4)))
+        """A member, or components of a vector."""
+        value = self._value(node.name)
+        if isinstance(value, dict):
+            return value[node.field.name]
+        return self.numbers.part(value, [COMPONENTS[letter] for letter in node.field.name])
 
     def _of_FuncCall(self, node: c_ast.FuncCall):
         name = node.name.name
-        arguments = [self._value(argument) for argument in node.args.exprs]
+        arguments = [self._value(argument) for argument in node.args.exprs] if node.args else []
         if name in FETCHES:
-            read = self.evaluator.fetch(*arguments, self.mask, name != FETCHES[0])
+            read = self.evaluator.fetch(name, arguments[0], arguments[1], self.mask)
             return self.numbers.convert(read, self.evaluator.choice.of(name, RETURNED))
         if name.startswith("new_"):
             return self._constructed(name.removeprefix("new_"), arguments)
-        if name in program.library():
-            return _Frame(self.evaluator, program.library()[name], self.mask).run(arguments)
+        for functions in (program.library(), program.helpers()):
+            if name in functions:
+                return _Frame(self.evaluator, functions[name], self.mask).run(arguments)
         return self.numbers.call(name, arguments)
 
     def _constructed(self, kind: str, arguments: list):

@@ -1,19 +1,16 @@
 """The GLSL library as syntax trees: after a small preparation it is C, which pycparser reads."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
 from pycparser import c_ast, c_parser
 
-from bokeh_validation import paths, shaders
-from bokeh_validation.listing import syntax
+from bokeh_validation import listing, parity, paths, shaders
 
-TYPES = ("bool", "vec2", "vec3", "vec4", "mat4", "sampler2D")
-CONSTRUCTORS = ("float", "int", *TYPES)
-_TYPEDEFS = "".join(f"typedef float {name};\n" for name in TYPES)
-_DEFINE = re.compile(r"#define (BOKEH_\w+) ([\d.]+)$")
+TYPES = ("bool", "vec2", "vec3", "vec4", "sampler2D")
+INTEGERS = ("int", "bool")
 # sections of the library that hold formulas; [1] and [2] are configuration and porting
 FORMULAS = range(3, 10)
 
@@ -22,7 +19,7 @@ FORMULAS = range(3, 10)
 class Function:
     """A function of the shaders.
 
-    section     number of its section; 0 for main() of a pass
+    section     number of its section; 0 in the passes
     parameters  name -> type, in order
     body        syntax tree
     """
@@ -45,7 +42,7 @@ class _Declarations(c_ast.NodeVisitor):
         self.names: list[str] = []
 
     def visit_Decl(self, node: c_ast.Decl) -> None:
-        if type_name(node) not in ("int", "bool"):
+        if type_name(node) not in (*INTEGERS, *structs()):
             self.names.append(node.name)
 
 
@@ -55,45 +52,58 @@ def type_name(node: c_ast.Decl) -> str:
 
 
 @cache
+def structs() -> Mapping[str, Mapping[str, str]]:
+    """Name -> member -> type."""
+    found = re.finditer(r"^struct (\w+)\n\{\n(.*?)^\};", _text("library"), re.MULTILINE | re.DOTALL)
+    return {one[1]: {name: kind for kind, name in re.findall(r"(\w+) (\w+);", one[2])} for one in found}
+
+
+@cache
 def library() -> Mapping[str, Function]:
     """Every function of sections [3] to [9] of glsl/bokeh.glsl by name, in the order of the text."""
-    found: dict[str, Function] = {}
-    _, sections = syntax.sections(syntax.tokenize(paths.library("glsl").read_text(encoding="ascii")))
-    for section in sections:
-        if section.number in FORMULAS:
-            for item in section.items:
-                if item.kind == "function":
-                    parsed = _parsed(item.code, section.number)
-                    found[parsed.name] = parsed
-    return found
+    return {
+        function.name: _parsed(function, section.number)
+        for section in listing.sections(_text("library"))
+        if section.number in FORMULAS
+        for function in listing.functions(section.text)
+    }
+
+
+@cache
+def helpers() -> Mapping[str, Function]:
+    """The functions of glsl/bokeh_passes.glsl that its entries call."""
+    found = listing.functions(_text("passes"))
+    return {function.name: _parsed(function, 0) for function in found if function.name != "main"}
 
 
 @cache
 def main(entry: str) -> Function:
     """main() of one of shaders.ENTRIES, from glsl/bokeh_passes.glsl."""
-    text = paths.passes("glsl").read_text(encoding="ascii")
-    head = rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(entry)}\n\n(?://[^\n]*\n)*"
-    part = re.search(head + r"(void main.*?)^#", text, re.MULTILINE | re.DOTALL)
-    if part is None:
+    head = rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(entry)}\n\n"
+    branch = re.search(head, _text("passes"), re.MULTILINE)
+    if branch is None:
         raise KeyError(f"glsl/bokeh_passes.glsl has no pass {entry}")
-    return _parsed([token for token in syntax.tokenize(part[1]) if token.kind != "comment"], 0)
+    return _parsed(listing.functions(_text("passes")[branch.end() :])[0], 0)
 
 
 @cache
 def constants() -> Mapping[str, float | int]:
     """Section [1]: the defaults of the library's defines."""
-    tokens = syntax.tokenize(paths.library("glsl").read_text(encoding="ascii"))
-    found = (_DEFINE.match(token.text) for token in tokens if token.kind == "directive")
-    return {item[1]: float(item[2]) if "." in item[2] else int(item[2]) for item in found if item}
+    found = parity.settings("glsl", _text("library"))
+    return {name: float(value) if "." in value else int(value) for name, value, _ in found}
 
 
-def _parsed(tokens: Sequence[syntax.Token], section: int) -> Function:
+def _text(file: str) -> str:
+    return (paths.library if file == "library" else paths.passes)("glsl").read_text(encoding="ascii")
+
+
+def _parsed(function: listing.Function, section: int) -> Function:
     """A constructor, `vec2(...)`, is a type where C wants a function: it gets another name."""
-    words = []
-    for token, following in zip(tokens, [*tokens[1:], None], strict=True):
-        construct = token.text in CONSTRUCTORS and following is not None and following.text == "("
-        words.append(f"new_{token.text}" if construct else token.text)
-    (definition,) = c_parser.CParser().parse(_TYPEDEFS + " ".join(words)).ext[len(TYPES) :]
+    text = listing.code(f"{function.head}\n{function.body}")
+    text = re.sub(rf"\b({'|'.join(('float', 'int', *TYPES))})\(", r"new_\1(", text)
+    types = (*TYPES, *structs())
+    typedefs = "".join(f"typedef float {name};\n" for name in types)
+    (definition,) = c_parser.CParser().parse(typedefs + text).ext[len(types) :]
     arguments = definition.decl.type.args
     parameters = {item.name: type_name(item) for item in arguments.params} if arguments else {}
     return Function(definition.decl.name, section, parameters, definition.body)

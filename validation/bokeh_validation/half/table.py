@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from bokeh_validation.half import budget, frames, noise, sweep
+from bokeh_validation.half import budget, frames
 from bokeh_validation.half.choice import ALLOWED, MAY_BE_HALF, WHOLE
 from bokeh_validation.half.domain import DOMAINS
 from bokeh_validation.half.evaluate import ALL_FLOAT, ALL_HALF
@@ -17,26 +17,22 @@ class Findings:
     """All that is measured.
 
     budget     a row for each of DOMAINS
-    noise      see noise.measured
     methods    (name, all half, half where allowed) of each of frames.METHODS
     storages   (name, outcome) of each of STORAGES at display exposure
-    variables  see sweep.measured
     """
 
     budget: list[budget.Row]
-    noise: list[noise.Noise]
     methods: list[tuple[str, frames.Outcome, frames.Outcome]]
     storages: list[tuple[str, frames.Outcome]]
-    variables: list[sweep.Variable]
 
 
 def steps() -> int:
     """How often measured() calls `step`."""
-    return len(DOMAINS) + len(frames.METHODS) + len(sweep.variables())
+    return len(DOMAINS) + len(frames.METHODS)
 
 
 def measured(step: Callable[[str], None] = lambda _: None) -> Findings:
-    """Measure everything: some 20 seconds."""
+    """Measure everything: some seconds."""
     rows = []
     for item in DOMAINS:
         rows.append(budget.row(item, ALLOWED))
@@ -48,42 +44,29 @@ def measured(step: Callable[[str], None] = lambda _: None) -> Findings:
         step(name)
     displayed = frames.frame("exact", frames.LARGE, 1.0, None)
     storages = [(name, displayed.outcome(ALL_FLOAT, storage=name)) for name in STORAGES]
-    return Findings(rows, noise.measured(), methods, storages, sweep.measured(step))
+    return Findings(rows, methods, storages)
 
 
 def markdown(findings: Findings) -> Iterator[str]:
     """The tables, a line each."""
     yield from _budget(findings.budget)
     yield ""
-    yield from _noise(findings.noise)
-    yield ""
     yield from _methods(findings.methods)
-    yield ""
-    yield from _variables(findings.variables)
     yield ""
     yield from _storages(findings.storages)
 
 
 def _budget(rows: list[budget.Row]) -> Iterator[str]:
-    yield "| function | error in | float | half | median | flushed | not finite | bound | as allowed | may be half |"
-    yield "|---|---|---|---|---|---|---|---|---|---|"
+    yield "| function | error in | float | half | median | flushed | not finite | as allowed | may be half |"
+    yield "|---|---|---|---|---|---|---|---|---|"
     for row in rows:
         item = row.domain
         name = f"`{item.function}`" + (f", {item.note}" if item.note else "")
         names = MAY_BE_HALF.get(item.function, ())
         allowed = "all" if names == WHOLE else ", ".join(names) or "nothing"
         cells = [number(row.float32.largest), number(row.half.largest), number(row.half.median)]
-        # a bound that is infinite everywhere is none
-        bound = number(row.bound.largest) if row.bound.lost < 1.0 else "none"
-        cells += [number(row.flushed.largest), share(row.half.lost), bound, number(row.chosen.largest)]
+        cells += [number(row.flushed.largest), share(row.half.lost), number(row.chosen.largest)]
         yield f"| {name} | {item.unit} | {' | '.join(cells)} | {allowed} |"
-
-
-def _noise(rows: list[noise.Noise]) -> Iterator[str]:
-    yield f"| `BokehNoise`, corner of a 4K frame | precision | values of {noise.BLOCK**2} | correlation with float64 |"
-    yield "|---|---|---|---|"
-    for row in rows:
-        yield f"| {row.where} | {row.precision} | {row.values} | {row.correlation:.2f} |"
 
 
 def _methods(rows: list[tuple[str, frames.Outcome, frames.Outcome]]) -> Iterator[str]:
@@ -94,19 +77,6 @@ def _methods(rows: list[tuple[str, frames.Outcome, frames.Outcome]]) -> Iterator
             f"| {name} | {half.psnr:.0f} dB | {number(half.moved)} px | {share(half.lost)} | {chosen.psnr:.0f} dB | "
             f"{number(chosen.moved)} px |"
         )
-
-
-def _variables(rows: list[sweep.Variable]) -> Iterator[str]:
-    """The worst first; all that do no harm alone in one line."""
-    yield "| half alone | in | PSNR | sample moved by | not finite |"
-    yield "|---|---|---|---|---|"
-    for row in sorted((row for row in rows if not row.harmless), key=lambda row: (row.name, row.function)):
-        outcome = row.outcome
-        cells = [_decibel(outcome), f"{number(outcome.moved)} px", share(outcome.lost)]
-        yield f"| {row.name} | {row.function} | {' | '.join(cells)} |"
-    rest = [row.outcome for row in rows if row.harmless]
-    lowest, farthest = min(rest, key=lambda o: o.psnr), max(outcome.moved for outcome in rest)
-    yield f"| each of {len(rest)} others | | {_decibel(lowest)} and more | {number(farthest)} px at most | 0 |"
 
 
 def _storages(rows: list[tuple[str, frames.Outcome]]) -> Iterator[str]:

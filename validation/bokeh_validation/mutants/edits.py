@@ -4,31 +4,31 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from bokeh_validation import parity, paths, shaders
+from bokeh_validation import listing, parity, paths, shaders
 from bokeh_validation.errors import UserError
-from bokeh_validation.listing import rules
-from bokeh_validation.listing.syntax import Item, items, sections, tokenize
 from bokeh_validation.mutants.model import Edit, Mutant
+from bokeh_validation.passes import PARAMETERS
 
 # Names that GLSL has for what the other languages call otherwise
 SPELLINGS = {
     "glsl": (),
-    "hlsl": ((r"\bvec([234])\b", r"float\1"), (r"\bmat4\b", "float4x4")),
+    "hlsl": ((r"\bvec([234])\b", r"float\1"),),
     "wgsl": (
         (r"\bvec([234])\(", r"vec\1f("),
-        (r"\bmat4\(", "mat4x4f("),
         (r"\bfloat\(", "f32("),
         (r"\bint\(", "i32("),
     ),
 }
+# Parameters of the passes are members of a block there, unless they already are
+BLOCK = re.compile(rf"(?<![\w.])({'|'.join(PARAMETERS)})\b")
 FILES = {"library": parity.LIBRARY, "passes": parity.PASSES}
 
 
-def spelt(text: str, language: str) -> str:
+def spelled(text: str, language: str, file: str = "library") -> str:
     """An expression in GLSL as another language writes it."""
     for old, new in SPELLINGS[language]:
         text = re.sub(old, new, text)
-    return text
+    return BLOCK.sub(r"bokehParameters.\1", text) if language == "wgsl" and file == "passes" else text
 
 
 @cache
@@ -60,9 +60,11 @@ def one_line(text: str) -> str:
 
 
 def _edited(text: str, edit: Edit, language: str, name: str) -> str:
-    old, new = spelt(edit.old, language), spelt(edit.new, language)
+    old, new = (spelled(part, language, edit.file) for part in (edit.old, edit.new))
+    # where a line ends is not the same in each language
+    wanted = re.compile(r"\s+".join(re.escape(word) for word in old.split(" ")))
     where = [(0, len(text))] if edit.within is None else bodies(text, edit.file, language, edit.within)
-    found = sum(text.count(old, start, end) for start, end in where)
+    found = sum(len(wanted.findall(text[start:end])) for start, end in where)
     if found != edit.count or old == new:
         place = f"{edit.within or 'the text'} of {FILES[edit.file][language]}"
         raise UserError(
@@ -70,45 +72,25 @@ def _edited(text: str, edit: Edit, language: str, name: str) -> str:
             "Bring bokeh_validation/mutants up to date with the shaders."
         )
     for start, end in reversed(where):
-        text = text[:start] + text[start:end].replace(old, new) + text[end:]
+        text = text[:start] + wanted.sub(lambda _: new, text[start:end]) + text[end:]
     return text
 
 
 def functions(language: str) -> dict[str, int]:
     """Name -> section of every function of a library."""
     text = originals()[parity.LIBRARY[language]]
-    return {function.name: function.section for function in parity.library(language, text).functions}
+    return {
+        function.name: section.number
+        for section in listing.sections(text)
+        for function in listing.functions(section.text)
+    }
 
 
 def bodies(text: str, file: str, language: str, name: str) -> list[tuple[int, int]]:
     """(start, end) of the bodies of a function or entry; in HLSL two of one name stand in two branches of an #if."""
-    if file == "library":
-        return [_body(item) for item in _library_items(text) if _named(item, language, {name})]
-    if language == "glsl":
-        return [_body(item) for branch, item in _branches(text) if branch == shaders.glsl_pass(name)]
-    return [_body(i) for i in items(tokenize(text)) if _named(i, language, {f"{name}_PS", f"{name}_VS"})]
-
-
-def _library_items(text: str) -> list[Item]:
-    return [item for section in sections(tokenize(text))[1] for item in section.items]
-
-
-def _named(item: Item, language: str, names: set[str]) -> bool:
-    return item.kind == "function" and not names.isdisjoint(token.text for token in rules.declared(item, language))
-
-
-def _branches(text: str) -> list[tuple[str, Item]]:
-    """GLSL: every main() with the value of BOKEH_PASS that it is compiled for."""
-    branch, found = "", []
-    for item in items(tokenize(text)):
-        chosen = re.fullmatch(r"#(?:el)?if BOKEH_PASS == (\w+)", " ".join(item.tokens[0].text.split()))
-        if chosen:
-            branch = chosen[1]
-        elif _named(item, "glsl", {"main"}):
-            found.append((branch, item))
-    return found
-
-
-def _body(item: Item) -> tuple[int, int]:
-    opening = next(token for token in item.tokens if token.text == "{")
-    return opening.start, item.tokens[-1].end
+    names = {name} if file == "library" else {name, f"{name}_PS", f"{name}_VS"}
+    if file == "passes" and language == "glsl" and name in ("BokehFullScreen", *shaders.ENTRIES):
+        branch = re.search(rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(name)}\n\n", text, re.MULTILINE)
+        start = branch.end() if branch else len(text)
+        return [(start + one.start, start + one.end) for one in listing.functions(text[start:])[:1]]
+    return [(one.start, one.end) for one in listing.functions(text) if one.name in names]

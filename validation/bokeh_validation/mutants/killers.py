@@ -1,4 +1,4 @@
-"""The tests that are asked first, by the part of the shaders that they look at; each takes a few seconds."""
+"""The tests that are run first, by the part of the shaders that they look at; each takes a few seconds."""
 
 from bokeh_validation.mutants.model import Selection
 
@@ -26,12 +26,18 @@ EXACT_TARGETS = on("egl", DRIVERS, "test_several_targets")
 EXACT_HEXAGON = on("egl", EXACT, "test_exact_on_noise", "hexagon")
 EXACT_DECAGON = on("egl", EXACT, "test_exact_on_noise", "decagon")
 ADAPTIVE_HEXAGON = on("egl", EXACT, "test_adaptive_paper_on_noise", "hexagon")
-ADAPTIVE_STAR = on("egl", EXACT, "test_adaptive_paper_on_noise", "star")
 ADAPTIVE_TRIANGLE = on("egl", EXACT, "test_adaptive_paper_on_noise", "triangle")
 DEBUG = on("egl", DRIVERS, "test_debug_views")
 TINY = on("egl", DRIVERS, "test_depth_of_a_tenth_of_a_millimetre")
 COUNTED = on("d3d9", "test_hostile.py", "test_bad_pixels_count_as_documented")
-# where half floats are rounded to nearest: Mesa cuts off, and its sums never get there
-CLIPPED = on("webgpu", "test_hostile.py", "test_clipped_highlights_do_not_overflow")
 VIEWPORTS = on("egl", "test_viewport.py", "test_nothing_leaks_in")
 DEFAULTS = Selection((SURVIVORS,), "test_defaults")
+PRESETS = Selection((SURVIVORS,), "test_presets")
+SIGNED = on("egl", SURVIVORS, "test_signed_map")
+# runs BokehDefaultFilter in NumPy
+STRUCTS = Selection(("test_precision.py",), "test_the_default_filter_is_section_1")
+EACH_PASS = on("egl", EXACT, "test_every_frame_and_pass_has_its_own_noise")
+DENSE = Selection((EXACT,), "test_jitter_leaves_dense_samples_alone")
+# few samples on a wide blur, where the noise counts
+JITTER = on("egl", SURVIVORS, "test_jitter_of_the_exact_passes", "hexagon")
+OUT_OF_RANGE = Selection(("test_hostile.py",), "test_parameters_out_of_range and egl and (BokehSides or BokehEdge)")

@@ -6,7 +6,7 @@ from bokeh_validation import paths
 
 # What kinds of mistakes the mutants stand for; those of one language have `languages` of one, whatever their kind.
 KINDS = {
-    "sign": "a sign turned",
+    "sign": "a sign reversed",
     "axis": "x for y, one argument for another of its type",
     "dropped sample": "a sample or a weight left out",
     "off-by-one": "a count or an index one off",
@@ -15,13 +15,13 @@ KINDS = {
     "angle": "a wrong angle",
     "aspect": "the aspect ratio or the squeeze forgotten",
     "guard": "a guard against bad input removed",
-    "condition": "a comparison turned or its bound moved",
+    "condition": "a comparison reversed or its bound moved",
     "constant": "a wrong factor or constant",
     "configuration": "a wrong value in section [1]",
     "porting": "section [2] of one language",
     "binding": "a wrong register, sampler or parameter",
     "vertex shader": "the full-screen triangle",
-    "pass": "a ready-made pass of one language",
+    "pass": "a ready-made pass",
 }
 
 
@@ -38,10 +38,11 @@ class Selection:
 
 @dataclass(frozen=True)
 class Edit:
-    """A replacement of text, spelt as in GLSL where the three languages name types differently (edits.spelt).
+    """A replacement of text, written as in GLSL where the three languages differ (edits.spelled).
 
     file    'library' or 'passes'
-    within  name of a function of the library or of an entry without _PS and _VS: only its body; None: the whole file
+    within  name of a function, or of an entry without _PS and _VS: only its body; None: the whole file
+    old     any white space is a space
     count   how often `old` stands there, else the catalog is out of date
     """
 

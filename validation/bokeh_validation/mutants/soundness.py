@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 from threading import Lock
 
-from bokeh_validation import parity, shaders
+from bokeh_validation import parity, rules, shaders
 from bokeh_validation.compilers import dxc, glslang, naga
 from bokeh_validation.drivers.webgpu import WGPU
 from bokeh_validation.mutants.edits import originals
@@ -31,12 +31,12 @@ def refusal(mutant: Mutant, texts: Mapping[str, str], seen: bool) -> str:
 
 
 def seen_by_parity(texts: Mapping[str, str]) -> bool:
-    """Whether the parity check notices these files."""
-    return bool(parity.check(texts))
+    """Whether the parity check notices more in these files than a line that an edit has made too long."""
+    return any(rules.TOO_LONG not in difference.what for difference in parity.check(texts))
 
 
 def _glsl(library: str, whole: str, passes: bool) -> str:
-    """The library is the same text in every pass: one tells whether it compiles."""
+    """The library is the same text in every pass: one shows whether it compiles."""
     head = shaders.GLSL_VERSIONS["330"] + "\n"
     for entry in ("BokehFullScreen", *shaders.ENTRIES) if passes else ("BokehCoCMap",):
         stage = "vert" if entry == "BokehFullScreen" else "frag"

@@ -63,7 +63,8 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     before, after  (H, W, C) float64: all that the pass reads, by name; the last channel is the CoC
     """
     center = item.inputs["ColorSamp"]
-    coc = (before[center][..., -1], after[center][..., -1])
+    # its size: it is signed in the passes of exact
+    coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
     found = [_line_change(line, item, before[line.texture], after[line.texture], coc) for line in lines(item)]
     if "ColorSampB" in item.inputs and not item.entry.endswith("Second"):
         other = item.inputs["ColorSampB"]

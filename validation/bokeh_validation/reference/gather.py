@@ -1,6 +1,6 @@
 """The filters of Listing 3 in float64: weighted means of samples, with the acceptance interval of precision.py."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,7 +9,7 @@ import numpy as np
 
 from bokeh_validation.reference import sampling
 from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.listings import leakage_weight, safe_depth
+from bokeh_validation.reference.listings import leakage_weight, safe_depth, signed_leakage_weight
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 BAND_ROWS = 16
@@ -32,6 +32,7 @@ class Sample:
     weight            of the sample, before the leakage test
     shift_x, shift_y  how far off the place may be, texels, beside the sampler's own error
     open_weight       how far off the weight may be
+    source            which of the images it is taken from
     """
 
     x: np.ndarray
@@ -40,6 +41,7 @@ class Sample:
     shift_x: np.ndarray | float = 0.0
     shift_y: np.ndarray | float = 0.0
     open_weight: np.ndarray | float = 0.0
+    source: int = 0
 
 
 class Pattern(Protocol):
@@ -84,28 +86,30 @@ class Table:
 
 
 def gather(
-    image: Image,
-    depth: np.ndarray,
+    sources: Image | Sequence[Image],
+    depth: np.ndarray | None,
     pattern: Pattern,
     leakage: Leakage,
     blur_coc: bool = True,
     precision: Precision | None = None,
-    center: Image | None = None,
 ) -> Image:
     """Weighted mean of a pattern's samples around each pixel; the pixel itself where every sample was rejected.
 
-    image   what is sampled, its CoC in alpha
-    center  the pixels in the middle: their CoC scales the pattern and is compared; default: `image`
+    sources  what is sampled, CoC in alpha; the first has the pixels in the middle, whose CoC scales the pattern and is
+             compared
+    depth    None: the CoC are signed, and the leakage test needs no depth
     """
-    depth = np.asarray(depth, np.float64)
-    middle = at_center(image if center is None else center, precision)
-    fields = _error_fields(image, precision) if precision else None
+    images = (sources,) if isinstance(sources, Image) else tuple(sources)
+    depth = None if depth is None else np.asarray(depth, np.float64)
+    middle = at_center(images[0], precision)
+    fields = [_error_fields(image, precision) for image in images] if precision else None
+    height = images[0].value.shape[0]
 
     def band(start: int) -> Image:
-        rows = slice(start, min(start + BAND_ROWS, image.value.shape[0]))
-        return _gather_rows(image, middle, depth, pattern, leakage, blur_coc, precision, fields, rows)
+        rows = slice(start, min(start + BAND_ROWS, height))
+        return _gather_rows(images, middle, depth, pattern, leakage, blur_coc, precision, fields, rows)
 
-    starts = range(0, image.value.shape[0], BAND_ROWS)
+    starts = range(0, height, BAND_ROWS)
     if len(starts) == 1:
         return band(0)
     with ThreadPoolExecutor(THREADS) as pool:
@@ -146,21 +150,23 @@ def _error_fields(image: Image, precision: Precision) -> _ErrorFields:
     return _ErrorFields(*(field.reshape(-1, 4) for field in (still, across, down)))
 
 
-def _gather_rows(image, middle, depth, pattern, leakage, blur_coc, precision, fields, rows) -> Image:
+def _gather_rows(images, middle, depth, pattern, leakage, blur_coc, precision, fields, rows) -> Image:
     """`gather` for some rows: bands keep the working set in the processor's cache."""
-    center = middle.value[rows]
+    center, size = middle.value[rows], middle.size
     center_coc = center[..., 3]
-    center_depth = safe_depth(depth[rows])
-    flat_depth = depth.reshape(-1)
-    y, x = np.mgrid[rows, 0 : image.size[0]] + 0.5
+    center_depth, flat_depth = (None, None) if depth is None else (safe_depth(depth[rows]), depth.reshape(-1))
+    y, x = np.mgrid[rows, 0 : size[0]] + 0.5
     color, total = np.zeros_like(center), np.zeros_like(center_coc)
-    bound = _Bound(center, middle.error[rows], precision, fields, image.size) if precision else None
+    bound = _Bound(center, middle.error[rows], precision, fields, size) if precision else None
     coc_error, line = (middle.error[rows][..., 3], precision.line) if precision else (0.0, 0.0)
     for item in pattern.samples(rows, center_coc, coc_error, line):
         sample_x, sample_y = x + item.x, y + item.y
-        sample = sampling.bilinear(image.value, sample_x, sample_y)
-        sample_depth = flat_depth[sampling.nearest_index(sample_x, sample_y, image.size)]
-        leak = leakage_weight(sample_depth, sample[..., 3], center_depth, center_coc, leakage.bias, leakage.mult)
+        sample = sampling.bilinear(images[item.source].value, sample_x, sample_y)
+        if depth is None:
+            leak = signed_leakage_weight(sample[..., 3], center_coc, leakage.bias, leakage.mult)
+        else:
+            near = flat_depth[sampling.nearest_index(sample_x, sample_y, size)]
+            leak = leakage_weight(near, sample[..., 3], center_depth, center_coc, leakage.bias, leakage.mult)
         color += sample * (leak * item.weight)[..., None]
         total += leak * item.weight
         if bound:
@@ -174,13 +180,15 @@ def _gather_rows(image, middle, depth, pattern, leakage, blur_coc, precision, fi
     error, undecided = bound.finish(value, total, pattern.count)
     if not blur_coc:
         error[..., 3] = middle.error[rows][..., 3]
-    return Image(value, error, undecided | image.undecided[rows] | middle.undecided[rows])
+    for image in (middle, *images):
+        undecided = undecided | image.undecided[rows]
+    return Image(value, error, undecided)
 
 
 class _Bound:
     """Running sums of the bound on the weighted mean; the formulas are those of reference/precision.py."""
 
-    def __init__(self, center, center_error, precision: Precision, fields: _ErrorFields, size: tuple[int, int]):
+    def __init__(self, center, center_error, precision: Precision, fields: list[_ErrorFields], size: tuple[int, int]):
         self.center, self.center_error = center, center_error
         self.precision, self.fields, self.size = precision, fields, size
         self.samples = np.zeros_like(center)
@@ -195,23 +203,27 @@ class _Bound:
         shift_x = self.precision.place(width) + item.shift_x
         shift_y = self.precision.place(height) + item.shift_y
         texel = sampling.nearest_index(x, y, self.size)
-        fields = self.fields
+        fields = self.fields[item.source]
         error = fields.still.take(texel, axis=0)
         across, down = fields.across.take(texel, axis=0), fields.down.take(texel, axis=0)
         error += shift_x[..., None] * across + shift_y[..., None] * down
         # the slopes are those of 3 x 3 texels: they say nothing of a sample that may be elsewhere
         error[np.maximum(shift_x, shift_y) > 0.5] = np.inf
 
-        nearest, farthest = self._depth_range(depth, x, y, shift_x, shift_y, texel)
-        coc = sample[..., 3]
+        # a signed CoC that is off by so much has a size that is off by no more
+        coc = np.abs(sample[..., 3])
         margin = self.center[..., 3] - coc - leakage.bias
         tolerance = self.center_error[..., 3] + error[..., 3] + FLOAT_STEP
-        surely = (farthest < center_depth) & (margin > tolerance)
-        maybe = (nearest < center_depth) & (margin > -tolerance)
+        surely, maybe = margin > tolerance, margin > -tolerance
+        if depth is not None:
+            nearest, farthest = self._depth_range(depth, x, y, shift_x, shift_y, texel)
+            surely &= farthest < center_depth
+            maybe &= nearest < center_depth
         # no CoC is off by more than 1: an infinite error times a multiplier of 0 would be none
         coc_error = np.minimum(error[..., 3], 1.0)
-        lowest = np.where(maybe, np.clip((coc - coc_error) * leakage.mult, 0.0, 1.0), 1.0)
-        highest = np.where(surely, np.clip((coc + coc_error) * leakage.mult, 0.0, 1.0), 1.0)
+        power = 2 if depth is None else 1
+        lowest = np.where(maybe, np.clip((coc - coc_error) * leakage.mult, 0.0, 1.0) ** power, 1.0)
+        highest = np.where(surely, np.clip((coc + coc_error) * leakage.mult, 0.0, 1.0) ** power, 1.0)
         most = item.weight + item.open_weight
         open_weight = np.maximum(highest - leak, leak - lowest) * most + leak * item.open_weight
 

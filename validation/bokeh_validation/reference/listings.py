@@ -29,6 +29,11 @@ def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, 
     return np.clip(c / max(sensor_height, MIN_DEPTH), 0.0, max_coc)
 
 
+def signed_coc(depth, coc, focus_distance):
+    """`BokehSignedCoC`: below 0 where the pixel is nearer than the focus distance."""
+    return np.where(depth < focus_distance, -coc, coc)
+
+
 def safe_color(color: np.ndarray) -> np.ndarray:
     """NaN and negative become 0, infinite the largest half float."""
     return np.where(color > 0.0, np.minimum(color, MAX_COLOR), 0.0)
@@ -94,7 +99,7 @@ def coc_map(color: np.ndarray, coc: np.ndarray | float, with_error: bool = False
         return Image(value)
     # the colour is copied from the nearest texel; the CoC takes a handful of float32 operations
     error = np.zeros_like(value)
-    error[..., 3] = COC_ROUNDINGS * FLOAT_STEP * value[..., 3]
+    error[..., 3] = COC_ROUNDINGS * FLOAT_STEP * np.abs(value[..., 3])
     return Image(value, error, np.zeros(value.shape[:2], bool))
 
 
@@ -102,6 +107,12 @@ def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mul
     """Listing 3: a nearer and clearly sharper sample counts by its own CoC, all others fully."""
     leaks = (sample_depth < center_depth) & (center_coc > sample_coc + bias)
     return np.where(leaks, np.clip(sample_coc * mult, 0.0, 1.0), 1.0)
+
+
+def signed_leakage_weight(sample_coc, center_coc, bias, mult):
+    """`BokehSignedLeakageWeight`: the same test from signed CoC alone, which grow with depth; the weight squared."""
+    leaks = np.abs(sample_coc) < center_coc - bias
+    return np.where(leaks, np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2, 1.0)
 
 
 def combine(a: Image, b: Image, use_max: bool) -> Image:

@@ -14,7 +14,7 @@ with their least and largest weight.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -22,12 +22,11 @@ import numpy as np
 from bokeh_validation import apertures
 from bokeh_validation.reference.gather import Leakage, Sample, gather
 from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.listings import MAX_COLOR
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
-# Interleaved gradient noise (Jimenez 2014)
+# Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times
 NOISE = (0.06711056, 0.00583715, 52.9829189)
-FRAME_STEP, FRAMES = 5.588238, 64
+FRAME_STEP, FRAMES, PASS_STEPS = 33 / 64, 64, 8
 LENGTH_ROUNDINGS = 16
 
 
@@ -85,27 +84,28 @@ def polygon_edge(k: int, sides: int, rotation: float, squeeze: float, second_pas
     return Segment(middle * shape, 0.5 * (corner[k] - corner[k - 1]) * shape)
 
 
-def noise(size: tuple[int, int], frame: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def noise(size: tuple[int, int], frame: float, pass_index: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`BokehNoise`, (H, W), -0.5 .. 0.5; how far off a device's float32 may be; and where it may wrap around.
 
-    The seed has four roundings of 2^-24 of its size, and the factor of 53 takes them along.
+    The seed has four roundings of 2^-24 of its size, and the factor of 53 takes them along; the sum with the frame's
+    steps, whose number and size are exact, has two of its own size.
     """
     width, height = size
-    shift = FRAME_STEP * (frame % FRAMES)
-    y, x = np.mgrid[0:height, 0:width] + shift
+    steps = FRAME_STEP * ((PASS_STEPS * pass_index + 1) * (frame % FRAMES) + pass_index)
+    y, x = np.mgrid[0:height, 0:width]
     seed = NOISE[0] * x + NOISE[1] * y
     fraction = seed % 1.0
-    value = (NOISE[2] * fraction) % 1.0
-    error = NOISE[2] * 4 * FLOAT_STEP * (seed + 1.0)
+    value = (NOISE[2] * fraction + steps) % 1.0
+    error = NOISE[2] * 4 * FLOAT_STEP * (seed + 1.0) + 2 * FLOAT_STEP * (NOISE[2] + steps)
     wraps = (np.minimum(value, 1.0 - value) < error) | (np.minimum(fraction, 1.0 - fraction) * NOISE[2] < error)
     return value - 0.5, error, wraps
 
 
-def quality(size: tuple[int, int], spacing: float, max_samples: int, amount: float, frame: float) -> Quality:
-    """A Quality with the noise of a frame, times its amount, 0 .. 1."""
+def quality(size: tuple[int, int], spacing: float, max_samples: int, amount: float, frame: float, pass_index: int):
+    """A Quality with the noise of a pass of a frame, times its amount, 0 .. 1."""
     if amount <= 0.0:
         return Quality(spacing, max_samples)
-    value, error, wraps = noise(size, frame)
+    value, error, wraps = noise(size, frame, pass_index)
     return Quality(spacing, max_samples, amount * value, amount * np.where(wraps, 1.0, error), wraps)
 
 
@@ -129,16 +129,31 @@ class Line:
         """See gather.Pattern."""
         return self.quality.max_samples
 
+    def used(self, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> tuple[np.ndarray, np.ndarray]:
+        """The CoC that the filter uses, and how far off it may be."""
+        coc = np.abs(coc)
+        # the fade between half a pixel and one is steeper than the CoC itself: its slope is 4 c H - 1 <= 3
+        steeper = 3.0 if self.quality.spacing > 0.0 else 1.0
+        # no CoC is off by more than 1, also where the pass before left it open
+        error = steeper * np.minimum(coc_error, 1.0) + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
+        return filter_coc(coc, self.height, self.quality.spacing), error
+
+    def cells(self, used: np.ndarray, error: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        """`BokehCells` for a CoC from `used`: how many cells, and how far off that may be."""
+        most = self.quality.max_samples
+        per_coc = 2.0 * self.segment.half_length * self.height
+        if self.quality.spacing <= 0.0:
+            return np.full_like(used, most), np.zeros_like(used)
+        cells, off = per_coc * used / self.quality.spacing, per_coc * error / self.quality.spacing
+        found = np.clip(cells, 1.0, most)
+        return found, np.maximum(np.clip(cells + off, 1.0, most) - found, found - np.clip(cells - off, 1.0, most))
+
     def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
         """See gather.Pattern."""
         quality, height = self.quality, self.height
-        used = filter_coc(coc, height, quality.spacing)
-        # the fade between half a pixel and one is steeper than the CoC itself: its slope is 4 c H - 1 <= 3
-        steeper = 3.0 if quality.spacing > 0.0 else 1.0
-        # no CoC is off by more than 1, also where the pass before left it open
-        error = steeper * np.minimum(coc_error, 1.0) + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
+        used, error = self.used(coc, coc_error, line)
         length = 2.0 * self.segment.half_length * used * height
-        cells, cells_error = self._cells(length, 2.0 * self.segment.half_length * error * height)
+        cells, cells_error = self.cells(used, error)
         jitter, open_jitter = (
             field[rows] if isinstance(field, np.ndarray) else field for field in (quality.jitter, quality.open)
         )
@@ -161,38 +176,56 @@ class Line:
             x, y = place * used * height
             yield Sample(x, y, weight, off[0], off[1], np.maximum(weight - least, largest - weight))
 
-    def _cells(self, length: np.ndarray, length_error) -> tuple[np.ndarray, np.ndarray]:
-        """`BokehCells`: how many cells, and how far off that may be."""
-        most = self.quality.max_samples
-        if self.quality.spacing <= 0.0:
-            return np.full_like(length, most), np.zeros_like(length)
-        cells = length / self.quality.spacing
-        error = length_error / self.quality.spacing
-        found = np.clip(cells, 1.0, most)
-        return found, np.maximum(np.clip(cells + error, 1.0, most) - found, found - np.clip(cells - error, 1.0, most))
-
-
 def _cell(i: int, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`BokehCell`: where cell i begins, in cells from the line's beginning, and how much of it is on the line."""
     low = np.minimum(float(i), cells)
     return low, np.minimum(i + 1.0, cells) - low
 
 
+@dataclass(frozen=True)
+class Lines:
+    """Several lines with a share of the whole each: what `BokehLineSum` returns for them, added up. See gather.Pattern.
+
+    sources  which image each is taken from
+    """
+
+    lines: tuple[Line, ...]
+    shares: tuple[float, ...]
+    sources: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """See gather.Pattern."""
+        return sum(line.count for line in self.lines)
+
+    def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
+        """See gather.Pattern. A line is divided by its cells; where all are as long, an error of these cancels out."""
+        lengths = [one.segment.half_length for one in self.lines]
+        uneven = max(lengths) - min(lengths) > 1e-9
+        for one, share, source in zip(self.lines, self.shares, self.sources, strict=True):
+            cells, off = one.cells(*one.used(coc, coc_error, line))
+            share = share / cells
+            for item in one.samples(rows, coc, coc_error, line):
+                weight, opened = item.weight * share, item.open_weight * share
+                if uneven:
+                    opened = opened + weight * off / np.maximum(cells - off, 1.0)
+                yield replace(item, weight=weight, open_weight=opened, source=source)
+
+
 def adaptive(
-    image: Image,
-    depth: np.ndarray,
-    segment: Segment,
-    quality: Quality,
+    sources: Image | list[Image],
+    depth: np.ndarray | None,
+    pattern: Line | Lines,
     leakage: Leakage,
     blur_coc: bool = True,
     precision: Precision | None = None,
-    center: Image | None = None,
 ) -> Image:
-    """`BokehDepthOfFieldAdaptive`: the mean along a segment; `center` as in gather."""
-    found = gather(image, depth, Line(segment, quality, image.size[1]), leakage, blur_coc, precision, center)
+    """`gather` along lines, whose jitter may leave pixels undecided."""
+    found = gather(sources, depth, pattern, leakage, blur_coc, precision)
     if found.error is None:
         return found
-    return Image(found.value, found.error, found.undecided | quality.undecided)
+    lines = pattern.lines if isinstance(pattern, Lines) else (pattern,)
+    return Image(found.value, found.error, found.undecided | lines[0].quality.undecided)
 
 
 def parallelogram(k: int, i: int, sides: int) -> float:
@@ -203,42 +236,3 @@ def parallelogram(k: int, i: int, sides: int) -> float:
 def weight(k: int, sides: int) -> float:
     """`BokehExactWeight`: area of the parallelograms of edge k with all edges before it."""
     return sum(parallelogram(k, i, sides) for i in range(1, k))
-
-
-def mixed(parts: list[tuple[float, Image]], center: Image) -> Image:
-    """Weighted mean of images, not below 0 nor above MAX_COLOR, with the CoC of `center`.
-
-    Weights may be negative, their sum is not.
-    """
-    total = sum(w for w, _ in parts)
-    value = np.clip(sum(w * part.value for w, part in parts) / total, 0.0, MAX_COLOR)
-    value[..., 3] = center.value[..., 3]
-    if center.error is None:
-        return Image(value)
-    error = sum(abs(w) * part.error for w, part in parts) / total
-    error += 8 * FLOAT_STEP * sum(abs(w) * np.abs(part.value) for w, part in parts) / total
-    error[..., 3] = center.error[..., 3]
-    undecided = np.logical_or.reduce([center.undecided, *(part.undecided for _, part in parts)])
-    return Image(value, error, undecided)
-
-
-def exact_first(blurs: list[Image], sides: int, center: Image) -> list[Image]:
-    """`BokehExactTarget` for all targets: T_k of design and docs/apertures.md, k = 2 .. sides / 2.
-
-    blurs  B_1 .. B_(n-1): the image blurred along each edge of the first pass
-    """
-    targets = []
-    for k in range(2, sides // 2 + 1):
-        targets.append(mixed([(parallelogram(k, i, sides), blurs[i - 1]) for i in range(1, k)], center))
-    return targets
-
-
-def exact_edge(k: int, sides: int, blur: Image, previous: Image | None, earlier: Image | None, center: Image) -> Image:
-    """`BokehExactEdge`: T_(k+1) from the blur along edge k, T_k and T_(k-1)."""
-    step = 2.0 * pi / sides
-    parts = [(sin(step), blur)]
-    if k > 1:
-        parts.append((2.0 * cos(step) * weight(k, sides), previous))
-    if k > 2:
-        parts.append((-weight(k - 1, sides), earlier))
-    return mixed(parts, center)

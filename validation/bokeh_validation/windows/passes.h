@@ -26,7 +26,7 @@
 #define MAX_TEXTURES 64
 #define MAX_SHADERS 4096
 #define NUM_SLOTS 16  /* what shader model 3 has; a pass reads fewer */
-#define NUM_VALUES 32 /* room for the parameters; a multiple of 4, since they are a constant buffer */
+#define NUM_VALUES 36 /* room for the parameters; a multiple of 4, since they are a constant buffer */
 #define MAX_TARGETS 4 /* what Direct3D 9 cards have at the most */
 
 typedef enum { HALF4, FLOAT4, FLOAT1, NUM_FORMATS } Format;

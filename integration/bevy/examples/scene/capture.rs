@@ -132,7 +132,7 @@ fn next_shot(
     mut exit: MessageWriter<AppExit>,
 ) {
     let shot = (*frame / FRAMES_PER_SHOT) as usize;
-    if *frame % FRAMES_PER_SHOT == 0 {
+    if frame.is_multiple_of(FRAMES_PER_SHOT) {
         if let Some((_, method, shape)) = SHOTS.get(shot) {
             (camera.method, camera.shape) = (*method, *shape);
         } else {
@@ -140,7 +140,7 @@ fn next_shot(
         }
     }
     *frame += 1;
-    if *frame % FRAMES_PER_SHOT != 0 {
+    if !frame.is_multiple_of(FRAMES_PER_SHOT) {
         return;
     }
     let write =

@@ -6,7 +6,7 @@ const FORMATS = { half4: "rgba16float", float4: "rgba32float", float1: "r32float
 // Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
 const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
-let started = null; // promise of { adapter, device, samplers, dummy }
+let started = null; // promise of { adapter, device, sampler, dummy }
 const modules = new Map(); // source -> GPUShaderModule
 const pipelines = new Map(); // entry, constants, formats and source -> GPURenderPipeline
 
@@ -27,20 +27,19 @@ async function open() {
   modules.clear();
   pipelines.clear();
   device.lost.then(() => (started = null));
-  const samplers = ["linear", "nearest"].map((kind) => device.createSampler({ minFilter: kind, magFilter: kind }));
+  const sampler = device.createSampler({ minFilter: "linear", magFilter: "linear" });
   const usage = GPUTextureUsage.TEXTURE_BINDING;
   const dummy = device.createTexture({ size: [1, 1], format: "rgba16float", usage });
-  return { adapter, device, samplers, dummy };
+  return { adapter, device, sampler, dummy };
 }
 
-// One layout for every pass, as the package documents it: parameters, textures, two samplers, bound in this order.
+// One layout for every pass, as the package documents it: parameters, textures, the sampler, bound in this order.
 // `slots`: name of a texture -> its sample type, in the order of the bindings.
 function layout(device, slots) {
   const resources = [
     { buffer: { type: "uniform" } },
     ...Object.values(slots).map((sampleType) => ({ texture: { sampleType } })),
     { sampler: { type: "filtering" } },
-    { sampler: { type: "non-filtering" } },
   ];
   const visibility = GPUShaderStage.FRAGMENT;
   const entries = resources.map((resource, binding) => ({ binding, visibility, ...resource }));
@@ -133,7 +132,7 @@ function upload(device, pixels) {
   return made;
 }
 
-function bind({ device, samplers, dummy }, slots, pass, live) {
+function bind({ device, sampler, dummy }, slots, pass, live) {
   const values = new Float32Array(Object.values(pass.values));
   const buffer = device.createBuffer({
     size: Math.ceil(values.byteLength / 16) * 16, // of a uniform block
@@ -143,7 +142,7 @@ function bind({ device, samplers, dummy }, slots, pass, live) {
   // a pass has something at every binding, also where it reads nothing
   const bound = (slot) => (slot in pass.inputs ? live.get(pass.inputs[slot].texture) : dummy);
   const textures = Object.keys(slots).map((slot) => bound(slot).createView());
-  const resources = [{ buffer }, ...textures, ...samplers];
+  const resources = [{ buffer }, ...textures, sampler];
   const entries = resources.map((resource, binding) => ({ binding, resource }));
   return { buffer, group: device.createBindGroup({ layout: layout(device, slots), entries }) };
 }

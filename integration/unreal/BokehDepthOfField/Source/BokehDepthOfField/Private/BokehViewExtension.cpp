@@ -38,7 +38,6 @@ BEGIN_SHADER_PARAMETER_STRUCT(FBokehParameters, )
     SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorC)
     SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehDepth)
     SHADER_PARAMETER_SAMPLER(SamplerState, BokehLinear)
-    SHADER_PARAMETER_SAMPLER(SamplerState, BokehNearest)
     SHADER_PARAMETER(FIntPoint, BokehViewMin)
     SHADER_PARAMETER(FIntPoint, BokehTargetMin)
     SHADER_PARAMETER(FVector2f, BokehImageSize)
@@ -77,6 +76,7 @@ public:
     IMPLEMENT_GLOBAL_SHADER(FBokeh##Name##PS, "/Plugin/BokehDepthOfField/BokehDepthOfField.usf", #Name "PS", SF_Pixel)
 
 BOKEH_SHADER(Depth);
+BOKEH_SHADER(SignedCoCMap);
 BOKEH_SHADER(CoCMap);
 BOKEH_SHADER(HexagonFirst);
 BOKEH_SHADER(HexagonSecond);
@@ -103,7 +103,8 @@ struct FBokehPasses
     }
 
     // What a pass is given; Degrees of its line, before the rotation
-    FBokehParameters* Parameters(FRDGTextureRef Color, FRDGTextureRef Depth, float Degrees = 0.0f) const
+    FBokehParameters* Parameters(FRDGTextureRef Color = nullptr, FRDGTextureRef Depth = nullptr,
+        float Degrees = 0.0f) const
     {
         FBokehParameters* Given = GraphBuilder.AllocParameters<FBokehParameters>();
         Given->View = View.ViewUniformBuffer;
@@ -111,7 +112,6 @@ struct FBokehPasses
         Given->BokehColor = Color;
         Given->BokehDepth = Depth;
         Given->BokehLinear = TStaticSamplerState<SF_Bilinear, AM_Clamp, AM_Clamp, AM_Clamp>::GetRHI();
-        Given->BokehNearest = TStaticSamplerState<SF_Point, AM_Clamp, AM_Clamp, AM_Clamp>::GetRHI();
         Given->BokehViewMin = ViewRect.Min;
         Given->BokehTargetMin = FIntPoint(0, 0);
         Given->BokehImageSize = FVector2f(static_cast<float>(ViewRect.Width()), static_cast<float>(ViewRect.Height()));
@@ -158,12 +158,12 @@ struct FBokehPasses
     }
 
     // Two passes; the first writes two targets for the hexagon, three for the octagon
-    void Exact(FRDGTextureRef CoC, FRDGTextureRef Depth, bool bHexagon, const FScreenPassRenderTarget& Output) const
+    void Exact(FRDGTextureRef CoC, bool bHexagon, const FScreenPassRenderTarget& Output) const
     {
         FRDGTextureRef Target2 = Target(TEXT("Bokeh.Target2"));
         FRDGTextureRef Target3 = Target(TEXT("Bokeh.Target3"));
-        FBokehParameters* First = Parameters(CoC, Depth);
-        FBokehParameters* Second = Parameters(Target2, Depth);
+        FBokehParameters* First = Parameters(CoC);
+        FBokehParameters* Second = Parameters(Target2);
         Second->BokehColorB = Target3;
         if (bHexagon)
         {
@@ -229,21 +229,31 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
 
     FRDGTextureRef Depth = Passes.Target(TEXT("Bokeh.Depth"), PF_R32_FLOAT);
     FRDGTextureRef CoC = Passes.Target(TEXT("Bokeh.CoC"));
-    Passes.Draw<FBokehDepthPS>(TEXT("depth"), Passes.Parameters(nullptr, nullptr), {Depth});
-    Passes.Draw<FBokehCoCMapPS>(TEXT("circle of confusion"), Passes.Parameters(SceneColor.Texture, Depth), {CoC});
+    Passes.Draw<FBokehDepthPS>(TEXT("depth"), Passes.Parameters(), {Depth});
+    // the exact passes read a signed CoC, the paper's read depth as well
+    const bool bPaper = SettingPaper.GetValueOnRenderThread() != 0;
+    FBokehParameters* Map = Passes.Parameters(SceneColor.Texture, Depth);
+    if (bPaper)
+    {
+        Passes.Draw<FBokehCoCMapPS>(TEXT("circle of confusion"), Map, {CoC});
+    }
+    else
+    {
+        Passes.Draw<FBokehSignedCoCMapPS>(TEXT("circle of confusion"), Map, {CoC});
+    }
 
     const bool bHexagon = SettingSides.GetValueOnRenderThread() != 8;
     if (SettingDebug.GetValueOnRenderThread() > 0)
     {
         Passes.Finish<FBokehDebugPS>(TEXT("debug"), Passes.Parameters(CoC, Depth), Output);
     }
-    else if (SettingPaper.GetValueOnRenderThread() != 0)
+    else if (bPaper)
     {
         Passes.Paper(CoC, Depth, bHexagon, Output);
     }
     else
     {
-        Passes.Exact(CoC, Depth, bHexagon, Output);
+        Passes.Exact(CoC, bHexagon, Output);
     }
     return Output;
 }

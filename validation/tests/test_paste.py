@@ -1,0 +1,352 @@
+"""What users paste: the blocks at the top of each library and in the README, run as they stand, as one chain of passes.
+
+Each program is the library and one block, nothing between them. The chain starts from a depth buffer of 0 .. 1, and its
+result is held against the float64 reference.
+"""
+
+import hashlib
+import re
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import moderngl
+import numpy as np
+import pytest
+from conftest import load
+from test_inputs import FAR, NEAR, ROUNDINGS, slope
+
+from bokeh_validation import exr, methods, metrics, paths
+from bokeh_validation.compilers import dxc, fxc, glslang
+from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.reference import listings
+
+README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer for
+CAMERA = methods.Camera(aperture_diameter=0.08, focal_length=0.05, focus_distance=6.0)
+# What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes
+READS = (
+    {"Depth": "depth buffer"},
+    {"Color": "color", "Depth": "metres"},
+    {"Map": "map"},
+    {"T2": "T2", "T3": "T3"},
+)
+WRITES = (("metres",), ("map",), ("T2", "T3"), ("result",))
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block: the line above it, and its code."""
+
+    title: str
+    code: str
+
+    def named(self, kind: str) -> dict[str, int]:
+        """Resources of a kind with their registers or bindings; Samp is cut off their names."""
+        pattern = {
+            "t": r"Texture2D (\w+) : register\(t(\d)\)",
+            "s": r"sampler2D (\w+?)(?:Samp)? : register\(s(\d)\)",
+            "wgsl": r"@binding\((?P<number>\d)\) var(?:<uniform>)? (?P<name>\w+):",
+        }[kind]
+        found = [
+            (match["name"], match["number"]) if kind == "wgsl" else match.groups()
+            for match in re.finditer(pattern, self.code)
+        ]
+        return {name: int(number) for name, number in found}
+
+    @property
+    def entry(self) -> str:
+        """Its entry point in HLSL and WGSL."""
+        return re.search(r"^(?:@fragment fn|\w+) (\w+)\(", self.code, re.MULTILINE)[1]
+
+
+def header_blocks(language: str) -> list[Block]:
+    """The blocks at the top of a library: four, and in HLSL four more for shader model 4 to 6."""
+    text = paths.library(language).read_text(encoding="ascii")
+    paste = text[text.index("// PASTE: ") : text.index("// CONTENTS\n")]
+    found = re.findall(r"^//   (\d\. .*)\n((?://          .*\n)+)", paste, re.MULTILINE)
+    blocks = [Block(title, re.sub(r"^//          ", "", code, flags=re.MULTILINE)) for title, code in found]
+    assert [block.title[:2] for block in blocks] == ["1.", "2.", "3.", "4."] * (2 if language == "hlsl" else 1)
+    assert "Blending off in all of them." in " ".join(paste.replace("//", "").split())
+    return blocks
+
+
+def readme_blocks() -> list[Block]:
+    """The blocks of the README, with the line above each as it reads without its markup."""
+    found = re.findall(r"^([^\n]+)\n\n```glsl\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+    return [Block(re.sub(r"[*`]", "", title), code) for title, code in found]
+
+
+def test_readme_shows_the_header():
+    """The README's blocks are the GLSL library's, word for word, with what goes in and out of each."""
+    shown, wanted = readme_blocks(), header_blocks("glsl")
+    assert [block.code for block in shown] == [block.code for block in wanted]
+    for block, original in zip(shown, wanted, strict=True):
+        assert block.title == f"{original.title} Blending off.", block.title
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# compilers of the profiles that are not run below
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def library(language: str) -> str:
+    """The library's text."""
+    return paths.library(language).read_text(encoding="ascii")
+
+
+@pytest.mark.parametrize("version", ["#version 330", "#version 300 es", "#version 450"])
+@pytest.mark.parametrize("index", range(4))
+def test_glsl_compiles(version, index):
+    """In each version that the header names."""
+    result = glslang.parse(f"{version}\n{library('glsl')}{header_blocks('glsl')[index].code}", "frag")
+    assert result.ok, result.messages
+
+
+@pytest.mark.parametrize("model", [4, 5, 6])
+@pytest.mark.parametrize("index", range(4))
+def test_hlsl_compiles(model, index):
+    """The blocks for shader model 4 to 6, by fxc and by DXC."""
+    block = header_blocks("hlsl")[4 + index]
+    text = f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{block.code}"
+    if model < 6:
+        assert fxc.bytecode(text, f"ps_{model}_0", block.entry)
+    else:
+        result = dxc.build(text, "frag", block.entry)
+        assert result.ok, result.messages
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# the chain on devices
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@cache
+def scene() -> dict[str, np.ndarray]:
+    """Every fourth pixel of the street: "color" (H, W, 4) float16, "depth buffer" (H, W) float32, 0 .. 1."""
+    image = exr.read(paths.SCENES / "street_11_pin.exr")
+    metres = np.clip(image.depth[::4, ::4].astype(np.float64), NEAR, FAR)
+    stored = listings.stored_depth(metres, WINDOW, NEAR, FAR).astype(np.float32)
+    return {"color": np.ascontiguousarray(image.color[::4, ::4]), "depth buffer": stored}
+
+
+def size() -> tuple[int, int]:
+    """(width, height)"""
+    height, width = scene()["depth buffer"].shape
+    return width, height
+
+
+def values() -> dict[str, tuple[float, ...]]:
+    """All variables of the blocks by name."""
+    return {
+        "zNear": (NEAR,),
+        "zFar": (FAR,),
+        "apertureDiameter": (CAMERA.aperture_diameter,),
+        "focalLength": (CAMERA.focal_length,),
+        "focusDistance": (CAMERA.focus_distance,),
+        "imageSize": tuple(map(float, size())),
+        "rotation": (float(np.radians(17.0)),),
+    }
+
+
+Results = Mapping[str, np.ndarray]
+
+
+def on_opengl(blocks: Sequence[Block]) -> Results:
+    """GLSL 3.30. A linear filter everywhere: what is fetched texel by texel must not care."""
+    driver = load("osmesa")
+    driver.make_current()
+    context = driver.context
+    vertex = """#version 330
+    out vec2 uv;
+    void main()
+    {
+        uv = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+        gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
+    }"""
+    live = {name: driver.upload(pixels) for name, pixels in scene().items()}
+    for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
+        program = context.program(vertex_shader=vertex, fragment_shader=f"#version 330\n{library('glsl')}{block.code}")
+        for unit, (name, texture) in enumerate(reads.items()):
+            program[f"{name}Samp"] = unit
+            live[texture].use(unit)
+            driver.samplers[True].use(unit)
+        for name in set(values()) & set(program):
+            found = values()[name]
+            program[name] = found if len(found) > 1 else found[0]
+        channels, kind = (1, "f4") if "metres" in writes else (4, "f2")
+        targets = [context.texture(size(), channels, dtype=kind) for _ in writes]
+        context.framebuffer(targets).use()
+        context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+        live.update(zip(writes, targets, strict=True))
+    shape = (size()[1], size()[0])
+    return {
+        "metres": np.frombuffer(live["metres"].read(alignment=1), np.float32).reshape(shape),
+        "result": np.frombuffer(live["result"].read(alignment=1), np.float16).reshape(*shape, 4),
+    }
+
+
+def on_webgpu(blocks: Sequence[Block]) -> Results:
+    """WGSL with the layout 'auto', on a device that cannot filter 32-bit textures."""
+    driver = load("wgpu")
+    wgpu, device = driver.wgpu, driver.device.adapter.request_device_sync(required_features=[])
+    assert "float32-filterable" not in device.features
+    usage = wgpu.TextureUsage
+    vertex = device.create_shader_module(
+        code="""struct Varying { @builtin(position) position: vec4f, @location(0) uv: vec2f }
+        @vertex fn corner(@builtin(vertex_index) i: u32) -> Varying
+        {
+            let uv = vec2f(select(0.0, 2.0, i == 1), select(0.0, 2.0, i == 2));
+            return Varying(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
+        }"""
+    )
+    everywhere = usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC | usage.COPY_DST
+    live = {}
+    for name, pixels in scene().items():
+        kind = "r32float" if pixels.ndim == 2 else "rgba16float"
+        live[name] = device.create_texture(size=(*size(), 1), format=kind, usage=everywhere)
+        layout = {"bytes_per_row": pixels.nbytes // len(pixels), "rows_per_image": len(pixels)}
+        device.queue.write_texture({"texture": live[name]}, pixels.tobytes(), layout, (*size(), 1))
+    linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
+    for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
+        kind = "r32float" if "metres" in writes else "rgba16float"
+        module = device.create_shader_module(code=library("wgsl") + block.code)
+        pipeline = device.create_render_pipeline(
+            layout="auto",
+            vertex={"module": vertex, "entry_point": "corner"},
+            fragment={"module": module, "entry_point": block.entry, "targets": [{"format": kind} for _ in writes]},
+            primitive={"topology": "triangle-list"},
+        )
+        fields = re.findall(
+            r"(\w+): (?:f32|vec2f)\b", re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
+        )
+        members = np.zeros(4, np.float32)
+        flat = [number for name in fields for number in values()[name]]
+        members[: len(flat)] = flat
+        buffer = device.create_buffer_with_data(data=members.tobytes(), usage=wgpu.BufferUsage.UNIFORM)
+        entries = []
+        for name, binding in block.named("wgsl").items():
+            resource = {"buffer": buffer, "offset": 0, "size": members.nbytes}
+            if name in reads:
+                resource = live[reads[name]].create_view()
+            elif name == "Linear":
+                resource = linear
+            entries.append({"binding": binding, "resource": resource})
+        bindings = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
+        targets = [device.create_texture(size=(*size(), 1), format=kind, usage=everywhere) for _ in writes]
+        encoder = device.create_command_encoder()
+        render = encoder.begin_render_pass(
+            color_attachments=[
+                {"view": target.create_view(), "load_op": "clear", "store_op": "store"} for target in targets
+            ]
+        )
+        render.set_pipeline(pipeline)
+        render.set_bind_group(0, bindings)
+        render.draw(3)
+        render.end()
+        device.queue.submit([encoder.finish()])
+        live.update(zip(writes, targets, strict=True))
+
+    def read(name: str, channels: int, dtype: type) -> np.ndarray:
+        width, height = size()
+        layout = {"bytes_per_row": width * channels * np.dtype(dtype).itemsize, "rows_per_image": height}
+        data = device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1))
+        return np.frombuffer(data, dtype).reshape(height, width, channels)
+
+    return {"metres": read("metres", 1, np.float32)[..., 0], "result": read("result", 4, np.float16)}
+
+
+def with_constants(code: bytes, given: Mapping[str, Sequence[float]]) -> bytes:
+    """Shader model 3 bytecode with its variables as constants of its own ('def' instructions).
+
+    Their registers are in the table that fxc puts into a comment. The harness sets the x of a register alone.
+    """
+    table = code.index(b"CTAB") + 4
+    _, _, _, count, first = struct.unpack_from("<5I", code, table)
+    definitions = b""
+    for index in range(count):
+        name, kind, register = struct.unpack_from("<IHH", code, table + first + 20 * index)
+        name = code[table + name : code.index(b"\0", table + name)].decode("ascii")
+        if kind == 2:  # float constants; 3 are samplers
+            number = [*given[name], 0.0, 0.0, 0.0][:4]
+            # the opcode and the length, the register as a destination with all components, the constant
+            definitions += struct.pack("<II4f", 0x05000051, 0xA00F0000 | register, *number)
+    return code[:4] + definitions + code[4:]
+
+
+def on_direct3d(blocks: Sequence[Block], model: int) -> Results:
+    """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11, by jobs as windows/passes.h has them."""
+    driver = load({3: "d3d9", 5: "d3d11"}[model])
+    folder, (width, height) = driver.server.folder, size()
+    lines = [f"vertex {driver.shader('vs', 'BokehFullScreen_VS', {})}"]
+    numbers: dict[str, int] = {}
+    for name, pixels in scene().items():
+        kind = "float1" if pixels.ndim == 2 else "half4"
+        (folder / f"paste-{len(numbers)}").write_bytes(pixels.tobytes())
+        lines.append(f"texture {len(numbers)} {width} {height} {kind} paste-{len(numbers)}")
+        numbers[name] = len(numbers)
+    for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
+        code = fxc.bytecode(
+            f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{block.code}", f"ps_{model}_0", block.entry
+        )
+        lines.append(f"size {width} {height} {'float1' if 'metres' in writes else 'half4'}")
+        if model == 3:
+            code = with_constants(code, values())
+        else:
+            declared = re.findall(r"^float2? (.*);$", block.code, re.MULTILINE)
+            flat = [number for name in ", ".join(declared).split(", ") for number in values()[name]]
+            lines += [f"value {i} {number:.9g}" for i, number in enumerate(flat)]
+        shader = f"paste-{hashlib.sha256(code).hexdigest()[:16]}.ps"
+        (folder / shader).write_bytes(code)
+        lines.append(f"pixel {shader}")
+        # Direct3D 9 alone: its filter is what the line above the block asks for
+        kind = "nearest" if "nearest" in block.title else "linear"
+        slots = block.named("s" if model == 3 else "t")
+        assert set(slots) == set(reads)
+        lines += [f"input {slots[name]} {numbers[texture]} {kind}" for name, texture in reads.items()]
+        for name in writes:
+            numbers[name] = len(numbers)
+        lines.append(f"draw {' '.join(str(numbers[name]) for name in writes)}")
+    lines += [f"keep {numbers[name]} paste-{name}" for name in ("metres", "result")]
+    (folder / "paste.job").write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+    ok, answer = driver.server.ask("paste.job", 300.0)
+    assert ok, answer
+    return {
+        "metres": np.frombuffer((folder / "paste-metres").read_bytes(), np.float32).reshape(height, width),
+        "result": np.frombuffer((folder / "paste-result").read_bytes(), np.float16).reshape(height, width, 4),
+    }
+
+
+RUNS = {
+    "GLSL 3.30, README": ("osmesa", lambda: on_opengl(readme_blocks())),
+    "WGSL": ("wgpu", lambda: on_webgpu(header_blocks("wgsl"))),
+    "HLSL, shader model 3": ("d3d9", lambda: on_direct3d(header_blocks("hlsl")[:4], 3)),
+    "HLSL, shader model 5": ("d3d11", lambda: on_direct3d(header_blocks("hlsl")[4:], 5)),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_chain_runs(name):
+    """From a depth buffer and HDR colour to the blurred picture, as pasted.
+
+    Depth in metres: within the roundings that test_inputs.py derives. The picture: the reference's from that depth,
+    within its acceptance interval and the bounds in steps.
+    """
+    driver, run = RUNS[name]
+    driver = load(driver)
+    found = run()
+    stored = scene()["depth buffer"].astype(np.float64)
+    metres = listings.linear_depth(stored, WINDOW, NEAR, FAR)
+    allowed = slope(metres, WINDOW) * 3 * 2.0**-24 + ROUNDINGS * metres
+    # the slope is that at the wanted distance: on the way there the curve is steeper
+    allowed /= 1.0 - allowed / metres
+    assert (np.abs(found["metres"] - metres) <= allowed).all()
+    settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA, spacing=1.0, max_samples=13)
+    case = Case(name, settings, scene()["color"], found["metres"])
+    wanted = expected(case, driver.software, driver.rounding)["result"]
+    comparison = metrics.compare(found["result"], wanted, driver.software)
+    assert comparison.ok, comparison
+    # there is something to compare: the picture is blurred, and its CoC has both signs
+    assert metrics.compare(scene()["color"], wanted, driver.software).outside > 0.5 * stored.size
+    assert found["result"][..., 3].min() < -1.0 / size()[1] and found["result"][..., 3].max() > 1.0 / size()[1]
