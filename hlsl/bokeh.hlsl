@@ -679,11 +679,12 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
 //   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
 //   sharper one, and centerCoC - bleedingBias is below 0. Two passes also put a rejected sample in
-//   place of what its own line would have reached; squared weights make up for that.
+//   place of what its own line would have reached; squared weights make up for that. 0.999: half
+//   floats and filters round, and a surface is not sharper than itself.
 float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
 {
     float weight = 1.0;
-    if (abs(sampleCoC) < centerCoC - settings.bleedingBias)
+    if (abs(sampleCoC) < centerCoC * 0.999 - settings.bleedingBias)
     {
         weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
         weight = weight * weight;

@@ -552,11 +552,12 @@ fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, center
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
 //   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
 //   sharper one, and centerCoC - bleedingBias is below 0. Two passes also put a rejected sample in
-//   place of what its own line would have reached; squared weights make up for that.
+//   place of what its own line would have reached; squared weights make up for that. 0.999: half
+//   floats and filters round, and a surface is not sharper than itself.
 fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
 {
     var weight: f32 = 1.0;
-    if (abs(sampleCoC) < centerCoC - settings.bleedingBias)
+    if (abs(sampleCoC) < centerCoC * 0.999 - settings.bleedingBias)
     {
         weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
         weight = weight * weight;

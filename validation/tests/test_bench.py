@@ -188,12 +188,15 @@ def test_naive_against_hexagon(name):
     assert found["paper hexagon 576"].naive.high >= 6.0
 
 
+@pytest.mark.parametrize(("count", "share"), [(144, 0.6), (576, 0.5)])
 @pytest.mark.parametrize("aperture", ["hexagon", "octagon"])
 @pytest.mark.parametrize("name", DRIVERS)
-def test_exact_against_paper(name, aperture):
-    """At the same sample spacing `exact` takes at most three quarters of the time."""
-    for count in (144, 576):
-        assert measured(name)[f"exact {aperture} {count}"].versus["paper"].low <= 0.75
+def test_exact_against_paper(name, aperture, count, share):
+    """At the same sample spacing `exact` takes at most half the time, where the samples are most of it.
+
+    With 6 samples on an edge what every pixel costs once is a part too: the floor alone is 0.52 of paper's there.
+    """
+    assert measured(name)[f"exact {aperture} {count}"].versus["paper"].low <= share
 
 
 @pytest.mark.parametrize("key", ["naive 144", "paper hexagon", "paper octagon", "exact hexagon", "exact octagon"])
@@ -210,9 +213,9 @@ def skips_branches(driver) -> bool:
     for name, statement in (("without", ""), ("never", "if (center.g < -1.0) { center += %s; }")):
         sources = {}
         for language, dialect in floors.DIALECTS.items():
-            color, depth = (dialect.texture(slot) for slot in ("ColorSamp", "DepthSamp"))
+            color, depth = dialect.texture("ColorSamp"), dialect.texels("DepthSamp")
             # two loops: a device that runs each once under a mask shows twice
-            line = f"FloorLine({color}, {depth}, uv, uv * 0.001, 40)"
+            line = f"FloorLine({color}, {depth}, true, uv, uv * 0.001, 40)"
             statements = [f"{dialect.declare(dialect.vec4, 'center')} = BokehFetch({color}, uv)"]
             if statement:
                 statements.append(statement % f"{line} + {line.replace('0.001', '0.002')}")

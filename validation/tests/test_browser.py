@@ -199,7 +199,7 @@ class TestCompilers:
         assert not result.ok and "targets[2]" in result.messages
 
     def test_linear_filter_on_depth(self, session):
-        direct = "BokehFetchNearest(DepthSamp, uv)"
-        source = shaders.wgsl().replace(direct, "BokehFetch(DepthSamp, ColorSampSampler, uv)")
+        direct = "Nearest(DepthSamp, sampleCoords)"
+        source = shaders.wgsl().replace(direct, "(DepthSamp, ColorSampSampler, sampleCoords)")
         result = wgsl("BokehFullScreen_VS", "BokehDepthOfField_PS", source)
         assert not result.ok and "UnfilterableFloat" in result.messages

@@ -113,7 +113,7 @@ def assert_safe(found: dict[str, np.ndarray], signed: bool = False) -> None:
 def assert_right(driver: drivers.Driver, case: Case) -> None:
     """All textures are safe and the result is within the reference's interval."""
     found = everything(driver, case)
-    assert_safe(found)
+    assert_safe(found, case.settings.method == "exact")
     wanted = expected(case, driver.software, driver.rounding)["result"]
     comparison = metrics.compare(found["result"], wanted, driver.software)
     assert comparison.outside == 0, comparison
@@ -123,7 +123,7 @@ def assert_right(driver: drivers.Driver, case: Case) -> None:
 def test_bad_pixels_count_as_documented(method, driver):
     """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
     bad, counted = (outputs(method, driver.name, which) for which in ("bad", "counted"))
-    assert_safe(bad)
+    assert_safe(bad, METHODS[method].method == "exact")
     for name in bad:
         where = np.argwhere(differing(bad[name], counted[name]))
         assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
@@ -211,7 +211,7 @@ def test_cameras_at_their_limits(camera, method, driver):
     assert_right(driver, littered((25, 18), replace(METHODS[method], camera=CAMERAS[camera])))
 
 
-# More than 254 turns of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
+# More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
 MOST_SAMPLES = {"d3d9": 254}
 # Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
 MOST_SIDE = {"naive": 90, "naive-grid": 24}
@@ -259,7 +259,7 @@ def test_clipped_highlights_do_not_overflow(aperture, driver):
 # parameters out of range
 # ----------------------------------------------------------------------------------------------------------------------
 
-CAMERA_ONLY = ("paper",)
+CAMERA_ONLY = ("paper", "exact")
 LINES = ("paper adaptive",)
 COUNTED = ("paper adaptive", "exact adaptive")
 ALL = ("paper", "exact adaptive", "exact, one target", "naive")
@@ -283,6 +283,7 @@ MISTAKES = {
     "BokehImageHeight": (COUNTED, (0.0, -64.0, 1e30)),
     "BokehJitter": (COUNTED, (-5.0, 5.0, 1e30)),
     "BokehFrame": (COUNTED, (-1.0, 1e9)),
+    "BokehPassIndex": (LINES, (-1.0, 1e9)),
     "BokehConstantCoC": (("constant CoC",), (-1.0, 5.0, 1e30)),
     "BokehSides": (("exact, one target",), (0.0, 1.0, 2.0, -6.0, 5.0, 1e30)),
     "BokehEdge": (("exact, one target",), (0.0, -1.0, 1.5, 9.0, 1e30)),
@@ -297,7 +298,7 @@ def test_parameters_out_of_range(name, driver):
         case = littered((24, 16), READERS[method], 0.1)
         for value in values:
             try:
-                assert_safe(everything(driver, case, **{name: value}))
+                assert_safe(everything(driver, case, **{name: value}), case.settings.method == "exact")
             except AssertionError as error:
                 raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
 

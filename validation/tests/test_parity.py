@@ -33,7 +33,7 @@ def mutated(language: str, old: str, new: str) -> dict[str, str]:
     return {key: replaced(TEXTS[key], old, new)}
 
 
-def spelt(text: str, language: str) -> str:
+def spelled(text: str, language: str) -> str:
     """GLSL's names of types as another language has them."""
     if language == "wgsl":
         return re.sub(r"\bvec([234])\(", r"vec\1f(", text.replace("float(", "f32("))
@@ -65,7 +65,7 @@ EVERYWHERE = {
     ),
     "a component": ("uv).r);", "uv).g);"),
     "parentheses": ("float(2 * i - last)", "float(2 * (i - last))"),
-    "a condition turned round": ("if (!blurCoC)", "if (blurCoC)"),
+    "a condition reversed": ("if (!blurCoC)", "if (blurCoC)"),
     "a statement dropped": ("        totalWeight += weight;\n", ""),
     "a statement twice": ("        totalWeight += weight;\n", "        totalWeight += weight;\n" * 2),
     "statements swapped": (
@@ -137,14 +137,14 @@ EVERYWHERE = {
 @pytest.mark.parametrize("name", EVERYWHERE)
 def test_a_change_in_one_language_is_found(name, language):
     old, new = EVERYWHERE[name]
-    old, new = (spelt(text, language) for text in (old, new))
+    old, new = (spelled(text, language) for text in (old, new))
     found = new_differences(mutated(language, old, new))
     assert found, f"{name} in {language} was not found"
     assert all(difference.where and difference.what for difference in found)
 
 
-# Changes that are spelt in each language's own way: name -> language -> (old, new).
-SPELT = {
+# Changes that are written in each language's own way: name -> language -> (old, new).
+WRITTEN = {
     "a default": {
         "hlsl": ("#define BOKEH_MAX_COC 0.1", "#define BOKEH_MAX_COC 0.2"),
         "glsl": ("#define BOKEH_MAX_COC 0.1", "#define BOKEH_MAX_COC 0.2"),
@@ -350,9 +350,9 @@ SPELT = {
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("name", SPELT)
-def test_a_change_spelt_in_a_language_is_found(name, language):
-    assert new_differences(mutated(language, *SPELT[name][language])), f"{name} in {language} was not found"
+@pytest.mark.parametrize("name", WRITTEN)
+def test_a_change_written_in_a_language_is_found(name, language):
+    assert new_differences(mutated(language, *WRITTEN[name][language])), f"{name} in {language} was not found"
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -398,7 +398,7 @@ def test_hardly_a_token_can_go_unnoticed(language):
         assert new_differences({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
 
 
-# One change to all three languages: name -> (old, new), spelt as in GLSL.
+# One change to all three languages: name -> (old, new), written as in GLSL.
 ALIKE = {
     "nine parameters": (
         "BokehDebugDepth(float S2, float S1)",
@@ -441,7 +441,9 @@ def test_a_rule_broken_in_all_languages_is_found(name):
 def test_words_in_their_plain_sense_may_stay(text):
     assert not list(
         rules.findings(
-            replaced(TEXTS["glsl/bokeh.glsl"], "// Debug: linear", f"// Debug: {text}\n//\n// Debug: linear"), "glsl", True
+            replaced(TEXTS["glsl/bokeh.glsl"], "// Debug: linear", f"// Debug: {text}\n//\n// Debug: linear"),
+            "glsl",
+            True,
         )
     )
 

@@ -191,7 +191,8 @@ def test_every_pass_uses_the_viewport():
     for language in paths.LANGUAGES:
         text = paths.passes(language).read_text(encoding="ascii")
         text = text[text.index("void BokehUseViewport()" if language != "wgsl" else "fn BokehUseViewport()") :]
-        bodies = re.findall(r"^[^\n/]*\b(main|\w+_PS|Bokeh[A-Z][a-z]\w+)\([^{;]*\)[^{;]*\n\{\n(.*?)^\}", text, re.M | re.S)
+        function = r"^[^\n/]*\b(main|\w+_PS|Bokeh[A-Z][a-z]\w+)\([^{;]*\)[^{;]*\n\{\n(.*?)^\}"
+        bodies = re.findall(function, text, re.MULTILINE | re.DOTALL)
         names = [name for name, _ in bodies if name != "BokehUseViewport"]
         assert len(names) == len(variants.ENTRIES) - 1 + 4, (language, names)
         for name, body in bodies:

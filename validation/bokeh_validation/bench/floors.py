@@ -85,8 +85,14 @@ DIALECTS = {
         _named,
         _hlsl,
     ),
-    "wgsl": Dialect("vec2f", "vec4f", "f32", lambda kind, name: f"var {name}: {kind}",
-        lambda slot: f"Bokeh{slot}, BokehLinearClamp", _named, _wgsl,
+    "wgsl": Dialect(
+        "vec2f",
+        "vec4f",
+        "f32",
+        lambda kind, name: f"var {name}: {kind}",
+        lambda slot: f"Bokeh{slot}, BokehLinearClamp",
+        _named,
+        _wgsl,
     ),
 }
 
@@ -135,9 +141,8 @@ def _program(dialect: Dialect, item: Pass, found: Reads) -> str:
     names = [f"sum{index}" for index in range(len(found.lines))]
     statements += [f"{declare(vec4, name)} = center" for name in names]
     taken = [f"{names[0]} += BokehFetchNearest({dialect.texels('DepthSamp')}, uv).r"] if names and found.depth else []
-    taken += [
-        f"{name} += {_line(dialect, line, found.depth, aspect, height)}" for name, line in zip(names, found.lines, strict=True)
-    ]
+    for name, line in zip(names, found.lines, strict=True):
+        taken.append(f"{name} += {_line(dialect, line, found.depth, aspect, height)}")
     if found.skips and spacing > 0.0:
         statements.append("if (coc > 0.0) { " + "; ".join(taken) + "; }")
     else:

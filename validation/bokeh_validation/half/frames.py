@@ -34,7 +34,7 @@ METHODS = {
 class Outcome:
     """A method with some variables half, against all of them float.
 
-    psnr   tone-mapped, dB; lost pixels count as the largest half float
+    psnr   tone-mapped, dB; lost pixels are taken for the largest half float
     moved  largest displacement of a sample, pixels of the frame
     lost   share of the pixels that are not finite
     """

@@ -93,8 +93,6 @@ PORTING = (
             "min(texel + vec2i(1, 0),"), on("wgpu", DRIVERS, "hostile")),
     _mutant("glsl-last-texel", "guard", "glsl", Edit("library", "BokehFetchNearest", "size - ivec2(1, 1)", "size"),
             on("egl", DRIVERS, SIZES)),
-    _mutant("hlsl-first-texel", "guard", "hlsl", Edit("library", "BokehFetchNearest", "saturate(BokehToTexture(uv))",
-            "min(BokehToTexture(uv), 1.0)"), on("dxc", DRIVERS, SIZES)),
     _mutant("glsl-table", "porting", "glsl",
             Edit("library", "BokehFetchTable", "min(i, count - 1)", "min(i, count - 2)"),
             on("egl", DRIVERS, "test_settings", "naive")),

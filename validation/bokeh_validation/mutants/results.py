@@ -50,5 +50,5 @@ def read(path: Path | None = None) -> dict | None:
         return None
 
 
-def _result(told: dict) -> Result:
-    return Result(**{**told, "languages": tuple(told["languages"]), "places": tuple(told["places"])})
+def _result(kept: dict) -> Result:
+    return Result(**{**kept, "languages": tuple(kept["languages"]), "places": tuple(kept["places"])})

@@ -80,4 +80,3 @@ def probe(aperture: str) -> Probe:
 
 
 PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon"))
-

@@ -9,7 +9,7 @@ import numpy as np
 
 from bokeh_validation.reference import sampling
 from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.listings import leakage_weight, safe_depth, signed_leakage_weight
+from bokeh_validation.reference.listings import SIGNED_SHARE, leakage_weight, safe_depth, signed_leakage_weight
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 BAND_ROWS = 16
@@ -212,7 +212,7 @@ class _Bound:
 
         # a signed CoC that is off by so much has a size that is off by no more
         coc = np.abs(sample[..., 3])
-        margin = self.center[..., 3] - coc - leakage.bias
+        margin = self.center[..., 3] * (SIGNED_SHARE if depth is None else 1.0) - coc - leakage.bias
         tolerance = self.center_error[..., 3] + error[..., 3] + FLOAT_STEP
         surely, maybe = margin > tolerance, margin > -tolerance
         if depth is not None:

@@ -13,6 +13,8 @@ from bokeh_validation.reference.precision import FLOAT_STEP
 MAX_COLOR = 65504.0
 MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
+# So much of a signed CoC counts as its own surface: half floats and filters round
+SIGNED_SHARE = 0.999
 # A division counts for 2.5, as Vulkan allows; the formula of the CoC has three, five other operations, and margin.
 COC_ROUNDINGS = 16
 
@@ -111,7 +113,7 @@ def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mul
 
 def signed_leakage_weight(sample_coc, center_coc, bias, mult):
     """`BokehSignedLeakageWeight`: the same test from signed CoC alone, which grow with depth; the weight squared."""
-    leaks = np.abs(sample_coc) < center_coc - bias
+    leaks = np.abs(sample_coc) < center_coc * SIGNED_SHARE - bias
     return np.where(leaks, np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2, 1.0)
 
 

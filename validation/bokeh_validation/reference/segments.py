@@ -15,7 +15,7 @@ with their least and largest weight.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import cos, pi, sin
+from math import pi, sin
 
 import numpy as np
 
@@ -175,6 +175,7 @@ class Line:
             off = moved * error * height + turned + np.abs(self.segment.half)[:, None, None] * slip * used * height
             x, y = place * used * height
             yield Sample(x, y, weight, off[0], off[1], np.maximum(weight - least, largest - weight))
+
 
 def _cell(i: int, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`BokehCell`: where cell i begins, in cells from the line's beginning, and how much of it is on the line."""
