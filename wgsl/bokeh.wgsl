@@ -30,7 +30,8 @@
 //   star       as octagon                                     4        max
 //
 // PASTE: the whole effect as an exact hexagon, four passes. Each module is this file and one of
-//   these blocks; the pipeline's layout may be 'auto'. Blending off in all of them.
+//   these blocks; the pipeline's layout may be 'auto'. Blending off in all of them. uv comes from
+//   your vertex shader: 0 .. 1 over the target.
 //
 //   1. Linear depth. Depth: the depth buffer. Target: r32float.
 //          struct Camera { zNear: f32, zFar: f32 }
@@ -101,8 +102,8 @@
 //   BOKEH_NUM_SAMPLES       13         2 ..    samples on a line (section 4.3), or the most of them
 //                                              where their number is adaptive; see below
 //   BOKEH_SPACING           1.0        >= 0    pixels between samples; 0: always BOKEH_NUM_SAMPLES
-//   BOKEH_ADAPTIVE_SAMPLES  1          0, 1    0: always BOKEH_NUM_SAMPLES, whatever the spacing is
-//                                              at run time: faster
+//   BOKEH_ADAPTIVE_SAMPLES  1          0, 1    0: always BOKEH_NUM_SAMPLES; faster than a spacing
+//                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
@@ -113,10 +114,12 @@
 //   BOKEH_MAX_COLOR         65504.0            largest half float
 //   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
 //   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
-//                                              A f / (S1 - f)
+//                                              A f / ((S1 - f) sensorHeight)
 //
-//   Presets for BOKEH_NUM_SAMPLES and BOKEH_SPACING. Fetches: of the exact hexagon, both passes, a
-//   pixel. Smooth: the CoC in pixels up to which its samples are no farther apart than the spacing.
+//   Presets for BOKEH_NUM_SAMPLES and BOKEH_SPACING: define one before this file; in WGSL set both
+//   constants. The ready-made passes take their spacing from BokehSpacing. Fetches: of the exact
+//   hexagon, both passes, a pixel. Smooth: the CoC in pixels up to which its samples are no farther
+//   apart than the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
 //   BOKEH_PRESET_LOW        5          2.0      22       20
@@ -186,7 +189,7 @@ fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
     return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
 }
 
-// Porting: the texel at a place, whatever filter the texture has; depth is read so
+// Porting: the texel at a place, whatever filter the texture has; depth is read this way
 fn BokehFetchNearest(tex: texture_2d<f32>, uv: vec2f) -> vec4f
 {
     let size: vec2i = vec2i(textureDimensions(tex));
@@ -209,8 +212,8 @@ fn BokehFetchTable(tex: texture_2d<f32>, i: i32, count: i32) -> vec4f
 //                 of the ray)
 //   A             diameter of the aperture, metres
 //   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer, and all but S2 = S1 gets
-//                 MaxCoC then. Infinity, and 3.4e38 in its place, become BOKEH_MAX_DEPTH
+//   S1            focus distance, metres, > f; a lens cannot focus nearer: everything but S2 = S1
+//                 gets MaxCoC then. Infinity, and 3.4e38 in its place, become BOKEH_MAX_DEPTH
 //   sensorHeight  height of the image sensor, metres
 //   MaxCoC        largest CoC allowed, fraction of the image height
 //   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
@@ -467,7 +470,7 @@ fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 // Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
 //   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour
 //   shows.
-//   (x - 0.5) * 2 it is, since fxc compiles 1 - 2 x for shader model 3 without the abs of x.
+//   Written (x - 0.5) * 2: from 2 - 2 abs(x) fxc drops the abs in shader model 3.
 //   CoC           without a sign
 //   spacing       as in BokehFilter; 0 or less: the CoC as it is
 //   returns       fraction of the image height
@@ -499,7 +502,7 @@ fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
 }
 
 // Listing 2, adaptive: interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass
-//   Each frame adds 33/64, in pass p 8 p + 1 times. So over 64 frames every pass takes 64 evenly
+//   In pass p each frame adds (8 p + 1) 33 / 64. So over 64 frames every pass takes 64 evenly
 //   spaced values in each pixel, and no two passes take theirs in the same order: the mean of the
 //   frames converges.
 //   imageSize     width, height; pixels
@@ -519,7 +522,7 @@ fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
 //   angle         radians
 //   lineLength    in units of the CoC
 //   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
-//                 last row
+//                 last row; a highlight shows the line on the other side
 //   squeeze       width of the bokeh / its height, 1 = round
 //   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
 //                 BokehPolygonEdge returns the same
@@ -551,9 +554,9 @@ fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, center
 
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
 //   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
-//   sharper one, and centerCoC - bleedingBias is below 0. Two passes also put a rejected sample in
-//   place of what its own line would have reached; squared weights make up for that. 0.999: half
-//   floats and filters round, and a surface is not sharper than itself.
+//   sharper one, and centerCoC - bleedingBias is below 0. In the second pass a rejected
+//   sample also displaces what its own line would have gathered; squared weights make up for that.
+//   0.999: rounding must not make a surface sharper than itself.
 fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
 {
     var weight: f32 = 1.0;
@@ -565,7 +568,7 @@ fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilte
     return weight;
 }
 
-// Listing 3: the weighted average, or this pixel where all weights are 0
+// Listing 3: the weighted average, or centerPixel where all weights are 0
 //   With an even number of samples the middle of the line is not sampled, so all may be rejected.
 //   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
 //                 (Figure 7)
@@ -685,7 +688,8 @@ fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
 // [7] naive gather
 // -------------------------------------------------------------------------------------------------
 
-// Section 3: gather with a table of offsets, any shape, BOKEH_NUM_SAMPLES texture fetches
+// Section 3: gather with a table of BOKEH_NUM_SAMPLES offsets, any shape
+//   The bokeh is their point reflection: negate a table that is drawn as the bokeh looks.
 //   KernelSamp    BOKEH_NUM_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right, y
 //                 towards the last row
 fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
@@ -774,7 +778,7 @@ struct BokehPolygon
     squeeze: f32,
 }
 
-// Exact: what the first pass writes; those that a polygon does not have hold the pixel as it came
+// Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
 struct BokehTargets
 {
     T2: vec4f,
@@ -802,9 +806,9 @@ fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
 }
 
 // Exact: the line of edge k in one of the two passes
-//   If both passes had it on the outline, every sample of the first pass would be on one side of
-//   the pixel. So the first pass is moved by the mean of its lines to the middle, and the second
-//   pass back. All but the last statements are constants where sides is a literal.
+//   If both passes put their lines on the outline, every sample of the first pass would be on one
+//   side of the pixel. So the first pass is moved by the mean of its lines to the middle, and the
+//   second pass back. All but the last statements are constants where sides is a literal.
 //   k             1 .. sides / 2
 //   secondPass    false: first pass
 //   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
@@ -826,7 +830,7 @@ fn BokehPolygonEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
     return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of the parallelograms of edge k with all edges before it, where a right angle has 1
+// Exact: area of the parallelograms of edge k with edges 1 .. k - 1, for edges of length 1
 fn BokehExactWeight(k: i32, sides: i32) -> f32
 {
     let halfStep: f32 = 3.14159265 / f32(sides);
@@ -834,8 +838,8 @@ fn BokehExactWeight(k: i32, sides: i32) -> f32
 }
 
 // Exact: the samples along one line, as many as it needs
-//   They are not divided by their weights here: a line that lies wholly on a sharp object, every
-//   sample rejected but for a little, must not come back at full strength (docs/apertures.md).
+//   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
+//   all of it rejected, must not come back at full strength (docs/apertures.md).
 //   MapSamp       a = signed CoC; linear filter, clamp
 //   segment       from BokehPolygonEdge
 //   CoC           from BokehFilterCoC, > 0
@@ -867,7 +871,7 @@ fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, se
 }
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
-//   their parallelograms and divided by their weights together
+//   their parallelograms and divided once, by the sum of all weights
 //   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
 fn BokehExactTarget(k: i32, sides: i32, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,

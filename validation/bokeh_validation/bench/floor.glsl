@@ -1,5 +1,5 @@
 // Floor of a filter pass: the same fetches at the same places, only added up. bench/floors.py puts the library before
-// this file, and a main() with the lines of one pass behind it.
+// this file, and a main() with the lines of one pass after it.
 
 uniform sampler2D BokehColorSamp;
 uniform sampler2D BokehDepthSamp;

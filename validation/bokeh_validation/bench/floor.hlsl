@@ -1,5 +1,5 @@
 // Floor of a filter pass: the same fetches at the same places, only added up. bench/floors.py puts the library before
-// this file, and an entry with the lines of one pass behind it.
+// this file, and an entry with the lines of one pass after it.
 
 // Samples first, first + between .., as many as `count`; `deep`: depth is fetched too
 float4 FloorLine(BOKEH_TEXTURE(color), BOKEH_TEXELS(depth), bool deep, float2 first, float2 between, int count)

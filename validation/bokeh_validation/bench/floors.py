@@ -81,7 +81,7 @@ DIALECTS = {
         "float4",
         "float",
         lambda kind, name: f"{kind} {name}",
-        lambda slot: f"BOKEH_ARGUMENT(Bokeh{slot})",
+        lambda slot: f"BOKEH_SHARED(Bokeh{slot}, BokehColorSamp)",
         _named,
         _hlsl,
     ),
