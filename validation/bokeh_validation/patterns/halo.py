@@ -18,6 +18,7 @@ SHAPES = (
     (slice(40, 86), slice(30, 76)),
     (slice(20, 106), slice(110, 118)),
 )
+TURN = 7.0  # degrees: no edge of the polygon along an edge of the object
 NAIVE_SAMPLES = 33  # 817 offsets in the hexagon, 848 in the octagon
 
 
@@ -66,8 +67,8 @@ def _judge(held: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
 def probe(aperture: str) -> Probe:
     """The probe of one polygon: exact and the gather, a sample a pixel and as dense."""
     color, depth, held = scene()
-    dense = methods.Settings("exact", aperture, camera=CAMERA, spacing=1.0, max_samples=33)
-    naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, camera=CAMERA)
+    dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, max_samples=33)
+    naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
     cases = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
     return Probe(
         f"halo-{aperture}",
