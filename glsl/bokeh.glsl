@@ -241,9 +241,16 @@ vec2 BokehToTexture(vec2 uv)
 }
 
 // Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
+//   coords        texture uv
+vec4 BokehFetchTexture(sampler2D tex, vec2 coords)
+{
+    return textureLod(tex, coords, 0.0);
+}
+
+// Porting: the same at image uv
 vec4 BokehFetch(sampler2D tex, vec2 uv)
 {
-    return textureLod(tex, BokehToTexture(uv), 0.0);
+    return BokehFetchTexture(tex, BokehToTexture(uv));
 }
 
 // Porting: the texel at a place, whatever filter the texture has; depth is read this way

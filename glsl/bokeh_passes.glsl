@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Ready-made passes on bokeh.glsl, GLSL. Version 0.2.0.
-// A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, this file.
+// A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, for the layers
+// bokeh_layers.glsl, this file.
 //
 //   #define BOKEH_PASS ...       reads                              writes
 //   BOKEH_LINEAR_DEPTH           DepthSamp (any convention)         depth in metres, to R32F
@@ -26,9 +27,37 @@
 //   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp    debug view
 //   BOKEH_FULL_SCREEN            -                                  (vertex shader) one triangle
 //
+//   Layers, with bokeh_layers.glsl: its table says what each reads, in the order of the slots; the
+//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BOKEH_LAYER_TILES            ColorSamp                          largest CoC of 8 x 8 pixels
+//   BOKEH_LAYER_REACH            ColorSamp                          twice: BokehAxis 0, 1
+//   BOKEH_LAYER_SPLIT            ColorSamp, ColorSampB              4 targets
+//   BOKEH_LAYER_KERNELS          ColorSamp, ColorSampB              2 targets
+//   BOKEH_LAYER_SPREAD           ColorSamp, ColorSampB .. C         2 targets
+//   BOKEH_LAYER_SIZES            ColorSamp, ColorSampB .. C         2 targets
+//   BOKEH_LAYER_HOLES            ColorSamp, ColorSampB              3 targets
+//   BOKEH_LAYER_FILL             ColorSamp, ColorSampB .. D         2 targets
+//   BOKEH_SQUARE_LAYER_FIRST     ColorSamp, ColorSampB              1 target, as SquareFirst
+//   BOKEH_SQUARE_LAYER_SECOND    ColorSamp, ColorSampE              a layer, finished
+//   BOKEH_HEXAGON_LAYER_FIRST    ColorSamp, ColorSampB              2 targets
+//   BOKEH_HEXAGON_LAYER_SECOND   ColorSamp, ColorSampB, E
+//   BOKEH_OCTAGON_LAYER_FIRST    ColorSamp, ColorSampB              3 targets
+//   BOKEH_OCTAGON_LAYER_SECOND   ColorSamp, ColorSampB .. C, E
+//   BOKEH_DECAGON_LAYER_FIRST    ColorSamp, ColorSampB              4 targets
+//   BOKEH_DECAGON_LAYER_SECOND   ColorSamp, ColorSampB .. E
+//   BOKEH_LAYERED                ColorSamp, ColorSampB .. F         the picture
+//   BOKEH_LAYER_SPLIT_ONE        ColorSamp, ColorSampB              T(BokehEdge) of LayerSplit
+//   BOKEH_LAYER_KERNELS_ONE      ColorSamp, ColorSampB              of LayerKernels
+//   BOKEH_LAYER_SPREAD_ONE       ColorSamp, ColorSampB .. C         of LayerSpread
+//   BOKEH_LAYER_SIZES_ONE        ColorSamp, ColorSampB .. C         of LayerSizes
+//   BOKEH_LAYER_HOLES_ONE        ColorSamp, ColorSampB              of LayerHoles
+//   BOKEH_LAYER_FILL_ONE         ColorSamp, ColorSampB .. D         of LayerFill
+//   BOKEH_LAYER_EDGE             ColorSamp, ColorSampB              of the first pass over a layer
+//
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/inputs.md has the table with units and offsets, and the block as a struct for C++, C#,
-//   Rust and JavaScript). Set 0: the block at binding 0, the six textures in their order at 1 to 6.
+//   Rust and JavaScript). Set 0: the block at binding 0, the textures ColorSamp, DepthSamp,
+//   ColorSampB to D, KernelSamp at 1 to 6, ColorSampE and F at 8 and 9.
 //   Unused slots: a pass samples only what its row names. OpenGL needs nothing for the rest; under
 //   Vulkan their descriptors may be left out of the layout, or left unwritten.
 
@@ -52,12 +81,38 @@
 #define BOKEH_DECAGON_SECOND 18
 #define BOKEH_EXACT_EDGE 19
 #define BOKEH_DEBUG 20
-#define BOKEH_FULL_SCREEN 21
+#define BOKEH_LAYER_TILES 21
+#define BOKEH_LAYER_REACH 22
+#define BOKEH_LAYER_SPLIT 23
+#define BOKEH_LAYER_KERNELS 24
+#define BOKEH_LAYER_SPREAD 25
+#define BOKEH_LAYER_SIZES 26
+#define BOKEH_LAYER_HOLES 27
+#define BOKEH_LAYER_FILL 28
+#define BOKEH_SQUARE_LAYER_FIRST 29
+#define BOKEH_SQUARE_LAYER_SECOND 30
+#define BOKEH_HEXAGON_LAYER_FIRST 31
+#define BOKEH_HEXAGON_LAYER_SECOND 32
+#define BOKEH_OCTAGON_LAYER_FIRST 33
+#define BOKEH_OCTAGON_LAYER_SECOND 34
+#define BOKEH_DECAGON_LAYER_FIRST 35
+#define BOKEH_DECAGON_LAYER_SECOND 36
+#define BOKEH_LAYERED 37
+#define BOKEH_LAYER_SPLIT_ONE 38
+#define BOKEH_LAYER_KERNELS_ONE 39
+#define BOKEH_LAYER_SPREAD_ONE 40
+#define BOKEH_LAYER_SIZES_ONE 41
+#define BOKEH_LAYER_HOLES_ONE 42
+#define BOKEH_LAYER_FILL_ONE 43
+#define BOKEH_LAYER_EDGE 44
+#define BOKEH_FULL_SCREEN 45
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
 #elif BOKEH_PASS < BOKEH_LINEAR_DEPTH || BOKEH_PASS > BOKEH_FULL_SCREEN
 #error BOKEH_PASS is none of the names in the table at the top of this file
+#elif BOKEH_PASS >= BOKEH_LAYER_TILES && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
+#error put bokeh_layers.glsl before this file
 #endif
 
 #if BOKEH_PASS == BOKEH_FULL_SCREEN
@@ -96,6 +151,8 @@ layout(set = 0, binding = 3) uniform sampler2D BokehColorSampB;
 layout(set = 0, binding = 4) uniform sampler2D BokehColorSampC;
 layout(set = 0, binding = 5) uniform sampler2D BokehColorSampD;
 layout(set = 0, binding = 6) uniform sampler2D BokehKernelSamp;
+layout(set = 0, binding = 8) uniform sampler2D BokehColorSampE;
+layout(set = 0, binding = 9) uniform sampler2D BokehColorSampF;
 layout(location = 0) in vec2 BokehUV;
 
 #define BOKEH_PARAMETER(type, name) type name;
@@ -111,6 +168,8 @@ uniform sampler2D BokehColorSampB;
 uniform sampler2D BokehColorSampC;
 uniform sampler2D BokehColorSampD;
 uniform sampler2D BokehKernelSamp;
+uniform sampler2D BokehColorSampE;
+uniform sampler2D BokehColorSampF;
 in vec2 BokehUV;
 
 #define BOKEH_PARAMETER(type, name) uniform type name;
@@ -150,21 +209,39 @@ BOKEH_PARAMETER(float, BokehViewportY)
 BOKEH_PARAMETER(float, BokehTextureWidth)
 BOKEH_PARAMETER(float, BokehTextureHeight)
 BOKEH_PARAMETER(float, BokehPassIndex)
+BOKEH_PARAMETER(float, BokehAxis)
+BOKEH_PARAMETER(float, BokehLayer)
 
 #ifdef VULKAN
 };
 #endif
 
 // what a pass writes: one target, or as many as the table says
+#if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
+#define BOKEH_TARGETS 2
+#elif BOKEH_PASS == BOKEH_LAYER_KERNELS || BOKEH_PASS == BOKEH_LAYER_SPREAD
+#define BOKEH_TARGETS 2
+#elif BOKEH_PASS == BOKEH_LAYER_SIZES || BOKEH_PASS == BOKEH_LAYER_FILL
+#define BOKEH_TARGETS 2
+#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
+#define BOKEH_TARGETS 3
+#elif BOKEH_PASS == BOKEH_LAYER_HOLES
+#define BOKEH_TARGETS 3
+#elif BOKEH_PASS == BOKEH_DECAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
+#define BOKEH_TARGETS 4
+#elif BOKEH_PASS == BOKEH_LAYER_SPLIT
+#define BOKEH_TARGETS 4
+#else
+#define BOKEH_TARGETS 1
+#endif
 layout(location = 0) out vec4 BokehResult;
-#if BOKEH_PASS == BOKEH_HEXAGON_FIRST
+#if BOKEH_TARGETS > 1
 layout(location = 1) out vec4 BokehResultB;
-#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
-layout(location = 1) out vec4 BokehResultB;
+#endif
+#if BOKEH_TARGETS > 2
 layout(location = 2) out vec4 BokehResultC;
-#elif BOKEH_PASS == BOKEH_DECAGON_FIRST
-layout(location = 1) out vec4 BokehResultB;
-layout(location = 2) out vec4 BokehResultC;
+#endif
+#if BOKEH_TARGETS > 3
 layout(location = 3) out vec4 BokehResultD;
 #endif
 
@@ -221,6 +298,39 @@ vec4 BokehSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D
     BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
     return BokehExactSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
+
+#ifdef BOKEH_LAYERS
+
+// what a pass of the layers begins with: the viewport set, and its settings
+//   sides         4, 6, 8 or 10
+//   scale         of its target
+BokehLayers BokehBeginLayers(vec2 uv, int sides, float scale, float passIndex)
+{
+    BokehUseViewport();
+    vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
+    layers.full = BokehMakeGrid(vec4(BokehViewportX, BokehViewportY, imageSize),
+        vec2(BokehTextureWidth, BokehTextureHeight));
+    float noise = BokehNoise(uv, ceil(imageSize / scale), BokehFrame, passIndex);
+    layers.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    return layers;
+}
+
+// the same for a pass without samples of its own
+BokehLayers BokehBeginTiles(vec2 uv)
+{
+    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+}
+
+// the polygon of a layer, first pass
+BokehTargets BokehLayerPolygon(vec2 uv, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, sides, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, uv, BokehLayer > 0.5, layers);
+}
+
+#endif
 
 #if BOKEH_PASS == BOKEH_LINEAR_DEPTH
 
@@ -414,6 +524,231 @@ void main()
         result = BokehDebugDepth(S2, BokehFocusDistance);
     }
     BokehResult = result;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_TILES
+
+void main()
+{
+    BokehResult = BokehLayerTiles(BokehColorSamp, BokehUV, BokehBeginTiles(BokehUV));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_REACH
+
+void main()
+{
+    vec2 axis = vec2(1.0 - BokehAxis, BokehAxis);
+    BokehResult = BokehLayerReach(BokehColorSamp, BokehUV, axis, BokehBeginTiles(BokehUV));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SPLIT
+
+void main()
+{
+    BokehTargets targets = BokehLayerSplit(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
+    BokehResultD = targets.T5;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_KERNELS
+
+void main()
+{
+    BokehTargets targets = BokehLayerKernels(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SPREAD
+
+void main()
+{
+    BokehTargets targets = BokehLayerSpread(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, vec2(1.0, 0.0), BokehBeginTiles(BokehUV));
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SIZES
+
+void main()
+{
+    BokehTargets targets = BokehLayerSizes(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_HOLES
+
+void main()
+{
+    BokehTargets targets = BokehLayerHoles(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_FILL
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 4.0, 0.0);
+    BokehTargets targets = BokehLayerFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehUV, layers);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST
+
+void main()
+{
+    BokehResult = BokehLayerPolygon(BokehUV, 4).T2;
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, 4, 2.0, 1.0);
+    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp,
+        BokehColorSamp, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 6);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, 6, 2.0, 1.0);
+    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB,
+        BokehColorSampB, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 8);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_SECOND
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, 8, 2.0, 1.0);
+    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampC, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 10);
+    BokehResult = targets.T2;
+    BokehResultB = targets.T3;
+    BokehResultC = targets.T4;
+    BokehResultD = targets.T5;
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_LAYER_SECOND
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, 10, 2.0, 1.0);
+    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+}
+
+#elif BOKEH_PASS == BOKEH_LAYERED
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 1.0, 2.0);
+    BokehResult = BokehLayered(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehColorSampE, BokehColorSampF, BokehUV, layers);
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SPLIT_ONE
+
+void main()
+{
+    BokehTargets targets = BokehLayerSplit(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_KERNELS_ONE
+
+void main()
+{
+    BokehTargets targets = BokehLayerKernels(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SPREAD_ONE
+
+void main()
+{
+    BokehTargets targets = BokehLayerSpread(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, vec2(1.0, 0.0), BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SIZES_ONE
+
+void main()
+{
+    BokehTargets targets = BokehLayerSizes(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_HOLES_ONE
+
+void main()
+{
+    BokehTargets targets = BokehLayerHoles(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_FILL_ONE
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 4.0, 0.0);
+    BokehTargets targets = BokehLayerFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehUV, layers);
+    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_EDGE
+
+void main()
+{
+    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 2.0, 0.0);
+    BokehResult = BokehLayerEdge(BokehColorSamp, BokehColorSampB, BokehUV, BokehLayer > 0.5,
+        int(BokehEdge + 0.5), layers);
 }
 
 #endif

@@ -297,13 +297,20 @@ float2 BokehToTexture(float2 uv)
 }
 
 // Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
-float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
+//   coords        texture uv
+float4 BokehFetchTexture(BOKEH_TEXTURE(tex), float2 coords)
 {
 #if BOKEH_HLSL_SM == 3
-    return tex2Dlod(tex, float4(BokehToTexture(uv), 0.0, 0.0));
+    return tex2Dlod(tex, float4(coords, 0.0, 0.0));
 #else
-    return tex.SampleLevel(texSampler, BokehToTexture(uv), 0.0);
+    return tex.SampleLevel(texSampler, coords, 0.0);
 #endif
+}
+
+// Porting: the same at image uv
+float4 BokehFetch(BOKEH_TEXTURE(tex), float2 uv)
+{
+    return BokehFetchTexture(BOKEH_ARGUMENT(tex), BokehToTexture(uv));
 }
 
 // Porting: the texel at a place, whatever filter the texture has; depth is read this way

@@ -1,30 +1,58 @@
 // SPDX-License-Identifier: MIT
 //
 // Ready-made passes on bokeh.hlsl, HLSL. Version 0.2.0.
-// Put this file after bokeh.hlsl, or define BOKEH_INCLUDE to have it included.
+// Put this file after bokeh.hlsl, for the layers after bokeh_layers.hlsl too; or define
+// BOKEH_INCLUDE to have the one included, and BOKEH_INCLUDE_LAYERS for the other.
 //
-//   pass                       reads                             writes
-//   BokehLinearDepth_PS        DepthSamp (any convention)        depth in metres, to R32F
-//   BokehCoCMap_PS             ColorSamp, DepthSamp              colour, CoC: paper, naive
-//   BokehSignedCoCMap_PS       ColorSamp, DepthSamp              colour, signed CoC: exact
-//   BokehConstantCoC_PS        ColorSamp                         colour, the same CoC everywhere
-//   BokehDepthOfField_PS       ColorSamp, DepthSamp              one line of the filter
-//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehAdaptive_PS           ColorSamp, DepthSamp              a line of any length and place
-//   BokehAdaptiveFinal_PS      ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp  a table of offsets
-//   BokehNaiveGrid_PS          ColorSamp, DepthSamp              a grid of samples
-//   BokehSquareFirst_PS        ColorSamp                         exact, first pass: 1 target
-//   BokehSquareSecond_PS       ColorSamp                         exact, second pass: finished
-//   BokehHexagonFirst_PS       ColorSamp                         2 targets
-//   BokehHexagonSecond_PS      ColorSamp, ColorSampB             the targets in their order
-//   BokehOctagonFirst_PS       ColorSamp                         3 targets
-//   BokehOctagonSecond_PS      ColorSamp, ColorSampB .. C
-//   BokehDecagonFirst_PS       ColorSamp                         4 targets
-//   BokehDecagonSecond_PS      ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS          ColorSamp                         target T(BokehEdge)
-//   BokehDebug_PS              ColorSamp (with CoC), DepthSamp   debug view
-//   BokehFullScreen_VS         -                                 one triangle (SM3: a quad)
+//   pass                        reads                             writes
+//   BokehLinearDepth_PS         DepthSamp (any convention)        depth in metres, to R32F
+//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC: paper, naive
+//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
+//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
+//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
+//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
+//   BokehSquareFirst_PS         ColorSamp                         exact, first pass: 1 target
+//   BokehSquareSecond_PS        ColorSamp                         exact, second pass: finished
+//   BokehHexagonFirst_PS        ColorSamp                         2 targets
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the targets in their order
+//   BokehOctagonFirst_PS        ColorSamp                         3 targets
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
+//   BokehDecagonFirst_PS        ColorSamp                         4 targets
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
+//   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
+//   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
+//
+//   Layers, with bokeh_layers.hlsl: its table says what each reads, in the order of the slots; the
+//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BokehLayerTiles_PS          ColorSamp                         largest CoC of 8 x 8 pixels
+//   BokehLayerReach_PS          ColorSamp                         twice: BokehAxis 0, 1
+//   BokehLayerSplit_PS          ColorSamp, ColorSampB             4 targets
+//   BokehLayerKernels_PS        ColorSamp, ColorSampB             2 targets
+//   BokehLayerSpread_PS         ColorSamp, ColorSampB .. C        2 targets
+//   BokehLayerSizes_PS          ColorSamp, ColorSampB .. C        2 targets
+//   BokehLayerHoles_PS          ColorSamp, ColorSampB             3 targets
+//   BokehLayerFill_PS           ColorSamp, ColorSampB .. D        2 targets
+//   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
+//   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
+//   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
+//   BokehHexagonLayerSecond_PS  ColorSamp, ColorSampB, E
+//   BokehOctagonLayerFirst_PS   ColorSamp, ColorSampB             3 targets
+//   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
+//   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
+//   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
+//   BokehLayered_PS             ColorSamp, ColorSampB .. F        the picture
+//   BokehLayerSplitOne_PS       ColorSamp, ColorSampB             T(BokehEdge) of LayerSplit
+//   BokehLayerKernelsOne_PS     ColorSamp, ColorSampB             of LayerKernels
+//   BokehLayerSpreadOne_PS      ColorSamp, ColorSampB .. C        of LayerSpread
+//   BokehLayerSizesOne_PS       ColorSamp, ColorSampB .. C        of LayerSizes
+//   BokehLayerHolesOne_PS       ColorSamp, ColorSampB             of LayerHoles
+//   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
+//   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
 //   buffer in SM4 and up; the buffer has 144 bytes (docs/inputs.md has the table with units, and
@@ -33,6 +61,9 @@
 
 #ifdef BOKEH_INCLUDE
 #include "bokeh.hlsl"
+#endif
+#ifdef BOKEH_INCLUDE_LAYERS
+#include "bokeh_layers.hlsl"
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -47,6 +78,8 @@ sampler2D BokehColorSampB : register(s2);
 sampler2D BokehColorSampC : register(s3);
 sampler2D BokehColorSampD : register(s4);
 sampler2D BokehKernelSamp : register(s5);
+sampler2D BokehColorSampE : register(s6);
+sampler2D BokehColorSampF : register(s7);
 
 // BokehCoCMap_PS, BokehSignedCoCMap_PS and BokehConstantCoC_PS read colour texel by texel: set a
 // nearest filter on s0 for them, and always on s1 and s5
@@ -60,6 +93,8 @@ Texture2D BokehColorSampB : register(t2);
 Texture2D BokehColorSampC : register(t3);
 Texture2D BokehColorSampD : register(t4);
 Texture2D BokehKernelSamp : register(t5);
+Texture2D BokehColorSampE : register(t6);
+Texture2D BokehColorSampF : register(t7);
 SamplerState BokehLinearClamp : register(s0);
 
 // each texture with its sampler, under the names that BOKEH_ARGUMENT forms
@@ -105,6 +140,8 @@ BOKEH_PARAMETER(float, BokehViewportY, 29)
 BOKEH_PARAMETER(float, BokehTextureWidth, 30)
 BOKEH_PARAMETER(float, BokehTextureHeight, 31)
 BOKEH_PARAMETER(float, BokehPassIndex, 32)
+BOKEH_PARAMETER(float, BokehAxis, 33)
+BOKEH_PARAMETER(float, BokehLayer, 34)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -206,6 +243,40 @@ float4 BokehSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4S
     BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
     return BokehExactSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
+
+#ifdef BOKEH_LAYERS
+
+// what a pass of the layers begins with: the viewport set, and its settings
+//   sides         4, 6, 8 or 10
+//   scale         of its target
+BokehLayers BokehBeginLayers(float2 uv, int sides, float scale, float passIndex)
+{
+    BokehUseViewport();
+    float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
+    layers.full = BokehMakeGrid(float4(BokehViewportX, BokehViewportY, imageSize),
+        float2(BokehTextureWidth, BokehTextureHeight));
+    float noise = BokehNoise(uv, ceil(imageSize / scale), BokehFrame, passIndex);
+    layers.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    return layers;
+}
+
+// the same for a pass without samples of its own
+BokehLayers BokehBeginTiles(float2 uv)
+{
+    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+}
+
+// the polygon of a layer, first pass
+BokehTargets BokehLayerPolygon(float2 uv, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, sides, 2.0, 0.0);
+    return BokehLayerFirst(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv, BokehLayer > 0.5,
+        layers);
+}
+
+#endif
 
 float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
@@ -365,3 +436,195 @@ float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     }
     return result;
 }
+
+#ifdef BOKEH_LAYERS
+
+float4 BokehLayerTiles_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehLayerTiles(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehBeginTiles(uv));
+}
+
+float4 BokehLayerReach_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    float2 axis = float2(1.0 - BokehAxis, BokehAxis);
+    return BokehLayerReach(BOKEH_ARGUMENT(BokehColorSamp), uv, axis, BokehBeginTiles(uv));
+}
+
+void BokehLayerSplit_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
+    out float4 target3 : BOKEH_TARGET(3))
+{
+    BokehTargets targets = BokehLayerSplit(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
+    target3 = targets.T5;
+}
+
+void BokehLayerKernels_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehTargets targets = BokehLayerKernels(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    target0 = targets.T2;
+    target1 = targets.T3;
+}
+
+void BokehLayerSpread_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, float2(1.0, 0.0), BokehBeginTiles(uv));
+    target0 = targets.T2;
+    target1 = targets.T3;
+}
+
+void BokehLayerSizes_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehTargets targets = BokehLayerSizes(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, BokehBeginTiles(uv));
+    target0 = targets.T2;
+    target1 = targets.T3;
+}
+
+void BokehLayerHoles_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+{
+    BokehTargets targets = BokehLayerHoles(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
+}
+
+void BokehLayerFill_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 4.0, 0.0);
+    BokehTargets targets = BokehLayerFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, uv, layers);
+    target0 = targets.T2;
+    target1 = targets.T3;
+}
+
+void BokehSquareLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
+{
+    target0 = BokehLayerPolygon(uv, 4).T2;
+}
+
+float4 BokehSquareLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, 4, 2.0, 1.0);
+    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSamp, BokehColorSamp,
+        BokehColorSamp, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+}
+
+void BokehHexagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehTargets targets = BokehLayerPolygon(uv, 6);
+    target0 = targets.T2;
+    target1 = targets.T3;
+}
+
+float4 BokehHexagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, 6, 2.0, 1.0);
+    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampB,
+        BokehColorSampB, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+}
+
+void BokehOctagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+{
+    BokehTargets targets = BokehLayerPolygon(uv, 8);
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
+}
+
+float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, 8, 2.0, 1.0);
+    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+        BokehColorSampC, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+}
+
+void BokehDecagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
+    out float4 target3 : BOKEH_TARGET(3))
+{
+    BokehTargets targets = BokehLayerPolygon(uv, 10);
+    target0 = targets.T2;
+    target1 = targets.T3;
+    target2 = targets.T4;
+    target3 = targets.T5;
+}
+
+float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, 10, 2.0, 1.0);
+    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+}
+
+float4 BokehLayered_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 1.0, 2.0);
+    return BokehLayered(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehColorSampF, uv, layers);
+}
+
+float4 BokehLayerSplitOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerSplit(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerKernelsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerKernels(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerSpreadOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, float2(1.0, 0.0), BokehBeginTiles(uv));
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerSizesOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerSizes(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, BokehBeginTiles(uv));
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerHolesOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerHoles(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+        BokehBeginTiles(uv));
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 4.0, 0.0);
+    BokehTargets targets = BokehLayerFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, uv, layers);
+    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+}
+
+float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 2.0, 0.0);
+    return BokehLayerEdge(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv, BokehLayer > 0.5,
+        int(BokehEdge + 0.5), layers);
+}
+
+#endif

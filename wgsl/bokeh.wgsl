@@ -184,9 +184,16 @@ fn BokehToTexture(uv: vec2f) -> vec2f
 }
 
 // Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
+//   coords        texture uv
+fn BokehFetchTexture(tex: texture_2d<f32>, texSampler: sampler, coords: vec2f) -> vec4f
+{
+    return textureSampleLevel(tex, texSampler, coords, 0.0);
+}
+
+// Porting: the same at image uv
 fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
 {
-    return textureSampleLevel(tex, texSampler, BokehToTexture(uv), 0.0);
+    return BokehFetchTexture(tex, texSampler, BokehToTexture(uv));
 }
 
 // Porting: the texel at a place, whatever filter the texture has; depth is read this way

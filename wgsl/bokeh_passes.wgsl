@@ -1,30 +1,57 @@
 // SPDX-License-Identifier: MIT
 //
 // Ready-made passes on bokeh.wgsl, WGSL. Version 0.2.0.
-// Put this file after bokeh.wgsl; the two are one module.
+// Put this file after bokeh.wgsl and bokeh_layers.wgsl; the three are one module.
 //
-//   pass                       reads                             writes
-//   BokehLinearDepth_PS        DepthSamp (any convention)        depth in metres, to R32F
-//   BokehCoCMap_PS             ColorSamp, DepthSamp              colour, CoC: paper, naive
-//   BokehSignedCoCMap_PS       ColorSamp, DepthSamp              colour, signed CoC: exact
-//   BokehConstantCoC_PS        ColorSamp                         colour, the same CoC everywhere
-//   BokehDepthOfField_PS       ColorSamp, DepthSamp              one line of the filter
-//   BokehDepthOfFieldFinal_PS  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehAdaptive_PS           ColorSamp, DepthSamp              a line of any length and place
-//   BokehAdaptiveFinal_PS      ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehNaiveGather_PS        ColorSamp, DepthSamp, KernelSamp  a table of offsets
-//   BokehNaiveGrid_PS          ColorSamp, DepthSamp              a grid of samples
-//   BokehSquareFirst_PS        ColorSamp                         exact, first pass: 1 target
-//   BokehSquareSecond_PS       ColorSamp                         exact, second pass: finished
-//   BokehHexagonFirst_PS       ColorSamp                         2 targets
-//   BokehHexagonSecond_PS      ColorSamp, ColorSampB             the targets in their order
-//   BokehOctagonFirst_PS       ColorSamp                         3 targets
-//   BokehOctagonSecond_PS      ColorSamp, ColorSampB .. C
-//   BokehDecagonFirst_PS       ColorSamp                         4 targets
-//   BokehDecagonSecond_PS      ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS          ColorSamp                         target T(BokehEdge)
-//   BokehDebug_PS              ColorSamp (with CoC), DepthSamp   debug view
-//   BokehFullScreen_VS         -                                 one triangle
+//   pass                        reads                             writes
+//   BokehLinearDepth_PS         DepthSamp (any convention)        depth in metres, to R32F
+//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC: paper, naive
+//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
+//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
+//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
+//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
+//   BokehSquareFirst_PS         ColorSamp                         exact, first pass: 1 target
+//   BokehSquareSecond_PS        ColorSamp                         exact, second pass: finished
+//   BokehHexagonFirst_PS        ColorSamp                         2 targets
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the targets in their order
+//   BokehOctagonFirst_PS        ColorSamp                         3 targets
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
+//   BokehDecagonFirst_PS        ColorSamp                         4 targets
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
+//   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
+//   BokehFullScreen_VS          -                                 one triangle
+//
+//   Layers, with bokeh_layers.wgsl: its table says what each reads, in the order of the slots; the
+//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BokehLayerTiles_PS          ColorSamp                         largest CoC of 8 x 8 pixels
+//   BokehLayerReach_PS          ColorSamp                         twice: BokehAxis 0, 1
+//   BokehLayerSplit_PS          ColorSamp, ColorSampB             4 targets
+//   BokehLayerKernels_PS        ColorSamp, ColorSampB             2 targets
+//   BokehLayerSpread_PS         ColorSamp, ColorSampB .. C        2 targets
+//   BokehLayerSizes_PS          ColorSamp, ColorSampB .. C        2 targets
+//   BokehLayerHoles_PS          ColorSamp, ColorSampB             3 targets
+//   BokehLayerFill_PS           ColorSamp, ColorSampB .. D        2 targets
+//   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
+//   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
+//   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
+//   BokehHexagonLayerSecond_PS  ColorSamp, ColorSampB, E
+//   BokehOctagonLayerFirst_PS   ColorSamp, ColorSampB             3 targets
+//   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
+//   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
+//   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
+//   BokehLayered_PS             ColorSamp, ColorSampB .. F        the picture
+//   BokehLayerSplitOne_PS       ColorSamp, ColorSampB             T(BokehEdge) of LayerSplit
+//   BokehLayerKernelsOne_PS     ColorSamp, ColorSampB             of LayerKernels
+//   BokehLayerSpreadOne_PS      ColorSamp, ColorSampB .. C        of LayerSpread
+//   BokehLayerSizesOne_PS       ColorSamp, ColorSampB .. C        of LayerSizes
+//   BokehLayerHolesOne_PS       ColorSamp, ColorSampB             of LayerHoles
+//   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
+//   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 144 bytes (docs/inputs.md
 //   has the table with units, and the struct for C++, C#, Rust and JavaScript).
@@ -70,6 +97,8 @@ struct BokehParameters
     BokehTextureWidth: f32,
     BokehTextureHeight: f32,
     BokehPassIndex: f32,
+    BokehAxis: f32,
+    BokehLayer: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -80,6 +109,8 @@ struct BokehParameters
 @group(0) @binding(5) var BokehColorSampD: texture_2d<f32>;
 @group(0) @binding(6) var BokehKernelSamp: texture_2d<f32>;
 @group(0) @binding(7) var BokehLinearClamp: sampler;
+@group(0) @binding(8) var BokehColorSampE: texture_2d<f32>;
+@group(0) @binding(9) var BokehColorSampF: texture_2d<f32>;
 
 // -------------------------------------------------------------------------------------------------
 // vertex shader
@@ -157,6 +188,38 @@ fn BokehSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_
     let polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
         bokehParameters.BokehSqueeze);
     return BokehExactSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
+}
+
+// what a pass of the layers begins with: the viewport set, and its settings
+//   sides         4, 6, 8 or 10
+//   scale         of its target
+fn BokehBeginLayers(uv: vec2f, sides: i32, scale: f32, passIndex: f32) -> BokehLayers
+{
+    BokehUseViewport();
+    let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
+    let polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
+        bokehParameters.BokehSqueeze);
+    var layers: BokehLayers = BokehMakeLayers(imageSize, polygon, bokehParameters.BokehMaxCoC);
+    layers.full = BokehMakeGrid(vec4f(bokehParameters.BokehViewportX,
+        bokehParameters.BokehViewportY, imageSize), vec2f(bokehParameters.BokehTextureWidth,
+        bokehParameters.BokehTextureHeight));
+    let noise: f32 = BokehNoise(uv, ceil(imageSize / scale), bokehParameters.BokehFrame, passIndex);
+    layers.jitter = bokehParameters.BokehJitter * noise * f32(BOKEH_ADAPTIVE_SAMPLES);
+    return layers;
+}
+
+// the same for a pass without samples of its own
+fn BokehBeginTiles(uv: vec2f) -> BokehLayers
+{
+    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+}
+
+// the polygon of a layer, first pass
+fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
+{
+    let layers: BokehLayers = BokehBeginLayers(uv, sides, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehLinearClamp, BokehColorSampB, uv,
+        bokehParameters.BokehLayer > 0.5, layers);
 }
 
 @fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
@@ -341,4 +404,171 @@ struct BokehTargets4
         result = BokehDebugDepth(S2, bokehParameters.BokehFocusDistance);
     }
     return result;
+}
+
+@fragment fn BokehLayerTiles_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerTiles(BokehColorSamp, BokehLinearClamp, input.uv, BokehBeginTiles(input.uv));
+}
+
+@fragment fn BokehLayerReach_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
+    return BokehLayerReach(BokehColorSamp, BokehLinearClamp, input.uv, axis,
+        BokehBeginTiles(input.uv));
+}
+
+@fragment fn BokehLayerSplit_PS(input: BokehVertex) -> BokehTargets4
+{
+    let targets: BokehTargets = BokehLayerSplit(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets4(targets.T2, targets.T3, targets.T4, targets.T5);
+}
+
+@fragment fn BokehLayerKernels_PS(input: BokehVertex) -> BokehTargets2
+{
+    let targets: BokehTargets = BokehLayerKernels(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets2(targets.T2, targets.T3);
+}
+
+@fragment fn BokehLayerSpread_PS(input: BokehVertex) -> BokehTargets2
+{
+    let targets: BokehTargets = BokehLayerSpread(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, vec2f(1.0, 0.0), BokehBeginTiles(input.uv));
+    return BokehTargets2(targets.T2, targets.T3);
+}
+
+@fragment fn BokehLayerSizes_PS(input: BokehVertex) -> BokehTargets2
+{
+    let targets: BokehTargets = BokehLayerSizes(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets2(targets.T2, targets.T3);
+}
+
+@fragment fn BokehLayerHoles_PS(input: BokehVertex) -> BokehTargets3
+{
+    let targets: BokehTargets = BokehLayerHoles(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets3(targets.T2, targets.T3, targets.T4);
+}
+
+@fragment fn BokehLayerFill_PS(input: BokehVertex) -> BokehTargets2
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 4.0,
+        0.0);
+    let targets: BokehTargets = BokehLayerFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, input.uv, layers);
+    return BokehTargets2(targets.T2, targets.T3);
+}
+
+@fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerPolygon(input.uv, 4).T2;
+}
+
+@fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, 4, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSamp, BokehColorSamp,
+        BokehColorSamp, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+}
+
+@fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets2
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 6);
+    return BokehTargets2(targets.T2, targets.T3);
+}
+
+@fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, 6, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampB,
+        BokehColorSampB, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+}
+
+@fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 8);
+    return BokehTargets3(targets.T2, targets.T3, targets.T4);
+}
+
+@fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, 8, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampC, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+}
+
+@fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 10);
+    return BokehTargets4(targets.T2, targets.T3, targets.T4, targets.T5);
+}
+
+@fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, 10, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+}
+
+@fragment fn BokehLayered_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 1.0,
+        2.0);
+    return BokehLayered(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehColorSampF, input.uv, layers);
+}
+
+@fragment fn BokehLayerSplitOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerSplit(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerKernelsOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerKernels(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerSpreadOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerSpread(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, vec2f(1.0, 0.0), BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerSizesOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerSizes(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerHolesOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerHoles(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerFillOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 4.0,
+        0.0);
+    let targets: BokehTargets = BokehLayerFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, input.uv, layers);
+    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+}
+
+@fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 2.0,
+        0.0);
+    return BokehLayerEdge(BokehColorSamp, BokehLinearClamp, BokehColorSampB, input.uv,
+        bokehParameters.BokehLayer > 0.5, i32(bokehParameters.BokehEdge + 0.5), layers);
 }

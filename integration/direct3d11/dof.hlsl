@@ -4,4 +4,5 @@
 
 #define BOKEH_HLSL_SM 5
 #include "../../hlsl/bokeh.hlsl"
+#include "../../hlsl/bokeh_layers.hlsl"
 #include "../../hlsl/bokeh_passes.hlsl"

@@ -2,7 +2,7 @@
 //
 // Depth of field on Direct3D 11, shader model 5.
 //
-//   direct3d11           a window: click to focus, 1 to 4 choose the shape, D goes through the debug views
+//   direct3d11           a window: click to focus, 1 to 5 choose the method, D goes through the debug views
 //   direct3d11 FOLDER    the same without a window to see; leaves its pictures in FOLDER, for the tests
 //
 // Run it in this folder: it compiles scene.hlsl and dof.hlsl.
@@ -18,9 +18,10 @@
 #include "../direct3d9/capture.h"
 #include "../direct3d9/scene.h"
 
-constexpr int ZOOM = 2, MAX_TEXTURES = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_DEBUG_VIEWS = 4;
+constexpr int ZOOM = 2, MAX_TEXTURES = 8, MAX_COLORS = 6, MAX_TARGETS = 4, MAX_PASSES = 15, NUM_DEBUG_VIEWS = 4;
 
 struct Target {
+    int width, height;
     ID3D11Texture2D *texture;
     ID3D11RenderTargetView *target;
     ID3D11ShaderResourceView *view;
@@ -39,6 +40,17 @@ enum Shader {
     OCTAGON_SECOND,
     LINE,
     LINE_FINAL,
+    LAYER_TILES,
+    LAYER_REACH,
+    LAYER_SPLIT,
+    LAYER_KERNELS,
+    LAYER_SPREAD,
+    LAYER_SIZES,
+    LAYER_HOLES,
+    LAYER_FILL,
+    HEXAGON_LAYER_FIRST,
+    HEXAGON_LAYER_SECOND,
+    LAYERED,
     NUM_SHADERS
 };
 
@@ -59,15 +71,30 @@ static const struct {
     {L"dof.hlsl", "BokehOctagonSecond_PS", "33"},
     {L"dof.hlsl", "BokehDepthOfField_PS", "13"},
     {L"dof.hlsl", "BokehDepthOfFieldFinal_PS", "13"},
+    {L"dof.hlsl", "BokehLayerTiles_PS", "13"},
+    {L"dof.hlsl", "BokehLayerReach_PS", "13"},
+    {L"dof.hlsl", "BokehLayerSplit_PS", "13"},
+    {L"dof.hlsl", "BokehLayerKernels_PS", "13"},
+    {L"dof.hlsl", "BokehLayerSpread_PS", "13"},
+    {L"dof.hlsl", "BokehLayerSizes_PS", "13"},
+    {L"dof.hlsl", "BokehLayerHoles_PS", "13"},
+    {L"dof.hlsl", "BokehLayerFill_PS", "13"},
+    {L"dof.hlsl", "BokehHexagonLayerFirst_PS", "13"},
+    {L"dof.hlsl", "BokehHexagonLayerSecond_PS", "13"},
+    {L"dof.hlsl", "BokehLayered_PS", "13"},
 };
 
 // One full-screen pass.
 struct Pass {
     Shader shader;
-    float degrees;              // of its line; an exact polygon's rotation
-    Target *from[MAX_TEXTURES]; // t0 to t3; t1 is the depth, where a pass reads it
+    float number;             // degrees of a line; BokehAxis and BokehLayer of a pass of layers, which reads one of them
+    Target *depth;            // t1
+    Target *from[MAX_COLORS]; // BokehColorSamp, B to F
     Target *to[MAX_TARGETS];
 };
+
+// Registers of BokehColorSamp, B to F
+static const int COLOR_REGISTERS[MAX_COLORS] = {0, 2, 3, 4, 6, 7};
 
 struct Shot {
     const char *name, *method, *aperture;
@@ -75,48 +102,69 @@ struct Shot {
 };
 
 static Target color, z_buffer, depth, coc, t2, t3, t4, result;
+// 1/8 of the size, 1/4 and 1/2
+static Target tiles, rows, reach, tile_leftovers, tile_sums, row_leftovers, row_sums, reaches, sizes;
+static Target middle_holes, far_holes, shares, middle, back;
+static Target near_layer, far_layer, sums, leftovers, near2, near3, near_blurred, far2, far3, far_blurred;
 
 // Depth buffer to metres
-static const Pass MAKE_DEPTH = {LINEAR_DEPTH, 0, {nullptr, &z_buffer}, {&depth}};
+static const Pass MAKE_DEPTH = {LINEAR_DEPTH, 0, &z_buffer, {}, {&depth}};
 
 static const Shot SHOTS[] = {
+    {"layered-hexagon", "layered", "hexagon", {
+        {SIGNED_COC_MAP, 0, &depth, {&color}, {&coc}},
+        {LAYER_TILES, 0, nullptr, {&coc}, {&tiles}},
+        {LAYER_REACH, 0, nullptr, {&tiles}, {&rows}},
+        {LAYER_REACH, 1, nullptr, {&rows}, {&reach}},
+        {LAYER_SPLIT, 0, nullptr, {&coc, &reach}, {&near_layer, &far_layer, &sums, &leftovers}},
+        {LAYER_KERNELS, 0, nullptr, {&sums, &leftovers}, {&tile_leftovers, &tile_sums}},
+        {LAYER_SPREAD, 0, nullptr, {&tile_leftovers, &tile_sums, &reach}, {&row_leftovers, &row_sums}},
+        {LAYER_SIZES, 0, nullptr, {&row_leftovers, &row_sums, &reach}, {&reaches, &sizes}},
+        {LAYER_HOLES, 0, nullptr, {&coc, &reach}, {&middle_holes, &far_holes, &shares}},
+        {LAYER_FILL, 0, nullptr, {&middle_holes, &far_holes, &shares, &reach}, {&middle, &back}},
+        {HEXAGON_LAYER_FIRST, 0, nullptr, {&near_layer, &sizes}, {&near2, &near3}},
+        {HEXAGON_LAYER_SECOND, 0, nullptr, {&near2, &near3, nullptr, nullptr, &sizes}, {&near_blurred}},
+        {HEXAGON_LAYER_FIRST, 1, nullptr, {&far_layer, &sizes}, {&far2, &far3}},
+        {HEXAGON_LAYER_SECOND, 1, nullptr, {&far2, &far3, nullptr, nullptr, &sizes}, {&far_blurred}},
+        {LAYERED, 0, nullptr, {&coc, &reaches, &near_blurred, &far_blurred, &middle, &back}, {&result}},
+    }},
     {"exact-hexagon", "exact", "hexagon", {
-        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
-        {HEXAGON_FIRST, 0, {&coc}, {&t2, &t3}},
-        {HEXAGON_SECOND, 0, {&t2, nullptr, &t3}, {&result}},
+        {SIGNED_COC_MAP, 0, &depth, {&color}, {&coc}},
+        {HEXAGON_FIRST, 0, nullptr, {&coc}, {&t2, &t3}},
+        {HEXAGON_SECOND, 0, nullptr, {&t2, &t3}, {&result}},
     }},
     {"exact-octagon", "exact", "octagon", {
-        {SIGNED_COC_MAP, 0, {&color, &depth}, {&coc}},
-        {OCTAGON_FIRST, 0, {&coc}, {&t2, &t3, &t4}},
-        {OCTAGON_SECOND, 0, {&t2, nullptr, &t3, &t4}, {&result}},
+        {SIGNED_COC_MAP, 0, &depth, {&color}, {&coc}},
+        {OCTAGON_FIRST, 0, nullptr, {&coc}, {&t2, &t3, &t4}},
+        {OCTAGON_SECOND, 0, nullptr, {&t2, &t3, &t4}, {&result}},
     }},
     {"paper-hexagon", "paper", "hexagon", {
-        {COC_MAP, 0, {&color, &depth}, {&coc}},
-        {LINE, 90, {&coc, &depth}, {&t2}},
-        {LINE, 30, {&t2, &depth}, {&t3}},
-        {LINE_FINAL, 150, {&t2, &depth, &t3}, {&result}},
+        {COC_MAP, 0, &depth, {&color}, {&coc}},
+        {LINE, 90, &depth, {&coc}, {&t2}},
+        {LINE, 30, &depth, {&t2}, {&t3}},
+        {LINE_FINAL, 150, &depth, {&t2, &t3}, {&result}},
     }},
     {"paper-octagon", "paper", "octagon", {
-        {COC_MAP, 0, {&color, &depth}, {&coc}},
-        {LINE, 0, {&coc, &depth}, {&t2}},
-        {LINE, 90, {&t2, &depth}, {&t3}},
-        {LINE, 45, {&coc, &depth}, {&t2}},
-        {LINE_FINAL, 135, {&t2, &depth, &t3}, {&result}},
+        {COC_MAP, 0, &depth, {&color}, {&coc}},
+        {LINE, 0, &depth, {&coc}, {&t2}},
+        {LINE, 90, &depth, {&t2}, {&t3}},
+        {LINE, 45, &depth, {&coc}, {&t2}},
+        {LINE_FINAL, 135, &depth, {&t2, &t3}, {&result}},
     }},
 };
 constexpr int NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0];
 
-// The constant buffer b0 of the package's passes, as docs/inputs.md lists it: 33 floats, 144 bytes, since the size of a
+// The constant buffer b0 of the package's passes, as docs/inputs.md lists it: 35 floats, 144 bytes, since the size of a
 // buffer is a multiple of 16.
 static struct alignas(16) {
     float apertureDiameter, focalLength, focusDistance, sensorHeight = 0.024f, maxCoC, constantCoC;
     float aspectRatio = (float)WIDTH / HEIGHT, angle, angleB;
     float bleedingBias = 0.02f, bleedingMult = 30.0f, blurCoC = 1.0f, useMax, debugMode;
     float lineLength = 1.0f, lineCenterX, lineCenterY, squeeze = 1.0f, spacing = 1.0f;
-    float imageWidth = WIDTH, imageHeight = HEIGHT, jitter, frame, sides, edge;
+    float imageWidth = WIDTH, imageHeight = HEIGHT, jitter, frame, sides = 6.0f, edge;
     float depthKind = 1.0f, zNear = Z_NEAR, zFar = Z_FAR; // 1: 0 at the near plane, 1 at the far plane
     float viewportX, viewportY, textureWidth, textureHeight; // not read: the image fills its textures
-    float passIndex;
+    float passIndex, axis, layer;
 } parameters;
 
 static HWND window;
@@ -156,7 +204,7 @@ static ID3D11Texture2D *make_texture(int width, int height, DXGI_FORMAT format, 
 
 static Target make_target(int width, int height, DXGI_FORMAT format)
 {
-    Target target;
+    Target target = {width, height, nullptr, nullptr, nullptr};
     target.texture = make_texture(width, height, format, D3D11_USAGE_DEFAULT,
                                   D3D11_BIND_RENDER_TARGET | D3D11_BIND_SHADER_RESOURCE, 0);
     CHECK(device->CreateRenderTargetView(target.texture, nullptr, &target.target));
@@ -164,10 +212,21 @@ static Target make_target(int width, int height, DXGI_FORMAT format)
     return target;
 }
 
+// Of 1 / scale of the size, rounded up
+static void make_targets(std::initializer_list<Target *> targets, int scale)
+{
+    for (Target *target : targets)
+        *target = make_target((WIDTH + scale - 1) / scale, (HEIGHT + scale - 1) / scale,
+                              DXGI_FORMAT_R16G16B16A16_FLOAT);
+}
+
 static void make_targets()
 {
-    for (Target *target : {&color, &coc, &t2, &t3, &t4, &result})
-        *target = make_target(WIDTH, HEIGHT, DXGI_FORMAT_R16G16B16A16_FLOAT);
+    make_targets({&color, &coc, &t2, &t3, &t4, &result}, 1);
+    make_targets({&near_layer, &far_layer, &sums, &leftovers}, 2);
+    make_targets({&near2, &near3, &near_blurred, &far2, &far3, &far_blurred}, 2);
+    make_targets({&middle_holes, &far_holes, &shares, &middle, &back}, 4);
+    make_targets({&tiles, &rows, &reach, &tile_leftovers, &tile_sums, &row_leftovers, &row_sums, &reaches, &sizes}, 8);
     depth = make_target(WIDTH, HEIGHT, DXGI_FORMAT_R32_FLOAT);
 }
 
@@ -324,11 +383,14 @@ static void draw_pass(const Pass &pass)
         targets[num_targets] = pass.to[num_targets]->target;
         num_targets++;
     }
-    for (int i = 0; i < MAX_TEXTURES; i++)
-        read[i] = pass.from[i] ? pass.from[i]->view : nullptr;
+    for (int i = 0; i < MAX_COLORS; i++)
+        read[COLOR_REGISTERS[i]] = pass.from[i] ? pass.from[i]->view : nullptr;
+    read[1] = pass.depth ? pass.depth->view : nullptr;
     set_textures(targets, num_targets, read);
-    set_viewport(0, WIDTH, HEIGHT);
-    parameters.angle = pass.degrees * PI / 180.0f;
+    set_viewport(0, pass.to[0]->width, pass.to[0]->height);
+    const bool is_line = pass.shader == LINE || pass.shader == LINE_FINAL;
+    parameters.angle = is_line ? pass.number * PI / 180.0f : 0.0f; // elsewhere the rotation of the polygon
+    parameters.axis = parameters.layer = pass.number;
     draw_full_screen(pass.shader);
 }
 
@@ -366,8 +428,9 @@ static void draw_frame()
 // ---- focus ----
 
 // Rows of a target, from the upper one on, without gaps.
-static void read_back(const Target &target, int width, int height, int texel_bytes, void *pixels)
+static void read_back(const Target &target, int texel_bytes, void *pixels)
 {
+    const int width = target.width, height = target.height;
     D3D11_TEXTURE2D_DESC known;
     D3D11_MAPPED_SUBRESOURCE mapped;
     target.texture->GetDesc(&known);
@@ -391,7 +454,7 @@ static void focus_on_place(const float place[3])
 static void focus_on_pixel(int x, int y)
 {
     static float metres[HEIGHT][WIDTH];
-    read_back(depth, WIDTH, HEIGHT, sizeof(float), metres);
+    read_back(depth, sizeof(float), metres);
     parameters.focusDistance = metres[y][x];
 }
 
@@ -454,6 +517,22 @@ static void adapter_name(char *name, int size)
     WideCharToMultiByte(CP_UTF8, 0, known.Description, -1, name, size, nullptr, nullptr);
 }
 
+// All that the passes of a shot wrote, one target after the other.
+static void write_targets(const char *folder, const Shot &written)
+{
+    static char pixels[WIDTH * HEIGHT * 8];
+    char name[64];
+    snprintf(name, sizeof name, "%s.written", written.name);
+    FILE *file = open_file(folder, name);
+    for (const Pass &pass : written.passes)
+        for (const Target *target : pass.to)
+            if (target) {
+                read_back(*target, 8, pixels);
+                fwrite(pixels, 8, (size_t)target->width * target->height, file);
+            }
+    close_file(file, folder, name);
+}
+
 // Every shot for the tests, and a picture: sharp, near and far field, blurred.
 static void capture(const char *folder)
 {
@@ -464,9 +543,11 @@ static void capture(const char *folder)
         char name[64];
         shot = &SHOTS[i];
         draw_frame();
-        read_back(result, WIDTH, HEIGHT, 8, pixels);
+        read_back(result, 8, pixels);
         snprintf(name, sizeof name, "%s.f16", shot->name);
         write_file(folder, name, pixels, WIDTH * HEIGHT * 8);
+        if (!strcmp(shot->method, "layered"))
+            write_targets(folder, *shot);
         shots[i] = {shot->name, shot->method, shot->aperture, parameters.focusDistance};
         if (i == 0) {
             parameters.debugMode = 3.0f;
@@ -477,11 +558,11 @@ static void capture(const char *folder)
         // the shots after the first are focused on the subject as one that clicks on it does
         focus_on_pixel(WIDTH * 9 / 20, HEIGHT / 2);
     }
-    read_back(picture, WIDTH * 3, HEIGHT, 4, pixels);
+    read_back(picture, 4, pixels);
     write_bmp(folder, "picture.bmp", pixels, WIDTH * 3, HEIGHT);
-    read_back(color, WIDTH, HEIGHT, 8, pixels);
+    read_back(color, 8, pixels);
     write_file(folder, "color.f16", pixels, WIDTH * HEIGHT * 8);
-    read_back(depth, WIDTH, HEIGHT, 4, pixels);
+    read_back(depth, 4, pixels);
     write_file(folder, "depth.f32", pixels, WIDTH * HEIGHT * 4);
     char name[256];
     adapter_name(name, sizeof name);

@@ -31,14 +31,19 @@ static FILE *open_file(const char *folder, const char *name)
     return file;
 }
 
-static void write_file(const char *folder, const char *name, const void *bytes, size_t size)
+static void close_file(FILE *file, const char *folder, const char *name)
 {
-    FILE *file = open_file(folder, name);
-    fwrite(bytes, 1, size, file);
     if (fclose(file)) {
         fprintf(stderr, "cannot write all of %s/%s\n", folder, name);
         exit(1);
     }
+}
+
+static void write_file(const char *folder, const char *name, const void *bytes, size_t size)
+{
+    FILE *file = open_file(folder, name);
+    fwrite(bytes, 1, size, file);
+    close_file(file, folder, name);
 }
 
 /* Rows from the upper one on, four bytes a pixel: blue, green, red, nothing. */
@@ -69,15 +74,14 @@ static void write_capture(const char *folder, const char *engine, const char *ad
                 i ? "," : "", shot->name, shot->name, shot->method, shot->aperture);
         if (!strcmp(shot->method, "exact"))
             fprintf(file, " \"spacing\": 1, \"max_samples\": 33,");
+        if (!strcmp(shot->method, "layered"))
+            fprintf(file, " \"written\": \"%s.written\",", shot->name);
         fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"
                 " \"sensor_height\": %.9g, \"max_coc\": %.9g}}", APERTURE_DIAMETER, FOCAL_LENGTH, shot->focus_distance,
                 SENSOR_HEIGHT, MAX_COC);
     }
     fprintf(file, "]}\n");
-    if (fclose(file)) {
-        fprintf(stderr, "cannot write all of %s/capture.json\n", folder);
-        exit(1);
-    }
+    close_file(file, folder, "capture.json");
 }
 
 #endif

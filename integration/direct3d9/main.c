@@ -17,7 +17,7 @@
 #include "capture.h"
 #include "scene.h"
 
-enum { ZOOM = 2, MAX_INPUTS = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_PARAMETERS = 33, NUM_DEBUG_VIEWS = 4 };
+enum { ZOOM = 2, MAX_INPUTS = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_PARAMETERS = 35, NUM_DEBUG_VIEWS = 4 };
 
 typedef struct {
     IDirect3DTexture9 *texture;
@@ -102,12 +102,12 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 to c32 of the package's passes, as docs/inputs.md lists them. */
+/* Registers c0 to c34 of the package's passes, as docs/inputs.md lists them. */
 static struct {
     float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
     float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
     float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar, viewportX, viewportY;
-    float textureWidth, textureHeight, passIndex;
+    float textureWidth, textureHeight, passIndex, axis, layer;
 } parameters = {
     .sensorHeight = 0.024f,
     .bleedingBias = 0.02f,

@@ -1,6 +1,7 @@
 """For validation/run engines, not for your renderer: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32 and a .f16 for each shot are raw rows, v = 0 first; capture.json says what they are.
+color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
+capture.json says what they are.
 """
 
 import json
@@ -8,16 +9,18 @@ import sys
 from pathlib import Path
 
 import moderngl
-from apertures import exact_octagon, paper_hexagon, paper_octagon
-from depth_of_field import exact_hexagon
+from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
+from depth_of_field import HEXAGON, depth_of_field
 from renderer import BALL, SIZE, Renderer
 from sample import BLUR, DEPTH, IMAGE, LENS, PAPER, focus_on, start
 
 SHOTS = {
-    "exact-hexagon": exact_hexagon,
-    "exact-octagon": exact_octagon,
-    "paper-hexagon": paper_hexagon,
-    "paper-octagon": paper_octagon,
+    "layered-hexagon": HEXAGON,
+    "layered-octagon": OCTAGON,
+    "exact-hexagon": EXACT_HEXAGON,
+    "exact-octagon": EXACT_OCTAGON,
+    "paper-hexagon": PAPER_HEXAGON,
+    "paper-octagon": PAPER_OCTAGON,
 }
 
 
@@ -28,13 +31,18 @@ def main(folder):
     renderer.draw()
     focus = focus_on(BALL)
     shots = []
-    for name, made in SHOTS.items():
-        passes, result = made(context, renderer.color, renderer.depth)
+    for name, table in SHOTS.items():
+        passes, result = depth_of_field(context, renderer.color, renderer.depth, table)
         for step in passes:
             step.draw(BokehFocusDistance=focus, **LENS, **IMAGE, **DEPTH, **BLUR, **PAPER)
         (folder / f"{name}.f16").write_bytes(result.read())
         method, aperture = name.split("-")
-        shots.append({"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"})
+        shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if method == "layered":
+            shot["written"] = f"{name}.written"
+            targets = [target for step in passes[1:] for target in step.framebuffer.color_attachments]
+            (folder / shot["written"]).write_bytes(b"".join(target.read() for target in targets))
+        shots.append(shot)
     (folder / "color.f16").write_bytes(renderer.color.read())
     (folder / "depth.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
     capture = {

@@ -1,28 +1,52 @@
-"""Depth of field for an OpenGL 3.3 renderer: an exact hexagon. Two files of shaders are the rest."""
+"""Depth of field for an OpenGL 3.3 renderer: a hexagon in layers. Three files of shaders are the rest."""
 
 from functools import partial
 from pathlib import Path
 
 from renderer import FullScreenPass, texture
 
-# the folder with the two files
+# the folder with the three files
 GLSL = Path(__file__).resolve().parents[2] / "glsl"
-LIBRARY, PASSES = (GLSL / "bokeh.glsl").read_text(), (GLSL / "bokeh_passes.glsl").read_text()
+FILES = "".join((GLSL / name).read_text() for name in ("bokeh.glsl", "bokeh_layers.glsl", "bokeh_passes.glsl"))
+SLOTS = ["BokehColorSamp", *(f"BokehColorSamp{letter}" for letter in "BCDEF")]
+
+# Each pass: its entry, textures for the slots ("-": not this one), its targets, their size (1 / n of the image, rounded
+# up), parameters of its own.
+HEXAGON = [
+    ("SIGNED_COC_MAP", "color", "coc", 1, {}),
+    ("LAYER_TILES", "coc", "tiles", 8, {}),
+    ("LAYER_REACH", "tiles", "rows", 8, {"BokehAxis": 0}),
+    ("LAYER_REACH", "rows", "reach", 8, {"BokehAxis": 1}),
+    ("LAYER_SPLIT", "coc reach", "near far sums leftovers", 2, {}),
+    ("LAYER_KERNELS", "sums leftovers", "tile_leftovers tile_sums", 8, {}),
+    ("LAYER_SPREAD", "tile_leftovers tile_sums reach", "row_leftovers row_sums", 8, {}),
+    ("LAYER_SIZES", "row_leftovers row_sums reach", "reaches sizes", 8, {}),
+    ("LAYER_HOLES", "coc reach", "middle_holes far_holes shares", 4, {}),
+    ("LAYER_FILL", "middle_holes far_holes shares reach", "middle back", 4, {"BokehSides": 6}),
+    ("HEXAGON_LAYER_FIRST", "near sizes", "near2 near3", 2, {"BokehLayer": 0}),
+    ("HEXAGON_LAYER_SECOND", "near2 near3 - - sizes", "near_blurred", 2, {"BokehLayer": 0}),
+    ("HEXAGON_LAYER_FIRST", "far sizes", "far2 far3", 2, {"BokehLayer": 1}),
+    ("HEXAGON_LAYER_SECOND", "far2 far3 - - sizes", "far_blurred", 2, {"BokehLayer": 1}),
+    ("LAYERED", "coc reaches near_blurred far_blurred middle back", "result", 1, {"BokehSides": 6}),
+]
 
 
 def shader(name):
     """Text of a shader; `name` without BOKEH_ is one of the table in bokeh_passes.glsl."""
-    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n#define BOKEH_NUM_SAMPLES 33\n{LIBRARY}{PASSES}"
+    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n#define BOKEH_NUM_SAMPLES 33\n{FILES}"
 
 
-def exact_hexagon(context, color, depth):
+def depth_of_field(context, color, depth, table=HEXAGON):
     """The passes, to be drawn in their order each frame, and the texture that the last one writes."""
-    metres = texture(context, color.size, "R32F")
-    coc, t2, t3, result = (texture(context, color.size, "RGBA16F") for _ in range(4))
     full_screen = partial(FullScreenPass, context, shader("FULL_SCREEN"))
-    return [
-        full_screen(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [metres]),
-        full_screen(shader("SIGNED_COC_MAP"), {"BokehColorSamp": color, "BokehDepthSamp": metres}, [coc]),
-        full_screen(shader("HEXAGON_FIRST"), {"BokehColorSamp": coc}, [t2, t3]),
-        full_screen(shader("HEXAGON_SECOND"), {"BokehColorSamp": t2, "BokehColorSampB": t3}, [result]),
-    ], result
+    metres = texture(context, color.size, "R32F")
+    passes = [full_screen(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [metres])]
+    textures = {"color": color}
+    for entry, reads, writes, scale, parameters in table:
+        size = [-(-side // scale) for side in color.size]
+        targets = {name: texture(context, size, "RGBA16F") for name in writes.split()}
+        read = {slot: textures[name] for slot, name in zip(SLOTS, reads.split(), strict=False) if name != "-"}
+        read["BokehDepthSamp"] = metres
+        passes.append(full_screen(shader(entry), read, [*targets.values()], **parameters))
+        textures |= targets
+    return passes, textures["result"]

@@ -4,8 +4,8 @@ import sys
 
 import moderngl
 import numpy as np
-from apertures import debug, exact_octagon
-from depth_of_field import exact_hexagon
+from apertures import DEBUG, OCTAGON
+from depth_of_field import depth_of_field
 from PIL import Image
 from renderer import BALL, FAR, FOCAL_LENGTH, NEAR, SENSOR_HEIGHT, SIZE, Renderer, view
 
@@ -13,7 +13,7 @@ LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LEN
 IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1])
 DEPTH = dict(BokehDepthKind=1.0, BokehNear=NEAR, BokehFar=FAR)
 BLUR = dict(BokehMaxCoC=0.12, BokehSpacing=1.0, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
-# only paper has these
+# exact has the last two and BokehSpacing, the paper's method all of it
 PAPER = dict(BokehBlurCoC=1.0, BokehLineLength=1.0)
 
 
@@ -34,23 +34,23 @@ def start():
 
 
 def main(path):
-    """Four pictures in one: the input, exact hexagon, near and far field, exact octagon with the focus elsewhere."""
+    """Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere."""
     context = start()
     renderer = Renderer(context)
     renderer.draw()
 
-    passes, result = exact_hexagon(context, renderer.color, renderer.depth)
+    passes, result = depth_of_field(context, renderer.color, renderer.depth)
     for step in passes:
         step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **DEPTH, **BLUR)
     hexagon = renderer.picture(result)
 
     picked = focus_at(passes, 304, 82)
-    passes, result = exact_octagon(context, renderer.color, renderer.depth)
+    passes, result = depth_of_field(context, renderer.color, renderer.depth, OCTAGON)
     for step in passes:
         step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **DEPTH, **BLUR)
     octagon = renderer.picture(result)
 
-    passes, result = debug(context, renderer.color, renderer.depth)
+    passes, result = depth_of_field(context, renderer.color, renderer.depth, DEBUG)
     for step in passes:
         step.draw(BokehFocusDistance=focus_on(BALL), BokehDebugMode=3.0, **LENS, **IMAGE, **DEPTH, **BLUR)
     fields = renderer.picture(result)

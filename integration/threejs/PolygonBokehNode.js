@@ -1,90 +1,106 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of bokeh.wgsl.
-// It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL.
+// Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of bokeh.wgsl
+// and bokeh_layers.wgsl. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does
+// not take WGSL.
 
 import { FloatType, HalfFloatType, NoBlending, RedFormat, Vector2 } from 'three/webgpu';
-import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils } from 'three/webgpu';
+import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 
-// Angles of the lines in degrees: each pair is a parallelogram, and min of the two is the polygon (docs/apertures.md).
-const LINES = {
-  6: [[90, 30], [90, 150]],
-  8: [[0, 90], [45, 135]],
+// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
+// textures that it reads: docs/passes.md. `color` and `depth` are the scene's. Where a row writes several textures, the
+// function returns them as T2, T3, T4, T5.
+const METRES = [['metres'], 1, 'vec4f(BokehLinearDepth(depth, depthKind, cameraNear, cameraFar))'];
+
+// 'SignedCoCMap' for layered and exact, whose passes read no depth; 'CoCMap' for paper
+const cocMap = (name) => [
+  ['coc'],
+  1,
+  `Bokeh${name}(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)`,
+];
+
+// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
+// second takes four, and the sampler after the first: it gets the last one for the rest, and does not read it.
+const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
+const four = (names) => {
+  const [first, ...rest] = names.concat(Array(4 - names.length).fill(names.at(-1)));
+  return [first, 'Linear', ...rest].join(', ');
 };
 
-// three.js reads the names and types of the parameters out of these texts, and fills them by name.
-const METRES = `
-fn bokehMetres(depth: f32, depthKind: i32, cameraNear: f32, cameraFar: f32) -> vec4f
-{
-    return vec4f(BokehLinearDepth(depth, depthKind, cameraNear, cameraFar), 0.0, 0.0, 1.0);
-}`;
+const FRAMES = {
+  layered(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const near = between('nearTarget', sides);
+    const far = between('farTarget', sides);
+    const [rows, columns] = ['vec2f(1.0, 0.0)', 'vec2f(0.0, 1.0)'];
+    return [
+      [['tiles'], 8, 'BokehLayerTiles(coc, Linear, uv, layers)'],
+      [['reachAlongRows'], 8, `BokehLayerReach(tiles, Linear, uv, ${rows}, layers)`],
+      [['reach'], 8, `BokehLayerReach(reachAlongRows, Linear, uv, ${columns}, layers)`],
+      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, Linear, reach, uv, layers)'],
+      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, Linear, leftovers, uv, layers)'],
+      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, Linear, tileSums, reach, uv, ${rows}, layers)`],
+      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, Linear, rowSums, reach, uv, layers)'],
+      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, Linear, reach, uv, layers)'],
+      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, Linear, farWithHoles, shares, reach, uv, layers)'],
+      [near, 2, `BokehLayerFirst(near, Linear, sizes, uv, false, layers)${one}`],
+      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
+      [far, 2, `BokehLayerFirst(far, Linear, sizes, uv, true, layers)${one}`],
+      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
+      [['result'], 1, 'BokehLayered(coc, Linear, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
+    ];
+  },
 
-// 'SignedCoCMap' for exact, whose passes read no depth; 'CoCMap' for paper
-const cocMap = (name) => `
-fn bokehMap(Color: texture_2d<f32>, Depth: texture_2d<f32>, uv: vec2f, apertureDiameter: f32, focalLength: f32,
-    focusDistance: f32, sensorHeight: f32, maxCoC: f32) -> vec4f
-{
-    return Bokeh${name}(Color, Depth, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC);
-}`;
+  exact(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const targets = between('target', sides);
+    return [
+      [targets, 1, `BokehExactFirst(coc, Linear, uv, polygon, settings)${one}`],
+      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
+    ];
+  },
 
-const SETTINGS = `
-fn bokehSettings(imageSize: vec2f, spacing: f32) -> BokehFilter
-{
-    var settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
-    return settings;
-}`;
+  // Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
+  paper(sides) {
+    const line = (degrees, from) => {
+      const segment = `BokehSegment(radians(${degrees}.0) + rotation, 1.0, vec2f(0.0, 0.0), squeeze)`;
+      return `BokehDepthOfFieldAdaptive(${from}, Linear, metres, uv, ${segment}, settings, true)`;
+    };
+    const combined = (a, b) => `BokehCombine(${a}, BokehFetch(${b}, Linear, uv), false)`;
+    if (sides === 6) {
+      return [
+        [['line1'], 1, line(90, 'coc')],
+        [['line2'], 1, line(30, 'line1')],
+        [['result'], 1, combined(line(150, 'line1'), 'line2')],
+      ];
+    }
+    return [
+      [['line1'], 1, line(0, 'coc')],
+      [['line2'], 1, line(90, 'line1')],
+      [['line3'], 1, line(45, 'coc')],
+      [['result'], 1, combined(line(135, 'line3'), 'line2')],
+    ];
+  },
+};
 
-// A matrix, since three.js does not know the library's structs; of its columns as many are targets as there are edges
-// less one
-const exactFirst = (sides) => `
-fn bokehExactFirst(Color: texture_2d<f32>, Linear: sampler, uv: vec2f, rotation: f32, squeeze: f32, imageSize: vec2f,
-    spacing: f32) -> mat4x4f
-{
-    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    let targets = BokehExactFirst(Color, Linear, uv, polygon, bokehSettings(imageSize, spacing));
-    return mat4x4f(targets.T2, targets.T3, targets.T4, targets.T5);
-}`;
+const VIEWS = [
+  'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
+  'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
+  'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
+];
+const DEBUG = [['result'], 1, `select(select(${VIEWS[0]}, ${VIEWS[1]}, debugMode == 2), ${VIEWS[2]}, debugMode == 3)`];
 
-const exactSecond = (sides) => `
-fn bokehExactSecond(Color: texture_2d<f32>, Linear: sampler, ColorB: texture_2d<f32>, ColorC: texture_2d<f32>,
-    ColorD: texture_2d<f32>, uv: vec2f, rotation: f32, squeeze: f32, imageSize: vec2f, spacing: f32) -> vec4f
-{
-    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    return BokehExactSecond(Color, Linear, ColorB, ColorC, ColorD, uv, polygon, bokehSettings(imageSize, spacing));
-}`;
+const TYPES = { depth: 'f32', depthKind: 'i32', debugMode: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
-const LINE = `
-fn bokehLine(Color: texture_2d<f32>, Linear: sampler, Depth: texture_2d<f32>, uv: vec2f, lineAngle: f32, rotation: f32,
-    squeeze: f32, imageSize: vec2f, spacing: f32) -> vec4f
-{
-    let segment = BokehSegment(lineAngle + rotation, 1.0, vec2f(0.0, 0.0), squeeze);
-    return BokehDepthOfFieldAdaptive(Color, Linear, Depth, uv, segment, bokehSettings(imageSize, spacing), true);
-}`;
-
-const COMBINE = `
-fn bokehCombine(lineBlur: vec4f, ColorB: texture_2d<f32>, Linear: sampler, uv: vec2f) -> vec4f
-{
-    return BokehCombine(lineBlur, BokehFetch(ColorB, Linear, uv), false);
-}`;
-
-const DEBUG = `
-fn bokehDebug(Color: texture_2d<f32>, Depth: texture_2d<f32>, uv: vec2f, focusDistance: f32, maxCoC: f32,
-    debugMode: i32) -> vec4f
-{
-    let CoC = BokehFetchNearest(Color, uv).a;
-    let S2 = BokehFetchNearest(Depth, uv).r;
-    if (debugMode == 3) { return BokehDebugFocus(S2, focusDistance, CoC, maxCoC); }
-    if (debugMode == 2) { return BokehDebugCoC(CoC, maxCoC); }
-    return BokehDebugDepth(S2, focusDistance);
-}`;
+// of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
+const PRESETS = { LOW: [2, 8, 0], MEDIUM: [3, 12, 1], HIGH: [3, 16, 1], ULTRA: [4, 16, 1] };
 
 const LOGARITHMIC =
   'PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / log(far / near) is none ' +
   "of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
 
-// no blending: alpha is the circle of confusion
+// no blending: alpha is the circle of confusion, or a layer's share
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
 const quad = new QuadMesh();
 let rendererState;
@@ -94,25 +110,34 @@ export class PolygonBokehNode extends Node {
     return 'PolygonBokehNode';
   }
 
-  // library    the text of bokeh.wgsl
+  // library    the texts of bokeh.wgsl and bokeh_layers.wgsl, in this order
   // scenePass  pass(scene, camera)
-  // method     'exact': two passes, light adds up; 'paper': lines and min, a target less
-  // sides      6 or 8; exact has 4 and 10 as well
-  // samples    at most so many on an edge or a line
-  // opaque     false: alpha is the circle of confusion in the end too, signed for exact. A canvas would take it for
+  // method     'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //            confusion, fewer passes; 'paper': lines and min, a target less
+  // sides      6 or 8; layered and exact have 4 and 10 as well
+  // preset     of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  // samples    of exact and paper: at most so many on an edge or a line
+  // opaque     false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
   //            transparency.
-  constructor(library, scenePass, { method = 'exact', sides = 6, samples = 33, opaque = true } = {}) {
+  constructor(
+    library,
+    scenePass,
+    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true } = {},
+  ) {
     super('vec4');
     this.updateBeforeType = NodeUpdateType.FRAME;
-    // three.js hands no pipeline constants on to WebGPU, so the override gets its value here
-    const count = /(?<=override BOKEH_NUM_SAMPLES: i32 = )\d+/;
-    this.library = wgsl(library.replace(count, samples) + SETTINGS);
+    // three.js hands no pipeline constants on to WebGPU, so the overrides get their values here
+    const [BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC] = PRESETS[preset];
+    const values = { BOKEH_NUM_SAMPLES: samples, BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC };
+    const override = /(?<=override (\w+): \w+ = )[\d.]+/g;
+    this.library = wgsl(library.replace(override, (value, name) => values[name] ?? value));
     this.scenePass = scenePass;
     this.camera = scenePass.camera;
-    Object.assign(this, { method, sides, opaque });
+    Object.assign(this, { sides, opaque });
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
-    // (pixels between samples). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
+    // (pixels between samples of exact and paper). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far
+    // field.
     this.uniforms = {
       apertureDiameter: uniform(0.05),
       focalLength: uniform(0.05),
@@ -129,15 +154,14 @@ export class PolygonBokehNode extends Node {
       imageSize: uniform(new Vector2(1, 1)),
     };
 
-    const half = { type: HalfFloatType, depthBuffer: false };
-    this.depth = new RenderTarget(1, 1, { type: FloatType, format: RedFormat, depthBuffer: false });
-    this.coc = new RenderTarget(1, 1, half);
-    this.result = new RenderTarget(1, 1, half);
-    this.targets =
-      method === 'exact'
-        ? [new RenderTarget(1, 1, { ...half, count: sides / 2 - 1 })]
-        : [new RenderTarget(1, 1, half), new RenderTarget(1, 1, half)];
-    this.before = this.debug = this.passes = []; // [material, target] each; setup() makes them
+    const map = cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap');
+    this.passes = [METRES, map, ...FRAMES[method](sides)].map((row) => {
+      const [writes, scale] = row;
+      const type = writes[0] === 'metres' ? { type: FloatType, format: RedFormat } : { type: HalfFloatType };
+      const target = new RenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });
+      return { row, writes, scale, target };
+    });
+    this.debug = [...this.passes.slice(0, 2), { ...this.passes.at(-1), row: DEBUG }];
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
@@ -150,61 +174,47 @@ export class PolygonBokehNode extends Node {
     if (!builder.renderer.backend.isWebGPUBackend) throw new Error('PolygonBokehNode needs WebGPU: it is WGSL');
     // For an orthographic camera three.js leaves the logarithm out.
     if (builder.renderer.logarithmicDepthBuffer && !this.camera.isOrthographicCamera) throw new Error(LOGARITHMIC);
-    const inputs = { ...this.uniforms, uv: uv(), Depth: texture(this.depth.texture) };
-    const use = (code) => wgslFn(code, [this.library]);
-    // parameters of a pass that reads these textures; what has fewer gets the last one for the rest, and reads it not
-    const reading = (...textures) => {
-      const [Color, ColorB = Color, ColorC = ColorB, ColorD = ColorC] = textures.map((map) => texture(map));
-      return { ...inputs, Linear: sampler(Color), Color, ColorB, ColorC, ColorD };
-    };
     const scene = this.scenePass.getTextureNode();
-    const metres = use(METRES)({ ...inputs, depth: this.scenePass.getTextureNode('depth').r });
-    const map = cocMap(this.method === 'exact' ? 'SignedCoCMap' : 'CoCMap');
-    this.before = [
-      [material(metres), this.depth],
-      [material(use(map)({ ...inputs, Color: scene })), this.coc],
-    ];
-    this.debug = [[material(use(DEBUG)(reading(this.coc.texture))), this.result]];
-    this.passes = this.method === 'exact' ? this.exact(use, reading) : this.paper(use, reading);
+    const inputs = { ...this.uniforms, uv: uv(), color: scene, depth: this.scenePass.getTextureNode('depth').r };
+    for (const { writes, target } of this.passes) {
+      writes.forEach((name, i) => (inputs[name] = texture(target.textures[i])));
+    }
+    inputs.Linear = sampler(inputs.coc);
+    for (const drawn of [...this.passes, ...this.debug]) drawn.material ??= material(this.fragment(drawn.row, inputs));
 
     builder.getNodeProperties(this).scene = scene; // so that the scene is drawn before this node
-    return passTexture(this, this.result.texture);
+    return passTexture(this, this.passes.at(-1).target.texture);
   }
 
-  exact(use, reading) {
-    const [targets] = this.targets;
-    const T = use(exactFirst(this.sides))(reading(this.coc.texture)).toVar();
-    const columns = targets.textures.map((_, i) => T.element(i));
-    const second = use(exactSecond(this.sides))(reading(...targets.textures));
-    return [
-      [material(columns.length > 1 ? outputStruct(...columns) : columns[0]), targets],
-      [this.last(second), this.result],
-    ];
-  }
-
-  paper(use, reading) {
-    const [one, finished] = this.targets;
-    const [[a, b], [c, d]] = LINES[this.sides];
-    const blur = use(LINE);
-    const along = (degrees, from) => blur({ ...reading(from.texture), lineAngle: uniform((degrees * Math.PI) / 180) });
-    const combined = use(COMBINE)({ ...reading(one.texture, finished.texture), lineBlur: along(d, one) });
-    return [
-      [material(along(a, this.coc)), one],
-      [material(along(b, one)), finished],
-      ...(c === a ? [] : [[material(along(c, this.coc)), one]]),
-      [this.last(combined), this.result],
-    ];
-  }
-
-  last(node) {
-    return material(this.opaque ? vec4(node.rgb, 1) : node);
+  // A pass as a node: a function around its call. three.js reads the names and types of the parameters out of the text,
+  // and fills them by name. It does not know the library's structs, but matrices.
+  fragment([writes, , call], inputs) {
+    const several = writes.length > 1;
+    const body = `
+    let polygon = BokehMakePolygon(${this.sides}, rotation, squeeze);
+    let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
+    var settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    let targets = ${call};
+    return ${several ? 'mat4x4f(targets.T2, targets.T3, targets.T4, targets.T5)' : 'targets'};
+`;
+    const type = (name) => TYPES[name] ?? (name in this.uniforms ? 'f32' : 'texture_2d<f32>');
+    const named = Object.keys(inputs).filter((name) => new RegExp(`\\b${name}\\b`).test(body));
+    const parameters = named.map((name) => `${name}: ${type(name)}`).join(', ');
+    const code = `fn bokehPass(${parameters}) -> ${several ? 'mat4x4f' : 'vec4f'}\n{${body}}`;
+    // only what is named: three.js binds all that it gets, and a pass may read 16 textures
+    const given = Object.fromEntries(named.map((name) => [name, inputs[name]]));
+    // toVar() would call it in the shader of the canvas as well, where setup() runs
+    const value = new VarNode(wgslFn(code, [this.library])(given));
+    if (several) return outputStruct(...writes.map((_, i) => value.element(i)));
+    return this.opaque && writes[0] === 'result' ? vec4(value.rgb, 1) : value;
   }
 
   // Draws the passes. three.js calls it once in a frame, after the scene.
   updateBefore({ renderer }) {
     const { width, height } = this.scenePass.renderTarget;
     const { depthKind, cameraNear, cameraFar, imageSize, debugMode } = this.uniforms;
-    for (const target of [this.depth, this.coc, this.result, ...this.targets]) target.setSize(width, height);
+    for (const { target, scale } of this.passes) target.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
     // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
     depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
     cameraNear.value = this.camera.near;
@@ -212,8 +222,8 @@ export class PolygonBokehNode extends Node {
     imageSize.value.set(width, height);
 
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
-    for (const [drawn, target] of [...this.before, ...(debugMode.value > 0 ? this.debug : this.passes)]) {
-      quad.material = drawn;
+    for (const { material, target } of debugMode.value > 0 ? this.debug : this.passes) {
+      quad.material = material;
       renderer.setRenderTarget(target);
       quad.render(renderer);
     }
@@ -221,8 +231,10 @@ export class PolygonBokehNode extends Node {
   }
 
   dispose() {
-    for (const target of [this.depth, this.coc, this.result, ...this.targets]) target.dispose();
-    for (const [drawn] of [...this.before, ...this.debug, ...this.passes]) drawn.dispose();
+    for (const { target, material } of [...this.passes, ...this.debug]) {
+      target.dispose();
+      material?.dispose();
+    }
     super.dispose();
   }
 }

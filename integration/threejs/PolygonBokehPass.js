@@ -1,17 +1,95 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of bokeh.glsl.
-// It stands directly after the RenderPass, before bloom and before OutputPass.
+// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of bokeh.glsl and
+// bokeh_layers.glsl. It stands directly after the RenderPass, before bloom and before OutputPass.
 
 import { FloatType, GLSL3, HalfFloatType, NearestFilter, NoBlending, RedFormat } from 'three';
 import { ShaderMaterial, Vector2, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
 
-// Angles of the lines in degrees: each pair is a parallelogram, and min of the two is the polygon (docs/apertures.md).
-const LINES = {
-  6: [[90, 30], [90, 150]],
-  8: [[0, 90], [45, 135]],
+// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
+// textures that it reads: docs/passes.md. `color` and `depth` are the scene's. Where a row writes several textures, the
+// function returns them as T2, T3, T4, T5.
+const METRES = [
+  ['metres'],
+  1,
+  'vec4(BokehLinearDepth(BokehFetchNearest(depth, uv).r, depthKind, cameraNear, cameraFar))',
+];
+
+// 'SignedCoCMap' for layered and exact, whose passes read no depth; 'CoCMap' for paper
+const cocMap = (name) => [
+  ['coc'],
+  1,
+  `Bokeh${name}(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)`,
+];
+
+// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
+// second takes four: it gets the last one for the rest, and does not read it.
+const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
+const four = (names) => names.concat(Array(4 - names.length).fill(names.at(-1))).join(', ');
+
+const FRAMES = {
+  layered(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const near = between('nearTarget', sides);
+    const far = between('farTarget', sides);
+    const [rows, columns] = ['vec2(1.0, 0.0)', 'vec2(0.0, 1.0)'];
+    return [
+      [['tiles'], 8, 'BokehLayerTiles(coc, uv, layers)'],
+      [['reachAlongRows'], 8, `BokehLayerReach(tiles, uv, ${rows}, layers)`],
+      [['reach'], 8, `BokehLayerReach(reachAlongRows, uv, ${columns}, layers)`],
+      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, reach, uv, layers)'],
+      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, leftovers, uv, layers)'],
+      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, tileSums, reach, uv, ${rows}, layers)`],
+      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, rowSums, reach, uv, layers)'],
+      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, reach, uv, layers)'],
+      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, farWithHoles, shares, reach, uv, layers)'],
+      [near, 2, `BokehLayerFirst(near, sizes, uv, false, layers)${one}`],
+      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
+      [far, 2, `BokehLayerFirst(far, sizes, uv, true, layers)${one}`],
+      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
+      [['result'], 1, 'BokehLayered(coc, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
+    ];
+  },
+
+  exact(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const targets = between('target', sides);
+    return [
+      [targets, 1, `BokehExactFirst(coc, uv, polygon, settings)${one}`],
+      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
+    ];
+  },
+
+  // Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
+  paper(sides) {
+    const line = (degrees, from) => {
+      const segment = `BokehSegment(radians(${degrees}.0) + rotation, 1.0, vec2(0.0, 0.0), squeeze)`;
+      return `BokehDepthOfFieldAdaptive(${from}, metres, uv, ${segment}, settings, true)`;
+    };
+    const combined = (a, b) => `BokehCombine(${a}, BokehFetch(${b}, uv), false)`;
+    if (sides === 6) {
+      return [
+        [['line1'], 1, line(90, 'coc')],
+        [['line2'], 1, line(30, 'line1')],
+        [['result'], 1, combined(line(150, 'line1'), 'line2')],
+      ];
+    }
+    return [
+      [['line1'], 1, line(0, 'coc')],
+      [['line2'], 1, line(90, 'line1')],
+      [['line3'], 1, line(45, 'coc')],
+      [['result'], 1, combined(line(135, 'line3'), 'line2')],
+    ];
+  },
 };
+
+const VIEWS = [
+  'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
+  'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
+  'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
+];
+const DEBUG = [['result'], 1, `debugMode == 1 ? ${VIEWS[0]} : debugMode == 2 ? ${VIEWS[1]} : ${VIEWS[2]}`];
 
 const VERTEX = `
 out vec2 bokehUv;
@@ -21,96 +99,48 @@ void main()
     gl_Position = vec4(position.xy, 0.0, 1.0);
 }`;
 
-const INPUTS = `
-uniform sampler2D ColorSamp, ColorSampB, ColorSampC, ColorSampD, DepthSamp;
+const fragment = (textures, [writes, , call], sides, opaque) => `
+uniform sampler2D ${textures.join(', ')};
 uniform float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, rotation, squeeze, spacing;
-uniform float cameraNear, cameraFar, lineAngle;
+uniform float cameraNear, cameraFar;
 uniform vec2 imageSize;
 uniform int depthKind, debugMode;
 in vec2 bokehUv;
+${writes.map((_, i) => `layout(location = ${i}) out vec4 T${i + 2};`).join('\n')}
 
-BokehFilter filterSettings()
+void main()
 {
+    vec2 uv = bokehUv;
+    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     BokehFilter settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    return settings;
-}
-`;
-
-// Depth in metres, for the map of the circle of confusion; the paper's lines and the debug views read it too
-const METRES = `
-out float metres;
-void main()
-{
-    metres = BokehLinearDepth(BokehFetchNearest(DepthSamp, bokehUv).r, depthKind, cameraNear, cameraFar);
-}`;
-
-// 'SignedCoCMap' for exact, whose passes read no depth; 'CoCMap' for paper
-const cocMap = (name) => `
-out vec4 result;
-void main()
-{
-    result = Bokeh${name}(ColorSamp, DepthSamp, bokehUv, apertureDiameter, focalLength, focusDistance, sensorHeight,
-        maxCoC);
-}`;
-
-// As many targets as there are edges less one: T2, T3 for the hexagon
-const exactFirst = (sides, names = ['T2', 'T3', 'T4', 'T5'].slice(0, sides / 2 - 1)) => `
-${names.map((name, i) => `layout(location = ${i}) out vec4 ${name};`).join('\n')}
-void main()
-{
-    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    BokehTargets targets = BokehExactFirst(ColorSamp, bokehUv, polygon, filterSettings());
-    ${names.map((name) => `${name} = targets.${name};`).join('\n    ')}
-}`;
-
-const exactSecond = (sides, opaque) => `
-out vec4 result;
-void main()
-{
-    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    result = BokehExactSecond(ColorSamp, ColorSampB, ColorSampC, ColorSampD, bokehUv, polygon, filterSettings());
-    ${opaque ? 'result.a = 1.0;' : ''}
-}`;
-
-// One line of the paper's method; the last one is combined with the parallelogram that is finished
-const line = (last, opaque) => `
-out vec4 result;
-void main()
-{
-    vec4 segment = BokehSegment(lineAngle + rotation, 1.0, vec2(0.0, 0.0), squeeze);
-    result = BokehDepthOfFieldAdaptive(ColorSamp, DepthSamp, bokehUv, segment, filterSettings(), true);
-    ${last ? 'result = BokehCombine(result, BokehFetch(ColorSampB, bokehUv), false);' : ''}
-    ${opaque ? 'result.a = 1.0;' : ''}
-}`;
-
-const DEBUG = `
-out vec4 result;
-void main()
-{
-    float CoC = BokehFetch(ColorSamp, bokehUv).a;
-    float S2 = BokehFetchNearest(DepthSamp, bokehUv).r;
-    result = BokehDebugDepth(S2, focusDistance);
-    if (debugMode == 2) { result = BokehDebugCoC(CoC, maxCoC); }
-    if (debugMode == 3) { result = BokehDebugFocus(S2, focusDistance, CoC, maxCoC); }
+    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `T2 = ${call};`}
+    ${writes.length > 1 ? writes.map((_, i) => `T${i + 2} = targets.T${i + 2};`).join(' ') : ''}
+    ${opaque ? 'T2.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokehPass extends Pass {
-  // library  the text of bokeh.glsl
+  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order
   // camera   the camera that the scene is drawn with
-  // method   'exact': two passes, light adds up; 'paper': lines and min, a target less
-  // sides    6 or 8; exact has 4 and 10 as well
-  // samples  at most so many on an edge or a line
-  // opaque   false: alpha is the circle of confusion in the end too, signed for exact. A canvas would take it for
+  // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //          confusion, fewer passes; 'paper': lines and min, a target less
+  // sides    6 or 8; layered and exact have 4 and 10 as well
+  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  // samples  of exact and paper: at most so many on an edge or a line
+  // opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
   //          transparency.
-  constructor(library, camera, { method = 'exact', sides = 6, samples = 33, opaque = true } = {}) {
+  constructor(
+    library,
+    camera,
+    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true } = {},
+  ) {
     super();
     this.camera = camera;
-    this.method = method;
-    this.sides = sides;
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
-    // (pixels between samples). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
+    // (pixels between samples of exact and paper). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far
+    // field.
     this.uniforms = {
       apertureDiameter: { value: 0.05 },
       focalLength: { value: 0.05 },
@@ -125,42 +155,32 @@ export class PolygonBokehPass extends Pass {
       cameraNear: { value: 0 },
       cameraFar: { value: 0 },
       imageSize: { value: new Vector2(1, 1) },
-      lineAngle: { value: 0 },
     };
-    for (const name of ['ColorSamp', 'ColorSampB', 'ColorSampC', 'ColorSampD', 'DepthSamp']) {
-      this.uniforms[name] = { value: null };
-    }
 
-    const material = (main) =>
+    const map = cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap');
+    const frame = [METRES, map, ...FRAMES[method](sides)];
+    // WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
+    const float = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
+    this.textures = { color: { value: null }, depth: { value: null } };
+    const made = frame.slice(0, -1).map(([writes, scale]) => {
+      const type = writes[0] === 'metres' ? float : { type: HalfFloatType };
+      const target = new WebGLRenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });
+      writes.forEach((name, i) => (this.textures[name] = { value: target.textures[i] }));
+      return { writes, scale, target };
+    });
+    const material = (row) =>
       new ShaderMaterial({
         glslVersion: GLSL3,
-        defines: { BOKEH_NUM_SAMPLES: samples },
-        uniforms: this.uniforms, // the same ones in every pass
+        defines: { BOKEH_NUM_SAMPLES: samples, [`BOKEH_PRESET_${preset}`]: 1 },
+        uniforms: { ...this.uniforms, ...this.textures }, // the same ones in every pass
         vertexShader: VERTEX,
-        fragmentShader: library + INPUTS + main,
-        blending: NoBlending, // alpha is the circle of confusion
+        fragmentShader: library + fragment(Object.keys(this.textures), row, sides, opaque && row[0][0] === 'result'),
+        blending: NoBlending, // alpha is the circle of confusion, or a layer's share
         depthTest: false,
         depthWrite: false,
       });
-    this.materials = { metres: material(METRES), debug: material(DEBUG) };
-    this.materials.cocMap = material(cocMap(method === 'exact' ? 'SignedCoCMap' : 'CoCMap'));
-    if (method === 'exact') {
-      this.materials.first = material(exactFirst(sides));
-      this.materials.second = material(exactSecond(sides, opaque));
-    } else {
-      this.materials.line = material(line(false, false));
-      this.materials.lastLine = material(line(true, opaque));
-    }
-
-    const half = { type: HalfFloatType, depthBuffer: false };
-    // WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
-    const nearest = { minFilter: NearestFilter, magFilter: NearestFilter };
-    this.depth = new WebGLRenderTarget(1, 1, { type: FloatType, format: RedFormat, depthBuffer: false, ...nearest });
-    this.coc = new WebGLRenderTarget(1, 1, half);
-    this.targets =
-      method === 'exact'
-        ? [new WebGLRenderTarget(1, 1, { ...half, count: sides / 2 - 1 })]
-        : [new WebGLRenderTarget(1, 1, half), new WebGLRenderTarget(1, 1, half)];
+    this.passes = frame.map((row, i) => ({ ...made[i], material: material(row) }));
+    this.debug = [...this.passes.slice(0, 2), { material: material(DEBUG) }];
     this.quad = new FullScreenQuad();
   }
 
@@ -170,23 +190,22 @@ export class PolygonBokehPass extends Pass {
   }
 
   setSize(width, height) {
-    for (const target of [this.depth, this.coc, ...this.targets]) target.setSize(width, height);
+    for (const { target, scale } of this.passes) target?.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
     this.uniforms.imageSize.value.set(width, height);
   }
 
   render(renderer, writeBuffer, readBuffer) {
-    const { cocMap, debug, metres } = this.materials;
-    const output = this.renderToScreen ? null : writeBuffer;
     this.uniforms.depthKind.value = this.depthKind(renderer);
     this.uniforms.cameraNear.value = this.camera.near;
     this.uniforms.cameraFar.value = this.camera.far;
-    this.uniforms.DepthSamp.value = readBuffer.depthTexture;
-    this.draw(renderer, metres, this.depth);
-    this.uniforms.DepthSamp.value = this.depth.texture;
-    this.draw(renderer, cocMap, this.coc, readBuffer.texture);
-    if (this.uniforms.debugMode.value > 0) this.draw(renderer, debug, output, this.coc.texture);
-    else if (this.method === 'exact') this.drawExact(renderer, output);
-    else this.drawPaper(renderer, output);
+    this.textures.color.value = readBuffer.texture;
+    this.textures.depth.value = readBuffer.depthTexture;
+    const output = this.renderToScreen ? null : writeBuffer;
+    for (const { material, target = output } of this.uniforms.debugMode.value > 0 ? this.debug : this.passes) {
+      this.quad.material = material;
+      renderer.setRenderTarget(target);
+      this.quad.render(renderer);
+    }
   }
 
   // What the depth texture holds, as BokehLinearDepth counts. three.js itself leaves the logarithm of 1 + metres out
@@ -198,41 +217,11 @@ export class PolygonBokehPass extends Pass {
     return reversedDepth ? 2 : 1;
   }
 
-  drawExact(renderer, output) {
-    const { first, second } = this.materials;
-    const [targets] = this.targets;
-    this.draw(renderer, first, targets, this.coc.texture);
-    this.draw(renderer, second, output, ...targets.textures);
-  }
-
-  drawPaper(renderer, output) {
-    const { line, lastLine } = this.materials;
-    const [one, finished] = this.targets;
-    const [[a, b], [c, d]] = LINES[this.sides].map((pair) => pair.map((angle) => (angle * Math.PI) / 180));
-    this.drawLine(renderer, line, a, one, this.coc.texture);
-    this.drawLine(renderer, line, b, finished, one.texture);
-    if (c !== a) this.drawLine(renderer, line, c, one, this.coc.texture);
-    this.drawLine(renderer, lastLine, d, output, one.texture, finished.texture);
-  }
-
-  drawLine(renderer, material, angle, target, ...colors) {
-    this.uniforms.lineAngle.value = angle;
-    this.draw(renderer, material, target, ...colors);
-  }
-
-  // Where a pass reads fewer textures than there are uniforms, the rest gets the last one: it is not read.
-  draw(renderer, material, target, ...colors) {
-    ['ColorSamp', 'ColorSampB', 'ColorSampC', 'ColorSampD'].forEach((name, i) => {
-      this.uniforms[name].value = colors[Math.min(i, colors.length - 1)] ?? null;
-    });
-    this.quad.material = material;
-    renderer.setRenderTarget(target);
-    this.quad.render(renderer);
-  }
-
   dispose() {
-    for (const target of [this.depth, this.coc, ...this.targets]) target.dispose();
-    for (const material of Object.values(this.materials)) material.dispose();
+    for (const { target, material } of [...this.passes, ...this.debug]) {
+      target?.dispose();
+      material.dispose();
+    }
     this.quad.dispose();
   }
 }

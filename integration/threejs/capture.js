@@ -5,6 +5,7 @@ import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
 const WIDTH = 320;
 const HEIGHT = 240;
 const SHAPES = {
+  layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
   exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
   paper: { hexagon: 6, octagon: 8 },
 };
@@ -12,6 +13,7 @@ const SHAPES = {
 // How each sample is asked.
 //   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
 //   read(frame)                   its pixels, first row in memory first: { color, depth, result }
+//   readPasses(frame)             what every pass wrote, in the order of docs/passes.md
 //   picture(frame)                what a canvas shows, a PNG
 //   other(options)                another renderer, with another kind of depth buffer
 const samples = {
@@ -20,10 +22,10 @@ const samples = {
     const sample = await import('./webgl.js');
     const gl = sample.renderer.getContext();
     const names = gl.getExtension('WEBGL_debug_renderer_info');
-    const pixels = (renderer, target, Type, channels) => {
+    const pixels = (renderer, target, Type, channels, index = 0) => {
       const { width, height } = target;
       const into = new Type(width * height * channels);
-      renderer.readRenderTargetPixels(target, 0, 0, width, height, into);
+      renderer.readRenderTargetPixels(target, 0, 0, width, height, into, undefined, index);
       return into;
     };
     return {
@@ -42,7 +44,11 @@ const samples = {
         // the buffers were swapped twice: after the bokeh and after the output
         const color = pixels(renderer, composer.readBuffer, Uint16Array, 4);
         const result = pixels(renderer, composer.writeBuffer, Uint16Array, 4);
-        return { color, depth: pixels(renderer, bokeh.depth, Float32Array, 1), result };
+        return { color, depth: pixels(renderer, bokeh.passes[0].target, Float32Array, 1), result };
+      },
+      readPasses({ composer, bokeh, renderer }) {
+        const passes = bokeh.passes.map(({ target = composer.writeBuffer }) => ({ target }));
+        return written({ passes }, (target, i) => pixels(renderer, target, Uint16Array, 4, i));
       },
       picture: ({ renderer }) => new Promise((done) => renderer.domElement.toBlob(done)),
       other: (options) => new WebGLRenderer(options),
@@ -53,8 +59,8 @@ const samples = {
     const { RenderTarget, WebGPURenderer } = await import('three/webgpu');
     const sample = await import('./webgpu.js');
     const { vendor, architecture, description } = sample.renderer.backend.device.adapterInfo;
-    const pixels = (renderer, target) => {
-      return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height);
+    const pixels = (renderer, target, index) => {
+      return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height, index);
     };
     return {
       ...sample,
@@ -73,9 +79,10 @@ const samples = {
       },
       async read({ bokeh, renderer }) {
         const color = await pixels(renderer, bokeh.scenePass.renderTarget);
-        const result = await pixels(renderer, bokeh.result);
-        return { color, depth: await pixels(renderer, bokeh.depth), result };
+        const result = await pixels(renderer, bokeh.passes.at(-1).target);
+        return { color, depth: await pixels(renderer, bokeh.passes[0].target), result };
       },
+      readPasses: ({ bokeh, renderer }) => written(bokeh, (target, i) => pixels(renderer, target, i)),
       async picture({ renderer, target }) {
         const shown = new Uint8ClampedArray((await pixels(renderer, target)).buffer);
         const canvas = new OffscreenCanvas(target.width, target.height);
@@ -91,6 +98,15 @@ const samples = {
   },
 };
 
+// All that the passes after the metres wrote, one after the other
+async function written({ passes }, pixels) {
+  const found = [];
+  for (const { target } of passes.slice(1)) {
+    for (const i of target.textures.keys()) found.push(new Uint8Array((await pixels(target, i)).buffer));
+  }
+  return new Uint8Array(await new Blob(found).arrayBuffer());
+}
+
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
 // { data: what capture.json holds, files: name -> base64 } of 'webgl' or 'webgpu'
@@ -103,11 +119,17 @@ export async function capture(kind) {
   for (const [method, shapes] of Object.entries(SHAPES)) {
     for (const [aperture, sides] of Object.entries(shapes)) {
       const name = `${method}-${aperture}`;
-      const frame = sample.draw({ method, sides, opaque: false }, [WIDTH, HEIGHT]);
-      const shot = { name, method, aperture, max_samples: 33, ...settings(frame.bokeh.uniforms) };
+      // a size that 2, 4 and 8 do not divide, where there are smaller targets
+      const [width, height] = method === 'layered' ? [WIDTH - 3, HEIGHT - 3] : [WIDTH, HEIGHT];
+      const frame = sample.draw({ method, sides, opaque: false }, [width, height]);
+      const shot = { name, method, aperture, width, height, max_samples: 33, ...settings(frame.bokeh.uniforms) };
       for (const [what, array] of Object.entries(await sample.read(frame))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);
+      }
+      if (method === 'layered') {
+        shot.written = `${name}.written`;
+        files[shot.written] = base64(await sample.readPasses(frame));
       }
       data.shots.push(shot);
     }

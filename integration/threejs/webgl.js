@@ -10,7 +10,8 @@ import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
-const library = await (await fetch('../../glsl/bokeh.glsl')).text();
+const text = async (name) => (await fetch(`../../glsl/${name}`)).text();
+const library = (await text('bokeh.glsl')) + (await text('bokeh_layers.glsl'));
 
 // { composer, bokeh }: the scene with depth of field. `options` are those of PolygonBokehPass.
 export function addBokeh(renderer, scene, camera, options) {

@@ -7,7 +7,8 @@ import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
-const library = await (await fetch('../../wgsl/bokeh.wgsl')).text();
+const text = async (name) => (await fetch(`../../wgsl/${name}`)).text();
+const library = (await text('bokeh.wgsl')) + (await text('bokeh_layers.wgsl'));
 
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {

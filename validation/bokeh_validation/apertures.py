@@ -12,7 +12,7 @@ APERTURES = ("square", "diamond", "hexagon", "octagon", "star")
 # Regular polygons that decomposition.py makes: number of sides, inscribed in the CoC, first corner straight up
 POLYGONS = {"triangle": 3, "pentagon": 5, "heptagon": 7, "decagon": 10}
 NAMES = (*APERTURES, *POLYGONS)
-METHODS = ("paper", "naive", "exact")
+METHODS = ("paper", "naive", "exact", "layered")
 
 
 @dataclass(frozen=True)

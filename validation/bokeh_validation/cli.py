@@ -203,7 +203,11 @@ def render(
         Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
     ],
     method: Annotated[
-        str, typer.Option(help="exact (polygons with an even number of sides), paper or naive.")
+        str,
+        typer.Option(
+            help="exact (polygons with an even number of sides), layered (the same, and near objects spread), paper "
+            "or naive."
+        ),
     ] = "exact",
     aperture: Annotated[
         str,
@@ -226,8 +230,9 @@ def render(
         float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")
     ] = 1.0,
     targets: Annotated[
-        bool, typer.Option("--mrt/--no-mrt", help="exact: write several targets in the first pass.")
+        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
     ] = True,
+    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
     rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
     aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
     focal_length: Annotated[float, typer.Option(help="Metres.")] = 0.05,
@@ -267,6 +272,7 @@ def render(
         frame=frame,
         squeeze=squeeze,
         targets=targets,
+        quality=quality,
     )
     if coc is not None and coc > max_coc:
         raise UserError(
@@ -275,6 +281,38 @@ def render(
     request = rendering.Request(source, target, settings, depth_channel, layer, driver, adapter, png)
     result, used = rendering.render(request)
     console.print(f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})")
+
+
+@app.command()
+def plan(
+    method: Annotated[str, typer.Option(help="exact, layered, paper or naive.")] = "exact",
+    aperture: Annotated[str, typer.Option(help="As render's.")] = "hexagon",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, pixels.")] = "1920x1080",
+    targets: Annotated[
+        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
+    ] = True,
+    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")] = None,
+    docs: Annotated[
+        bool, typer.Option("--docs", help="Rewrite the tables of docs/passes.md, and nothing else.")
+    ] = False,
+) -> None:
+    """Every pass of a method in order: entry, inputs, targets, sizes, formats, filters, parameters."""
+    from bokeh_validation import exr, frame, methods
+
+    if docs:
+        page = frame.page(frame.PAGE.read_text(encoding="utf-8"))
+        exr.check_writable(frame.PAGE)
+        exr.whole(frame.PAGE, lambda partial: partial.write_text(page, encoding="utf-8"))
+        return
+    settings = methods.Settings(method, aperture, targets=targets, quality=quality)
+    found = frame.frame(settings, frame.parsed_size(size))
+    if json_file is not None:
+        exr.check_writable(json_file)
+        text = json.dumps(found, indent=1)
+        exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    for line in frame.lines(found):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -326,6 +364,46 @@ def shapes(driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
     for line in quality.markdown(rows):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
     console.print(f"CoC {quality.COC:g} pixels, {used.name} ({used.adapter})", markup=False, highlight=False)
+
+
+@app.command()
+def truth(
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="pinhole, paper, exact, gather, scatter or layered; may be given again. Default: all."),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+    ] = None,
+    quality: Annotated[
+        list[str] | None, typer.Option(help="layered: low, medium, high or ultra. Default: low and medium.")
+    ] = None,
+    driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
+    adapter: AdapterOption = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the numbers here as well.")] = None,
+    folder: Annotated[
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/likeness.md here.")
+    ] = None,
+) -> None:
+    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
+    from bokeh_validation import exr, likeness
+    from bokeh_validation import render as rendering
+
+    labels, scenes = likeness.labels(method, quality), likeness.scenes(scene)
+    if json_file is not None:
+        exr.check_writable(json_file)
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
+    used = rendering.pick_driver(driver, adapter)
+    bar, step = _progress("truth", len(scenes) * len(labels))
+    with bar:
+        rows = likeness.measured(used, scenes, labels, folder, step)
+    if json_file is not None:
+        text = json.dumps(likeness.as_json(used, rows), indent=1)
+        exr.whole(json_file, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    for line in likeness.markdown(rows):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+    console.print(f"FLIP, PSNR, light; {used.name} ({used.adapter})", markup=False, highlight=False)
 
 
 @app.command()
@@ -553,7 +631,8 @@ def _run_engine(name: str):
     console.print(f"{name}: {capture.engine} on {capture.device}", highlight=False)
     for shot in capture.shots:
         state = "[green]ok[/]" if shot.comparison.ok else "[red]FAILED[/]"
-        console.print(f"  {shot.name}: {shot.comparison} {state}", highlight=False)
+        where = "".join(f"; {name}: {count}" for name, count in shot.outside.items())
+        console.print(f"  {shot.name}: {shot.comparison}{where} {state}", highlight=False)
     return capture, capture.ok
 
 

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, replace
 
 RULE = "// " + "-" * 97 + "\n"
-HEADING = re.compile(rf"^{RULE}// \[(\d)\] (.+)\n{RULE}", re.MULTILINE)
+HEADING = re.compile(rf"^{RULE}// \[(\d+)\] (.+)\n{RULE}", re.MULTILINE)
 FUNCTION = re.compile(
     r"^(?P<doc>(?://[^\n]*\n)*)(?P<head>(?:@\w+ )?\w+ (?P<name>\w+)\([^{};]*)\n(?P<body>\{\n.*?^\})$",
     re.MULTILINE | re.DOTALL,
@@ -20,7 +20,7 @@ MARK = re.compile(r"// differs:(.*)")
 
 @dataclass(frozen=True)
 class Section:
-    """A numbered section of a library: [1] to [9]; its text without the heading, which begins on `line`."""
+    """A numbered section: [1] to [9] of a library, [10] and up of the layers; text without heading, from `line` on."""
 
     number: int
     title: str

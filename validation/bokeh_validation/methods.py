@@ -41,7 +41,8 @@ class Settings:
     jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
     frame        number of the frame: the noise is another in each
     squeeze      width of the bokeh over its height
-    targets      whether a pass may write several targets; exact only
+    targets      whether a pass may write several targets; exact and layered only
+    quality      of layered, one of QUALITIES
     """
 
     method: str = "paper"
@@ -60,6 +61,7 @@ class Settings:
     frame: int = 0
     squeeze: float = 1.0
     targets: bool = True
+    quality: str = "medium"
 
     @property
     def count(self) -> int:
@@ -69,6 +71,8 @@ class Settings:
         return default_samples(self.method, self.aperture) if self.samples is None else self.samples
 
 
+# Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
+QUALITIES = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
 # Sides of the polygons that are exact, with the name that their entries begin with
 EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
 PAPER_SAMPLES = 13
@@ -79,7 +83,7 @@ EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
 
 def default_samples(method: str, aperture: str) -> int:
     """Samples on a line where nobody says: 13 as in the paper's section 4.3, and as dense in the exact method."""
-    return EDGE_SAMPLES.get(aperture, PAPER_SAMPLES) if method == "exact" else PAPER_SAMPLES
+    return EDGE_SAMPLES.get(aperture, PAPER_SAMPLES) if method in ("exact", "layered") else PAPER_SAMPLES
 
 
 @dataclass(frozen=True)
@@ -207,6 +211,56 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     return Plan(tuple(passes), {})
 
 
+SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
+
+
+def layered(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Near and far layers at half size and a small gather of the rest: bokeh_layers.*. The last pass writes 'result'.
+
+    Without several targets, a pass of several is drawn once for each.
+    """
+    sides = EXACT[settings.aperture]
+    stem = f"Bokeh{settings.aperture.capitalize()}Layer"
+    constants = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
+    defines = dict(zip(constants, QUALITIES[settings.quality], strict=True))
+    common = _filter_parameters(settings, size) | {
+        "BokehMaxCoC": settings.camera.max_coc,
+        "BokehAngle": radians(settings.rotation),
+        "BokehSides": float(sides),
+    }
+    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
+
+    def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
+        values = {**common, **changed}
+        read = dict(zip(SLOTS, inputs, strict=False))
+        if len(outputs) == 1 or settings.targets:
+            passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
+            return
+        one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
+        for k, name in enumerate(outputs, 2):
+            values = {**values, "BokehEdge": float(k)}
+            passes.append(Pass(one, read, name, values, settings.count, defines, scale=scale))
+
+    add(8, "BokehLayerTiles", ("coc",), ("tiles",))
+    add(8, "BokehLayerReach", ("tiles",), ("reach along rows",))
+    add(8, "BokehLayerReach", ("reach along rows",), ("reach",), BokehAxis=1.0)
+    add(2, "BokehLayerSplit", ("coc", "reach"), ("near", "far", "sums", "leftovers"))
+    add(8, "BokehLayerKernels", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
+    add(8, "BokehLayerSpread", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
+    add(8, "BokehLayerSizes", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
+    add(4, "BokehLayerHoles", ("coc", "reach"), ("middle with holes", "far with holes", "shares"))
+    add(4, "BokehLayerFill", ("middle with holes", "far with holes", "shares", "reach"), ("middle", "back"))
+    for index, layer in enumerate(("near", "far")):
+        names = tuple(f"{layer} target {k}" for k in range(2, sides // 2 + 1))
+        add(2, stem + "First", (layer, "sizes"), names, BokehLayer=float(index))
+        # the CoC are in the fifth slot, whatever the number of targets
+        read = dict(zip(SLOTS, names, strict=False)) | {"ColorSampE": "sizes"}
+        values = {**common, "BokehLayer": float(index)}
+        passes.append(Pass(stem + "Second", read, f"{layer} blurred", values, settings.count, defines, scale=2))
+    add(1, "BokehLayered", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
+    return Plan(tuple(passes), {})
+
+
 def naive(settings: Settings, size: tuple[int, int]) -> Plan:
     """Section 3: one gather with the aperture's table of offsets."""
     table = apertures.kernel(settings.aperture, settings.count, settings.rotation)
@@ -247,22 +301,8 @@ def kernel_texture(table: np.ndarray) -> np.ndarray:
     return texture
 
 
-def fetches(passes: tuple[Pass, ...]) -> int:
-    """Colour fetches a pixel of all filter passes: samples of every line, the pixel itself, other textures read."""
-    total = 0
-    for item in passes:
-        stem = item.entry.removeprefix("Bokeh")
-        if stem in ("LinearDepth", "CoCMap", "SignedCoCMap", "ConstantCoC", "Debug"):
-            continue
-        sides = EXACT.get(stem.removesuffix("First").removesuffix("Second").lower())
-        lines = sides // 2 - 1 if sides else 1
-        if stem == "ExactEdge":
-            lines = round(item.values()["BokehEdge"]) - 1
-        others = 1 if stem.endswith("Final") else 0
-        total += 1 + others + lines * (item.samples**2 if stem == "NaiveGrid" else item.samples)
-    return total
-
-
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
     """The passes of `settings.method`."""
-    return {"paper": paper, "exact": exact, "naive": naive, "naive-grid": naive_grid}[settings.method](settings, size)
+    return {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}[
+        settings.method
+    ](settings, size)

@@ -26,12 +26,15 @@ from bokeh_validation.passes import PARAMETERS
 LANGUAGES = paths.LANGUAGES
 PAPER = "docs/paper.md"
 LIBRARY = {language: f"{language}/bokeh.{language}" for language in LANGUAGES}
+LAYERS = {language: f"{language}/bokeh_layers.{language}" for language in LANGUAGES}
 PASSES = {language: f"{language}/bokeh_passes.{language}" for language in LANGUAGES}
-NUMBERS = tuple(range(1, 10))
-CONFIGURATION, PORTING = 1, 2
+NUMBERS = {"library": tuple(range(1, 10)), "layers": tuple(range(10, 14))}
+CONFIGURATION, PORTING, LAYERED = 1, 2, 10
 # Section [2] is each language's own business up to here, and so are the bodies of these functions
 SHARED_PORTING = "// where the image lies in its textures"
-FETCHES = ("BokehFetch", "BokehFetchNearest", "BokehFetchTable")
+FETCHES = ("BokehFetchTexture", "BokehFetchNearest", "BokehFetchTable")
+# Section [10] is configuration up to here
+SHARED_LAYERS = "// Layers: where the image lies"
 # In the passes, the last heading: from here on are helpers and entries
 ENTRIES = re.compile(r"^// (?:pixel|fragment) shaders\n// -+\n", re.MULTILINE)
 TARGETS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
@@ -72,22 +75,29 @@ def check(texts: Texts | None = None) -> list[Difference]:
     that file; files not named are read from the checkout.
     """
     files = _files(texts)
-    libraries = {language: files[LIBRARY[language]] for language in LANGUAGES}
-    passes = {language: files[PASSES[language]] for language in LANGUAGES}
+    libraries, layers, passes = (
+        {language: files[keys[language]] for language in LANGUAGES} for keys in (LIBRARY, LAYERS, PASSES)
+    )
     found = []
     for language in LANGUAGES:
         found += _ruled(LIBRARY[language], libraries[language], language, True)
+        found += _ruled(LAYERS[language], layers[language], language, True)
         found += _ruled(PASSES[language], passes[language], language, False)
-    found += _unequal("[0] header", {key: _header(key, text) for key, text in libraries.items()})
-    for language, text in libraries.items():
-        numbers = [section.number for section in listing.sections(text)]
-        if numbers != list(NUMBERS):
-            found.append(Difference(LIBRARY[language], "sections are not [1] to [9] in this order"))
-    sampled = {language: _sampled(language, text) for language, text in libraries.items()}
-    found += _unequal("functions", {key: sorted(sampled[key]) for key in ("hlsl", "wgsl")}, "with a sampler")
+    for kind, keys, texts in (("library", LIBRARY, libraries), ("layers", LAYERS, layers)):
+        found += _unequal(f"[0] header of the {kind}", {key: _header(key, text) for key, text in texts.items()})
+        for language, text in texts.items():
+            numbers, wanted = [section.number for section in listing.sections(text)], NUMBERS[kind]
+            if numbers != list(wanted):
+                what = f"sections are not [{wanted[0]}] to [{wanted[-1]}] in this order"
+                found.append(Difference(keys[language], what))
+        sampled = {language: _sampled(language, text) for language, text in texts.items()}
+        found += _unequal("functions", {key: sorted(sampled[key]) for key in ("hlsl", "wgsl")}, "with a sampler")
     found += _compared({key: _library(key, text) for key, text in libraries.items()})
-    found += _configuration(libraries)
-    found += _compared({key: _passes(key, text, libraries[key]) for key, text in passes.items()}, "passes, ")
+    found += _compared({key: _library(key, text, libraries[key]) for key, text in layers.items()})
+    found += _configuration(libraries, CONFIGURATION)
+    found += _configuration(layers, LAYERED)
+    filters = {key: libraries[key] + layers[key] for key in LANGUAGES}
+    found += _compared({key: _passes(key, text, filters[key]) for key, text in passes.items()}, "passes, ")
     found += _interface(passes)
     found += _reasons(files)
     return found
@@ -105,9 +115,9 @@ def deviations(texts: Texts | None = None) -> list[Deviation]:
 
 
 def columns(name: str, texts: Texts | None = None) -> dict[str, str]:
-    """Language -> text of a library function with its doc comment; empty where the language lacks it."""
+    """Language -> text of a function of the library or the layers, with its doc comment; empty where it is missing."""
     files = _files(texts)
-    found = {language: listing.functions(files[LIBRARY[language]]) for language in LANGUAGES}
+    found = {key: listing.functions(files[LIBRARY[key]] + files[LAYERS[key]]) for key in LANGUAGES}
     names = list(dict.fromkeys(function.name for one in found.values() for function in one))
     if name not in names:
         raise UserError(f"no function {name!r} in the libraries. There are: {', '.join(names)}.")
@@ -115,15 +125,15 @@ def columns(name: str, texts: Texts | None = None) -> dict[str, str]:
 
 
 def render_columns(name: str, console: Console | None = None, texts: Texts | None = None) -> None:
-    """Print a library function in three columns, statement beside statement: differences red, marked lines yellow."""
+    """Print such a function in three columns, statement beside statement: differences red, marked lines yellow."""
+    files = _files(texts)
     table = Table(title=name, show_lines=False, expand=True)
     written, common = {}, {}
     for language, text in columns(name, texts).items():
         table.add_column(language.upper(), ratio=1, overflow="fold")
         written[language] = listing.statements(text)
-        common[language] = listing.statements(
-            _to_glsl(language, text, _sampled(language, _files(texts)[LIBRARY[language]]))
-        )
+        sampled = _sampled(language, files[LIBRARY[language]] + files[LAYERS[language]])
+        common[language] = listing.statements(_to_glsl(language, text, sampled))
     for row, same in zip_longest(zip_longest(*written.values()), zip_longest(*common.values()), fillvalue=(None,) * 3):
         alike = len({one.words for one in same if one and one.reason is None}) < 2 and None not in same
         marked = any(one and one.reason is not None for one in same)
@@ -138,9 +148,9 @@ def render_columns(name: str, console: Console | None = None, texts: Texts | Non
 
 
 def _files(texts: Texts | None) -> dict[str, str]:
-    """All six shader files and docs/paper.md by their path, from `texts` or the checkout."""
+    """All nine shader files and docs/paper.md by their path, from `texts` or the checkout."""
     given = {fspath(key).replace("\\", "/"): text for key, text in (texts or {}).items()}
-    known = [*LIBRARY.values(), *PASSES.values(), PAPER]
+    known = [*LIBRARY.values(), *LAYERS.values(), *PASSES.values(), PAPER]
     unknown = sorted(set(given) - set(known))
     if unknown:
         raise UserError(f"{unknown[0]}: not a file of the parity check. It knows {', '.join(known)}.")
@@ -261,14 +271,17 @@ def _struct(found: re.Match) -> str:
 REWRITES: Mapping[str, Callable[[str, str], str]] = {"hlsl": _hlsl, "glsl": lambda text, _: text, "wgsl": _wgsl}
 
 
-def _library(language: str, text: str) -> list[Statement]:
-    """Sections [3] to [9], headings and all, and of [2] what is not each language's own."""
-    return list(_library_of(language, text))
+def _library(language: str, text: str, before: str = "") -> list[Statement]:
+    """All sections but [1], headings and all; of [2] what is not each language's own, of [10] no configuration.
+
+    before  the text that stands before it in a program
+    """
+    return list(_library_of(language, text, before))
 
 
 @lru_cache(maxsize=64)
-def _library_of(language: str, text: str) -> tuple[Statement, ...]:
-    common = _to_glsl(language, text, _sampled(language, text))
+def _library_of(language: str, text: str, before: str) -> tuple[Statement, ...]:
+    common = _to_glsl(language, text, _sampled(language, before) | _sampled(language, text))
     found: list[Statement] = []
     for section in listing.sections(common):
         found.append(Statement(f"[{section.number}] {section.title}", "", section.line))
@@ -276,6 +289,9 @@ def _library_of(language: str, text: str) -> tuple[Statement, ...]:
         if section.number == PORTING and SHARED_PORTING in part:
             line += part.count("\n", 0, part.index(SHARED_PORTING))
             part = listing.FUNCTION.sub(_without_body, part[part.index(SHARED_PORTING) :])
+        if section.number == LAYERED and SHARED_LAYERS in part:
+            line += part.count("\n", 0, part.index(SHARED_LAYERS))
+            part = part[part.index(SHARED_LAYERS) :]
         if section.number != CONFIGURATION:
             found += listing.statements(part, line)
     return tuple(found)
@@ -289,14 +305,16 @@ def _without_body(found: re.Match) -> str:
     return f"{first}\n{found['head']};" + "\n" * (rest.count("\n") + found["body"].count("\n") + 1)
 
 
-def _passes(language: str, text: str, library: str) -> list[Statement]:
-    """Helpers and entries."""
+def _passes(language: str, text: str, filters: str) -> list[Statement]:
+    """Helpers and entries. `filters`: library and layers."""
     start = ENTRIES.search(text)
     if not start:
         return []
     # the heads of entries are rewritten before they can be taken for functions
     body = ENTRY_HEADS[language](text[start.end() :])
-    sampled = _sampled(language, library) | _sampled(language, body)
+    # WGSL has no preprocessor: there the layers are always in the program
+    body = re.sub(r"^#ifdef BOKEH_LAYERS\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n", body, flags=re.MULTILINE)
+    sampled = _sampled(language, filters) | _sampled(language, body)
     common = _to_glsl(language, body, sampled)
     if language != "glsl":
         entry = re.compile(r"^(ENTRY \w+\(\)\n)(\{\n.*?^\})$", re.MULTILINE | re.DOTALL)
@@ -400,16 +418,18 @@ def _header(language: str, text: str) -> list[str]:
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# section [1]
+# sections [1] and [10]: configuration
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def _configuration(libraries: Mapping[str, str]) -> Iterator[Difference]:
+def _configuration(files: Mapping[str, str], number: int) -> Iterator[Difference]:
     """HLSL and GLSL are the same text. WGSL has the same comments, names and values, and no presets but their table."""
-    where = f"[{CONFIGURATION}]"
+    where = f"[{number}]"
     texts = {
-        language: next((part.text for part in listing.sections(text) if part.number == CONFIGURATION), "")
-        for language, text in libraries.items()
+        language: next((part.text for part in listing.sections(text) if part.number == number), "")
+        .partition(SHARED_LAYERS)[0]
+        .replace(f".{language}", ".LANGUAGE")
+        for language, text in files.items()
     }
     yield from _compared({key: listing.statements(texts[key]) for key in ("hlsl", "glsl")}, f"{where} ")
     comments = {key: [row for row in text.split("\n") if row.startswith("//")] for key, text in texts.items()}
@@ -424,9 +444,13 @@ def _configuration(libraries: Mapping[str, str]) -> Iterator[Difference]:
     table = re.findall(r"^//   (BOKEH_(?!PRESET)\w+) +(\S+)", texts["glsl"], re.MULTILINE)
     shown = [name if name in marked else f"{name} {value}" for name, value in table]
     yield from _unequal(where, {"table": shown, "code": rows["glsl"]}, "the table is not what the code does")
-    table = re.findall(r"^//   BOKEH_PRESET_(\w+) +(\S+) +(\S+)", texts["glsl"], re.MULTILINE)
-    code = [(name, *values) for name, values in presets(texts["glsl"]).items()]
-    shown = {"table": [" ".join(row) for row in table], "code": [" ".join(row) for row in code]}
+    table = [row.split() for row in re.findall(r"^//   BOKEH_PRESET_(\w+ +.*)", texts["glsl"], re.MULTILINE)]
+    known = presets(texts["glsl"])
+    known |= {row[0]: tuple(_plain(texts["glsl"]).values()) for row in table if row[-2:] == ["the", "default"]}
+    shown = {
+        "table": sorted(" ".join(row[: 1 + len(known.get(row[0], ()))]) for row in table),
+        "code": sorted(" ".join((name, *values)) for name, values in known.items()),
+    }
     yield from _unequal(where, shown, "the table is not what the presets are")
     for row in texts["wgsl"].split("\n"):
         if row and not row.startswith("//") and not WGSL_SETTING.match(row):
@@ -443,15 +467,20 @@ def settings(language: str, text: str) -> list[Setting]:
     if language == "wgsl":
         lines = (WGSL_SETTING.match(row) for row in text.split("\n"))
         return [(one[1], one[2] or one[3], one[4]) for one in lines if one]
-    plain = dict(re.findall(r"^#define (BOKEH_PRESET_\w+) (\S+)$", text.partition("#else\n")[2], re.MULTILINE))
+    plain = _plain(text)
     found = re.findall(r"^#ifndef (\w+)\n#define \1 ([^\s/]+)(?: // differs:(.*))?\n#endif$", text, re.MULTILINE)
     return [(name, plain.get(value, value), reason or None) for name, value, reason in found]
 
 
-def presets(text: str) -> dict[str, tuple[str, str]]:
-    """HLSL and GLSL: name -> BOKEH_NUM_SAMPLES, BOKEH_SPACING."""
-    preset = r"defined\(BOKEH_PRESET_(\w+)\)\n#define BOKEH_PRESET_SAMPLES (\S+)\n#define BOKEH_PRESET_SPACING (\S+)\n"
-    return {name: (samples, spacing) for name, samples, spacing in re.findall(preset, text)}
+def _plain(text: str) -> dict[str, str]:
+    """HLSL and GLSL: what the settings of the presets are without one."""
+    return dict(re.findall(r"^#define (BOKEH_PRESET_\w+) (\S+)$", text.partition("#else\n")[2], re.MULTILINE))
+
+
+def presets(text: str) -> dict[str, tuple[str, ...]]:
+    """HLSL and GLSL: name -> values: BOKEH_NUM_SAMPLES and BOKEH_SPACING, of the layers rings, cells and cubic."""
+    preset = r"defined\(BOKEH_PRESET_(\w+)\)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
+    return {name: tuple(line.split()[2] for line in lines.splitlines()) for name, lines in re.findall(preset, text)}
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -468,7 +497,8 @@ def _interface(texts: Mapping[str, str]) -> Iterator[Difference]:
         wanted = [f"{number} float {name}" for number, name in enumerate(PARAMETERS)]
         yield from _unequal(where, {language: _parameters(language, text), "harness": wanted}, "parameters")
     yield from _unequal("passes", {key: _table(key, text) for key, text in texts.items()}, "table in the header")
-    numbers = [" ".join(pair) for pair in re.findall(r"^#define (BOKEH_\w+) (\d+)$", texts["glsl"], re.MULTILINE)]
+    named = re.findall(r"^#define (BOKEH_(?!TARGETS )\w+) (\d+)$", texts["glsl"], re.MULTILINE)
+    numbers = [" ".join(pair) for pair in named]
     wanted = [f"{shaders.glsl_pass(entry)} {i}" for i, entry in enumerate((*shaders.ENTRIES, "BokehFullScreen"), 1)]
     yield from _unequal("glsl passes", {"glsl": numbers, "harness": wanted}, "values of BOKEH_PASS")
 

@@ -43,25 +43,58 @@ PARAMETERS: dict[str, float] = {
     "BokehTextureWidth": 1.0,
     "BokehTextureHeight": 1.0,
     "BokehPassIndex": 0.0,
+    "BokehAxis": 0.0,
+    "BokehLayer": 0.0,
 }
 
 # Texture slots in the order of their bindings.
-SLOTS = ("ColorSamp", "DepthSamp", "ColorSampB", "ColorSampC", "ColorSampD", "KernelSamp")
+SLOTS = (
+    "ColorSamp",
+    "DepthSamp",
+    "ColorSampB",
+    "ColorSampC",
+    "ColorSampD",
+    "KernelSamp",
+    "ColorSampE",
+    "ColorSampF",
+)
 # Slots that the filter passes sample with a linear filter; all else is fetched texel by texel, and needs a nearest
 # filter in Direct3D 9 only. So is the colour that the first pass copies.
-LINEAR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
+LINEAR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
 COPYING_ENTRIES = ("BokehCoCMap", "BokehSignedCoCMap", "BokehConstantCoC")
 
-# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the textures, then the linear sampler.
+# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the linear sampler, the textures at what is left.
 FIRST_TEXTURE = 1
-FIRST_SAMPLER = FIRST_TEXTURE + len(SLOTS)
+FIRST_SAMPLER = 7
+BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 # Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
 SAMPLE_TYPES = {slot: "float" if slot in LINEAR_SLOTS else "unfilterable-float" for slot in SLOTS}
+
+
+# What Pass.scale and Pass.channels may be
+SCALES = (1, 2, 4, 8)
+CHANNELS = (2, 4)
 
 
 def is_linear(entry: str, slot: str) -> bool:
     """Whether a pass samples a slot with the linear filter."""
     return slot in LINEAR_SLOTS and entry not in COPYING_ENTRIES
+
+
+def target_size(scale: int, size: tuple[int, int]) -> tuple[int, int]:
+    """(width, height) of a pass's targets; `size` is the full one, that run() is told."""
+    return -(-size[0] // scale), -(-size[1] // scale)
+
+
+def target_area(scale: int, viewport: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+    """Pass.viewport in texels of the pass's targets: (x, y, width, height).
+
+    Raises ValueError where it begins within a texel.
+    """
+    x, y, width, height = viewport
+    if x % scale or y % scale:
+        raise ValueError(f"viewport {viewport} begins within a texel of targets of scale {scale}")
+    return (x // scale, y // scale, *target_size(scale, (width, height)))
 
 
 @dataclass(frozen=True)
@@ -73,12 +106,17 @@ class Pass:
     output      name of the texture it writes; a tuple of names where it writes several targets at once
     parameters  those that differ from PARAMETERS
     samples     BOKEH_NUM_SAMPLES
+    defines     other constants of the program, name -> value
     sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program of the harness in place of the package's; its
                 entry is named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
-    viewport    (x, y, width, height) in texels, y from the first row in memory: the part of the targets that is drawn,
-                over what an earlier pass has left in a target of that name; None: all of it, into new targets
+    viewport    (x, y, width, height) in texels of the full size, y from the first row in memory: the part of the
+                targets that is drawn, over what an earlier pass has left in a target of that name; None: all of it,
+                into new targets. x and y are multiples of `scale`; see target_area()
+    scale       one of SCALES: the targets have the full size divided by it, rounded up; see target_size()
+    channels    one of CHANNELS: 2 has targets of red and green only. A shader reads blue 0 and alpha 1 from them, in
+                Direct3D 9 blue 1; Job.read returns blue 0 and alpha 1 everywhere
 
-    Raises ValueError where the entry writes another number of targets.
+    Raises ValueError where the entry writes another number of targets, and for other scales and channels.
     """
 
     entry: str
@@ -86,10 +124,16 @@ class Pass:
     output: str | tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
     samples: int = 13
+    defines: Mapping[str, int] = field(default_factory=dict)
     sources: Mapping[str, str] | None = None
     viewport: tuple[int, int, int, int] | None = None
+    scale: int = 1
+    channels: int = 4
 
     def __post_init__(self):
+        for name, value, allowed in (("scale", self.scale, SCALES), ("channels", self.channels, CHANNELS)):
+            if value not in allowed:
+                raise ValueError(f"{self.entry}: {name} is one of {', '.join(map(str, allowed))}, not {value}")
         if self.sources is None and len(self.outputs) != shaders.targets(self.entry):
             raise ValueError(f"{self.entry} writes {shaders.targets(self.entry)} targets, not {self.outputs}")
 
@@ -108,6 +152,7 @@ class Pass:
             "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
             # to draw into a part of a target is one thing, to read a part of a texture another
             "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
+            **self.defines,
         }
 
     def values(self) -> dict[str, float]:

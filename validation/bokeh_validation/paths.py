@@ -30,6 +30,11 @@ def library(language: str) -> Path:
     return ROOT / language / f"bokeh.{language}"
 
 
+def layers(language: str) -> Path:
+    """`bokeh_layers.*` of a language."""
+    return ROOT / language / f"bokeh_layers.{language}"
+
+
 def passes(language: str) -> Path:
     """`bokeh_passes.*` of a language."""
     return ROOT / language / f"bokeh_passes.{language}"

@@ -12,8 +12,21 @@ from bokeh_validation import exr, metrics
 
 def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) -> np.ndarray:
     """Linear rgb (H, W, >= 3) to 8 bits: cut off at 1, or tone-mapped; gamma 2.2."""
-    color = np.nan_to_num(color[..., :3].astype(np.float64) * exposure, nan=0.0, posinf=1e6, neginf=0.0)
-    shown = metrics.tone_mapped(color) if tone_map else np.clip(color, 0.0, 1.0) ** (1.0 / 2.2)
+    color = _exposed(color, exposure)
+    return _bytes(metrics.tone_mapped(color) if tone_map else np.clip(color, 0.0, 1.0) ** (1.0 / 2.2))
+
+
+def filmic(color: np.ndarray, exposure: float = 1.0) -> np.ndarray:
+    """Linear rgb (H, W, >= 3) to 8 bits by a filmic curve (Narkowicz's fit of ACES); gamma 2.2."""
+    x = _exposed(color, exposure)
+    return _bytes(np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0) ** (1.0 / 2.2))
+
+
+def _exposed(color: np.ndarray, exposure: float) -> np.ndarray:
+    return np.nan_to_num(color[..., :3].astype(np.float64) * exposure, nan=0.0, posinf=1e6, neginf=0.0).clip(0.0)
+
+
+def _bytes(shown: np.ndarray) -> np.ndarray:
     return (np.clip(shown, 0.0, 1.0) * 255 + 0.5).astype(np.uint8)
 
 
@@ -26,6 +39,11 @@ def heat(distance: np.ndarray, full: float) -> np.ndarray:
 def enlarged(pixels: np.ndarray, factor: int) -> np.ndarray:
     """Each pixel as a block, so that single pixels can be seen."""
     return np.repeat(np.repeat(pixels, factor, axis=0), factor, axis=1)
+
+
+def coarse(pixels: np.ndarray, step: int = 4) -> np.ndarray:
+    """8-bit rgb in steps: its PNG is half as large, and nobody sees it."""
+    return np.minimum((pixels.astype(int) + step // 2) // step * step, 255).astype(np.uint8)
 
 
 def png_bytes(pixels: np.ndarray) -> bytes:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bokeh_validation import apertures, methods, metrics
+from bokeh_validation import apertures, fetches, methods, metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case
@@ -117,7 +117,7 @@ def shape(driver: Driver, method: str, aperture: str) -> Shape:
         aperture,
         len(plan) - 1,
         max(len(item.outputs) for item in plan),
-        methods.fetches(plan),
+        round(fetches.of_filters(plan)),
         float(one.sum() / PEAK),
         float(1.0 - np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum()),
         _sum_off(driver, _dense(method, aperture, PAIR_COC / PAIR_SIZE[1], PAIR_COC)),

@@ -35,10 +35,12 @@ def check(settings: methods.Settings) -> None:
     camera = settings.camera
     _one_of("--method", settings.method, apertures.METHODS)
     _one_of("--aperture", settings.aperture, apertures.NAMES)
-    if settings.method == "exact" and settings.aperture not in methods.EXACT:
+    if settings.method in ("exact", "layered") and settings.aperture not in methods.EXACT:
         raise UserError(
-            f"--aperture {settings.aperture}: exact makes {', '.join(methods.EXACT)} only. Give --method paper."
+            f"--aperture {settings.aperture}: {settings.method} makes {', '.join(methods.EXACT)} only. "
+            f"Give --method paper."
         )
+    _one_of("--quality", settings.quality, tuple(methods.QUALITIES))
     _check_samples(settings)
     _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")
@@ -67,6 +69,9 @@ def _check_samples(settings: methods.Settings) -> None:
     _number("--jitter", settings.jitter, "", lambda v: 0 <= v <= 1, "0 to 1")
     if settings.frame < 0:
         raise UserError(f"--frame {settings.frame}: not allowed. Give 0 or more.")
+    if settings.method == "layered" and (settings.spacing > 0 or settings.samples is not None):
+        option = f"--spacing {settings.spacing:g}" if settings.spacing > 0 else f"--samples {settings.samples}"
+        raise UserError(f"{option}: layered takes its samples from a preset. Give --quality.")
     if settings.spacing > 0 and settings.method == "naive":
         raise UserError(f"--spacing {settings.spacing:g}: naive has a table of samples. Give --method exact or paper.")
     if settings.spacing > 0 and settings.samples is not None:

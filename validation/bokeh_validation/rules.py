@@ -21,10 +21,13 @@ SAMPLING = re.compile(
 )
 BIT_OPERATOR = re.compile(r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)")
 SWIZZLE = re.compile(r"\.((?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4})) *(?:[-+*/%]?=(?!=)|\+\+|--)")
+# What the common text of a library, or of the layers, begins with
+COMMON = re.compile(r"^// (?:\[3\]|Layers:) ", re.MULTILINE)
 # Words that the comments do without: a loop has iterations, and one thing comes after another. 'Turns off' is right,
 # and 'behind' where it means deeper in the scene.
 WORDS = re.compile(
-    r"\bturns\b(?! (?:it|them|the [a-z ]+?) (?:off|on)\b)|\bbehind\b(?! the focus\b| the camera\b| an? \w+ object\b)"
+    r"\bturns\b(?! (?:it|them|the [a-z ]+?) (?:off|on)\b)"
+    r"|(?<!from )\bbehind\b(?! the focus\b| the camera\b| an? \w+ (?:object|pixel)\b| it\b| them\b)"
     r"|\bcounts? as\b|\bat hand\b|\bhands on\b|\btold\b|\bspelt\b",
     re.IGNORECASE,
 )
@@ -41,7 +44,7 @@ Finding = tuple[int, str, str]
 
 
 def findings(text: str, language: str, is_library: bool) -> Iterator[Finding]:
-    """All that is wrong with a file."""
+    """All that is wrong with a file. `is_library`: bokeh.* or bokeh_layers.*."""
     lines = text.split("\n")
     yield from _lines(lines)
     yield from _version(lines)
@@ -49,8 +52,8 @@ def findings(text: str, language: str, is_library: bool) -> Iterator[Finding]:
     plain = listing.code(text)
     start = 0
     if is_library:
-        ported = next((section for section in listing.sections(text) if section.number == 3), None)
-        start = ported.line - 1 if ported else 0
+        common = COMMON.search(text)
+        start = listing.line_of(text, common.start()) if common else 0
         yield from _library(text, start, language)
     for number, line in enumerate(plain.split("\n"), 1):
         if "/*" in line or "*/" in line:
@@ -106,7 +109,8 @@ def _words(lines: list[str]) -> Iterator[Finding]:
 
 
 def _library(text: str, start: int, language: str) -> Iterator[Finding]:
-    """Sections [3] to [9], from line `start` on: functions and structs that every language can say."""
+    """The common text, which line `start` begins: functions and structs that every language can say."""
+    start -= 1 if start else 0
     offset = sum(len(line) + 1 for line in text.split("\n")[:start])
     seen = set()
     for function in listing.functions(text[offset:]):

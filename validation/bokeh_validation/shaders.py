@@ -28,9 +28,46 @@ ENTRIES = (
     "BokehDecagonSecond",
     "BokehExactEdge",
     "BokehDebug",
+    "BokehLayerTiles",
+    "BokehLayerReach",
+    "BokehLayerSplit",
+    "BokehLayerKernels",
+    "BokehLayerSpread",
+    "BokehLayerSizes",
+    "BokehLayerHoles",
+    "BokehLayerFill",
+    "BokehSquareLayerFirst",
+    "BokehSquareLayerSecond",
+    "BokehHexagonLayerFirst",
+    "BokehHexagonLayerSecond",
+    "BokehOctagonLayerFirst",
+    "BokehOctagonLayerSecond",
+    "BokehDecagonLayerFirst",
+    "BokehDecagonLayerSecond",
+    "BokehLayered",
+    "BokehLayerSplitOne",
+    "BokehLayerKernelsOne",
+    "BokehLayerSpreadOne",
+    "BokehLayerSizesOne",
+    "BokehLayerHolesOne",
+    "BokehLayerFillOne",
+    "BokehLayerEdge",
 )
 # Render targets of the entries that write more than one
-_TARGETS = {"BokehHexagonFirst": 2, "BokehOctagonFirst": 3, "BokehDecagonFirst": 4}
+_TARGETS = {
+    "BokehHexagonFirst": 2,
+    "BokehOctagonFirst": 3,
+    "BokehDecagonFirst": 4,
+    "BokehHexagonLayerFirst": 2,
+    "BokehOctagonLayerFirst": 3,
+    "BokehDecagonLayerFirst": 4,
+    "BokehLayerSplit": 4,
+    "BokehLayerKernels": 2,
+    "BokehLayerSpread": 2,
+    "BokehLayerSizes": 2,
+    "BokehLayerHoles": 3,
+    "BokehLayerFill": 2,
+}
 
 # GLSL kinds: profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
@@ -51,8 +88,9 @@ def glsl_pass(entry: str) -> str:
 
 @cache
 def text(language: str) -> str:
-    """Library and passes of a language, one behind the other."""
-    return paths.library(language).read_text(encoding="ascii") + paths.passes(language).read_text(encoding="ascii")
+    """Library, layers and passes of a language, in that order."""
+    files = (paths.library(language), paths.layers(language), paths.passes(language))
+    return "".join(file.read_text(encoding="ascii") for file in files if file.exists())
 
 
 def defines(values: Mapping[str, object]) -> str:

@@ -1,34 +1,55 @@
 """The whole validation as data: probes on drivers, scenes on drivers against the ray-traced truth."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
 from bokeh_validation import drivers, exr, methods, metrics, paths, patterns, quality
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.patterns.model import Case, CaseResult, ProbeResult, expected
+from bokeh_validation.patterns.model import Case, CaseResult, ProbeResult, compared
 
 Progress = Callable[[str], None]
 
 
+# aperture -> tag of the truth file
+TRUTHS = {"hexagon": "hex", "octagon": "oct"}
+# aperture -> degrees that turn ours as it is in the truth, where a corner is straight up
+TRUTH_ROTATION = {"hexagon": 0.0, "octagon": 22.5}
+
+
 @dataclass(frozen=True)
 class SceneFile:
-    """A ray-traced scene of validation/scenes with its camera."""
+    """A ray-traced scene of validation/scenes with its camera: NAME_pin.exr, and NAME_hex.exr, its truth.
+
+    pinhole    name of the scene whose pinhole picture it has; None: its own
+    apertures  those of TRUTHS that there is a file for
+    """
 
     name: str
     camera: methods.Camera
+    pinhole: str | None = None
+    apertures: tuple[str, ...] = ("hexagon",)
+
+    @property
+    def source(self) -> Path:
+        """Colour and depth."""
+        return paths.SCENES / f"{self.pinhole or self.name}_pin.exr"
 
 
-SCENES = (
-    SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15)),
-    SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15)),
-)
-SCENE_METHODS = ("paper", "exact")
-# aperture -> tag of the truth file
-TRUTHS = {"hexagon": "hex", "octagon": "oct"}
+MARKET = SceneFile("market_7", methods.Camera(0.0714, 0.05, 2.42, 0.024, 0.15))
+STREET = SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15), None, tuple(TRUTHS))
+CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15), None, tuple(TRUTHS))
+# the same with three times the aperture
+WIDE_STREET = SceneFile("street_11x3", methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15), "street_11")
+WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 0.15), "canopy_12")
+SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
+# The small ones, that every driver draws in every method
+DRIVER_SCENES = (STREET, CANOPY)
+SCENE_METHODS = ("paper", "exact", "layered")
 
 
 def real_drivers(names: Iterable[str] | None = None, adapter: str | None = None) -> tuple[list[Driver], dict[str, str]]:
@@ -62,17 +83,18 @@ def run_probes(
 
 def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
     """A scene through its own camera."""
-    image = _scene(scene.name)
+    image = picture(scene)
     return Case(scene.name, methods.Settings(method, aperture, camera=scene.camera), image.color, image.depth)
 
 
-_scenes: dict[str, exr.Scene] = {}
+_pictures: dict[Path, exr.Scene] = {}
 
 
-def _scene(name: str) -> exr.Scene:
-    if name not in _scenes:
-        _scenes[name] = exr.read(paths.SCENES / f"{name}_pin.exr")
-    return _scenes[name]
+def picture(scene: SceneFile) -> exr.Scene:
+    """Colour and depth through a pinhole, kept."""
+    if scene.source not in _pictures:
+        _pictures[scene.source] = exr.read(scene.source)
+    return _pictures[scene.source]
 
 
 def truth(scene: SceneFile, aperture: str) -> np.ndarray:
@@ -100,27 +122,27 @@ class SceneResult:
 
 
 def scene_runs(quick: bool = False) -> list[tuple[SceneFile, str, str]]:
-    """(scene, aperture, method) of every picture; `quick`: the exact hexagon on the first scene only."""
-    found = list(product(SCENES, TRUTHS, SCENE_METHODS))
-    return [run for run in found if run == (SCENES[0], "hexagon", "exact")] if quick else found
+    """(scene, aperture, method) of every picture; `quick`: the exact hexagon on the street only."""
+    found = list(product(DRIVER_SCENES, TRUTHS, SCENE_METHODS))
+    return [run for run in found if run == (STREET, "hexagon", "exact")] if quick else found
 
 
 def run_scenes(
     runtimes: Iterable[Driver], progress: Progress = lambda _: None, quick: bool = False
 ) -> list[SceneResult]:
-    """Both scenes, hexagon and octagon, by the paper's method and exact, on every driver."""
+    """DRIVER_SCENES, hexagon and octagon, by SCENE_METHODS, on every driver."""
     results = []
     brute: dict[tuple[str, str, str], np.ndarray] = {}
     for driver in runtimes:
         for scene, aperture, method in scene_runs(quick):
             case = scene_case(scene, method, aperture)
+            case = replace(case, settings=replace(case.settings, rotation=TRUTH_ROTATION[aperture]))
             key = (scene.name, aperture, method)
             # on the first driver only: it is a thousand fetches a pixel, and no driver is far from another
             if key not in brute:
                 brute[key] = quality.brute_force(driver, case)
-            outputs = driver.run(case.plan.passes, case.textures(), case.size)
-            wanted = expected(case, driver.software, driver.rounding)
-            compared = {"result": metrics.compare(outputs["result"], wanted["result"], driver.software)}
+            result = CaseResult(case, *compared(case, driver))
+            outputs = result.outputs
             lens = truth(scene, aperture)
             results.append(
                 SceneResult(
@@ -128,7 +150,7 @@ def run_scenes(
                     method,
                     aperture,
                     driver.name,
-                    CaseResult(case, outputs, wanted, compared),
+                    result,
                     metrics.psnr(outputs["result"], brute[key]),
                     metrics.psnr(outputs["result"], lens),
                     metrics.psnr(case.color, lens),

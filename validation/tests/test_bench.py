@@ -10,7 +10,7 @@ from conftest import load
 from PIL import Image
 from test_render import refused, run
 
-from bokeh_validation import methods, shaders
+from bokeh_validation import fetches, methods, shaders
 from bokeh_validation.bench import floors, growth, measure, output, reads, request, rows, session
 from bokeh_validation.errors import UserError
 
@@ -107,7 +107,7 @@ def test_costs_are_the_documents():
     assert found["exact octagon 144"] == reads.Cost(3, 33, 0, 40)
     for row in every_row():
         if row.group != "adaptive":
-            assert found[row.key].color == methods.fetches(row.passes) + 1
+            assert found[row.key].color == fetches.of_filters(row.passes) + 1
 
 
 def test_edge_samples_are_as_close_as_the_papers():
@@ -261,8 +261,12 @@ def test_command(tmp_path):
     assert driver["driver"] == "osmesa" and driver["size"] == [48, 32] and driver["rounds"] == 3
     assert driver["software"] and driver["clock"] == "cpu" and "llvmpipe" in driver["adapter"]
     for row in driver["rows"]:
-        own, floor = (np.array(row[name][driver["clock"]]) for name in ("rounds", "floor_rounds"))
+        own = np.array(row["rounds"][driver["clock"]])
         assert len(own) == 3 and (own > 0).all()
+        assert (row["floor_ratio"] is None) == (row["group"] == "layers")
+        if row["floor_ratio"] is None:
+            continue
+        floor = np.array(row["floor_rounds"][driver["clock"]])
         assert row["floor_ratio"]["median"] == pytest.approx(np.median(own / floor))
         assert row["floor_ratio"]["low"] <= row["floor_ratio"]["median"] <= row["floor_ratio"]["high"]
     keys = [row["key"] for row in driver["rows"]]
@@ -270,6 +274,10 @@ def test_command(tmp_path):
     by_key = {row["key"]: row for row in driver["rows"]}
     naive, ours = (np.array(by_key[key]["rounds"]["cpu"]) for key in ("naive 144", "exact hexagon 144"))
     assert by_key["exact hexagon 144"]["naive_ratio"]["median"] == pytest.approx(np.median(naive / ours))
+    mine, paper = (np.array(by_key[key]["rounds"]["cpu"]) for key in ("layered low", rows.LAYERS_PAPER))
+    assert by_key["layered low"]["ratios"]["paper"]["median"] == pytest.approx(np.median(mine / paper))
+    tables = output.markdown(data), output.layers_markdown(data)
+    assert [len(table) - 2 for table in tables] == [len(keys) - 5, 5]
     assert {curve["against"] for curve in driver["growth"]} == {"samples", "CoC", "pixels"}
     with Image.open(tmp_path / "b.png") as picture:
         assert picture.width > 800

@@ -15,7 +15,7 @@ from functools import partial
 import pytest
 from rich.console import Console
 
-from bokeh_validation import matrix, passes, paths, shaders, variants
+from bokeh_validation import matrix, paths, shaders, variants
 from bokeh_validation.compilers import chain, dxc, fxc, glslang, mesa, naga, places, spirv, tool
 from bokeh_validation.compilers.result import CompileResult, accepted
 from bokeh_validation.errors import Unavailable, UserError
@@ -150,11 +150,11 @@ class TestShaders:
     def test_bindings(self, module, samplers):
         """Those of WGSL, which naga and tint hold against their layout. The two entries read all textures."""
         found = {}
-        for entry in ("BokehDecagonSecond", "BokehNaiveGather"):
+        for entry in ("BokehLayered", "BokehNaiveGather"):
             found |= bindings(compiled(partial(module, entry)).binary)
-        wanted = {f"Bokeh{slot}": binding for binding, slot in enumerate(passes.SLOTS, passes.FIRST_TEXTURE)}
-        wanted |= {name: binding for binding, name in enumerate(samplers, passes.FIRST_SAMPLER)}
-        assert found == wanted
+        text = paths.passes("wgsl").read_text(encoding="ascii")
+        written = re.findall(r"^@group\(0\) @binding\((\d+)\) var (\w+): (\w+)", text, re.MULTILINE)
+        assert found == {name: int(binding) for binding, name, kind in written if kind != "sampler" or name in samplers}
 
     def test_table_of_shader_model_3(self, whole):
         """docs/performance.md: the largest figures of each entry over its sample counts, as fxc has them."""
@@ -177,7 +177,7 @@ class TestShaders:
     def test_slots_of_the_viewport(self):
         """docs/performance.md and docs/inputs.md: how many slots more BOKEH_VIEWPORT takes in shader model 3."""
         more = []
-        for row in (row for row in ROWS if row.id == "hlsl-sm3-viewport"):
+        for row in (row for row in ROWS if row.id == "hlsl-sm3-viewport" and "Layer" not in row.entry):
             programs = [
                 compiled(partial(fxc.build, variants.source(program), program.stage, program.function, 3))
                 for program in (row, dataclasses.replace(row, values=()))
@@ -221,7 +221,7 @@ class TestCompilersNotice:
 
     def test_places_in_the_second_file(self):
         source = shaders.glsl("BokehDebug", "330")
-        library = len(paths.library("glsl").read_text().splitlines())
+        library = sum(len(file("glsl").read_text().splitlines()) for file in (paths.library, paths.layers))
         message = f"ERROR: shader.frag:{library + 2 + 7}: 'x'\nERROR: shader.frag:1: 'y'"
         assert places.located(message, source, "glsl") == "ERROR: bokeh_passes.glsl:7: 'x'\nERROR: shader.frag:1: 'y'"
 
@@ -324,6 +324,21 @@ class TestConfiguration:
     def test_hlsl_compilers_take_the_right_ones(self, hlsl):
         for model in (4, 5, 6):
             assert hlsl(shaders.hlsl(model)).ok
+
+    @pytest.mark.parametrize("entry", ["BokehDebug", "BokehLayered"])
+    def test_glsl_without_the_layers(self, glsl, entry):
+        source = shaders.glsl(entry).replace(paths.layers("glsl").read_text(encoding="ascii"), "")
+        result = glsl(source)
+        assert result.ok if entry == "BokehDebug" else says(result, "put bokeh_layers.glsl before this file")
+
+    def test_hlsl_without_the_layers(self, hlsl):
+        for model in (4, 5, 6):
+            assert hlsl(shaders.hlsl(model).replace(paths.layers("hlsl").read_text(encoding="ascii"), "")).ok
+
+    def test_layers_without_the_library(self, glsl, hlsl):
+        for name, compiler, source in (("glsl", glsl, shaders.glsl("BokehDebug")), ("hlsl", hlsl, shaders.hlsl(5))):
+            result = compiler(source.replace(paths.library(name).read_text(encoding="ascii"), ""))
+            assert says(result, f"put bokeh.{name} before bokeh_layers.{name}")
 
     def test_no_pass(self, glsl):
         result = glsl("#version 330\n" + shaders.text("glsl"))

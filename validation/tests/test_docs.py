@@ -39,6 +39,13 @@ def test_parameter_table():
     assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
 
 
+def test_texture_table():
+    """docs/inputs.md lists the textures with the bindings and registers that the drivers use."""
+    rows = re.findall(r"^\| Bokeh(\w+Samp\w?) \| uniform \| (\d+) \| s(\d+) / t(\d+) \|", INPUTS, re.MULTILINE)
+    assert rows == [(slot, str(passes.BINDINGS[slot]), str(i), str(i)) for i, slot in enumerate(passes.SLOTS)]
+    assert f"the linear sampler at {passes.FIRST_SAMPLER}." in INPUTS
+
+
 @pytest.mark.parametrize("language", ["cpp", "csharp", "rust", "js"])
 def test_parameter_structs(language):
     """The structs of docs/inputs.md have the fields of the block in its order, and nothing but padding after them."""
@@ -53,8 +60,8 @@ def test_parameter_structs(language):
     assert [field.replace("_", "").lower() for field in fields] == [
         name.removeprefix("Bokeh").lower() for name in passes.PARAMETERS
     ]
-    # 33 floats; the block has a multiple of 16 bytes
-    padding = {"cpp": "float Unused[3];", "csharp": "Size = 144", "rust": "unused: [f32; 3]", "js": "Float32Array(36)"}
+    # 35 floats; the block has a multiple of 16 bytes
+    padding = {"cpp": "float Unused[1];", "csharp": "Size = 144", "rust": "unused: [f32; 1]", "js": "Float32Array(36)"}
     assert padding[language] in shown
 
 

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import load
 
 from bokeh_validation import apertures, drivers, methods, metrics, suite
 from bokeh_validation.drivers import base
 from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass
+from bokeh_validation.passes import Pass, target_area, target_size
+from bokeh_validation.patterns import model
 from bokeh_validation.patterns.model import Case, expected
 from bokeh_validation.reference import images, listings, precision
 
@@ -17,10 +19,10 @@ METHODS = [*apertures.METHODS, "naive-grid"]
 
 
 def compared(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
-    """A driver's result and how far it is from the reference."""
-    output = driver.run(case.plan.passes, case.textures(), case.size)["result"]
-    wanted = expected(case, driver.software, driver.rounding)["result"]
-    return output, metrics.compare(output, wanted, driver.software)
+    """A driver's result and how far it is from the reference; pixels outside the interval in every target compared."""
+    outputs, _, comparisons = model.compared(case, driver)
+    outside = sum(comparison.outside for comparison in comparisons.values())
+    return outputs["result"], replace(comparisons["result"], outside=outside)
 
 
 def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1) -> Case:
@@ -46,7 +48,7 @@ SHAPES = [
 
 
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
-@pytest.mark.parametrize("scene", suite.SCENES, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", suite.DRIVER_SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
     """Both ray-traced scenes, each method and aperture: within the interval, and languages close to each other."""
     case = suite.scene_case(scene, method, aperture)
@@ -99,7 +101,7 @@ def test_sizes(method, size, driver):
 def test_settings(method, changes, driver):
     """Every parameter of the shaders away from its default, on random patches."""
     camera = methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25)
-    if method == "exact":
+    if method in ("exact", "layered"):
         # no star among the polygons with an even number of sides
         changes = {**changes, "aperture": changes.get("aperture", "hexagon").replace("star", "decagon")}
     settings = replace(methods.Settings(method, "hexagon", camera=camera), **changes)
@@ -198,6 +200,167 @@ def test_more_bytes_a_pixel_than_the_device_writes():
     base.require_targets(Reference(), passes, "half", 32)
     with pytest.raises(Unavailable, match="writes 32 bytes a pixel at once; BokehDecagonFirst needs 64"):
         base.require_targets(Reference(), passes, "float", 32)
+    narrow = [replace(item, channels=2) for item in passes]
+    base.require_targets(Reference(), narrow, "float", 32)
+    with pytest.raises(Unavailable, match="writes 15 bytes a pixel at once; BokehDecagonFirst needs 16"):
+        base.require_targets(Reference(), narrow, "half", 15)
+
+
+def picture(width: int, height: int) -> np.ndarray:
+    """(H, W, 4) float16: no two texels alike in red and green."""
+    y, x = np.mgrid[:height, :width]
+    return np.stack([x + 1, y + 1, 10 * x + y, np.ones_like(x)], axis=-1).astype(np.float16)
+
+
+def copy(source: str, output: str, scale: int = 1, channels: int = 4, viewport=None) -> Pass:
+    """A texture fetched with the nearest filter at each texel of the target; alpha becomes 0.25."""
+    parameters = {"BokehConstantCoC": 0.25, "BokehMaxCoC": 1.0}
+    inputs = {"ColorSamp": source}
+    return Pass("BokehConstantCoC", inputs, output, parameters, viewport=viewport, scale=scale, channels=channels)
+
+
+def nan(output: str, scale: int = 1, channels: int = 4) -> Pass:
+    """NaN everywhere in a new target: the debug view of colour copies what it reads."""
+    inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
+    return Pass("BokehDebug", inputs, output, scale=scale, channels=channels)
+
+
+NAN = {"nan": np.full((1, 1, 4), np.nan, np.float16), "depth": np.ones((1, 1), np.float32)}
+
+
+def fetched(source: np.ndarray, size: tuple[int, int], channels: int = 4) -> np.ndarray:
+    """What `copy` makes of a source in a target of that size: texel floor(uv * size of the source)."""
+    y, x = ((2 * np.arange(count) + 1) * source.shape[axis] // (2 * count) for axis, count in enumerate(size[::-1]))
+    result = source[y[:, None], x[None, :]].copy()
+    result[..., 3] = 0.25
+    if channels == 2:
+        result[..., 2:] = 0.0, 1.0
+    return result
+
+
+def test_sizes_of_targets():
+    """Divided and rounded up; a viewport covers every texel that it touches."""
+    assert [target_size(scale, (61, 37)) for scale in (1, 2, 4, 8)] == [(61, 37), (31, 19), (16, 10), (8, 5)]
+    assert target_size(8, (1, 16)) == (1, 2)
+    assert target_area(1, (5, 3, 7, 2)) == (5, 3, 7, 2)
+    assert target_area(4, (8, 4, 7, 8)) == (2, 1, 2, 2)
+
+
+@pytest.mark.parametrize("channels", [4, 2])
+@pytest.mark.parametrize("storage", ["half", "float"])
+@pytest.mark.parametrize("size", [(65, 49), (17, 1)], ids=str)
+def test_targets_of_other_sizes(size, storage, channels, driver):
+    """Each pass reads a target of another size than its own, down to an eighth and back, and upwards from there.
+
+    These sizes are odd at every scale, so that no fetch is on the border of two texels.
+    """
+    scales = (1, 2, 4, 8, 1)
+    names = [f"{index} at {scale}" for index, scale in enumerate(scales)]
+    sources = ["picture", *names]
+    passes = [copy(*names, scale, channels) for *names, scale in zip(sources, names, scales, strict=False)]
+    output = driver.run(passes, {"picture": picture(*size)}, size, storage, names)
+    wanted = picture(*size)
+    for name, scale in zip(names, scales, strict=True):
+        wanted = fetched(wanted, target_size(scale, size), channels)
+        np.testing.assert_array_equal(output[name], wanted, name)
+        assert output[name].dtype == base.storage_type(storage)
+
+
+@pytest.mark.parametrize("channels", [4, 2])
+def test_targets_beside_each_other(channels, driver):
+    """One texture copied at every scale, kept in another order than drawn; names are used again at other scales."""
+    size, source = (61, 37), picture(61, 37)
+    passes = [copy("picture", f"{scale}", scale, channels) for scale in (8, 1, 4, 2)]
+    again = [copy("picture", "t", 2, 4), copy("t", "t", 1, channels), copy("t", "t", 8, channels)]
+    output = driver.run([*passes, *again], {"picture": source}, size, keep=("1", "2", "4", "8", "t"))
+    for scale in (1, 2, 4, 8):
+        np.testing.assert_array_equal(output[f"{scale}"], fetched(source, target_size(scale, size), channels))
+    half = fetched(fetched(source, (31, 19)), (61, 37))
+    np.testing.assert_array_equal(output["t"], fetched(half, (8, 5), channels))
+
+
+def test_what_two_channels_read(driver):
+    """Red and green; alpha 1, and blue 0 but for Direct3D 9."""
+    view = Pass("BokehDebug", {"ColorSamp": "two", "DepthSamp": "depth"}, "result")
+    # a power of two: the linear filter is on the texels' centres, exactly
+    passes = [copy("picture", "two", channels=2), view]
+    output = driver.run(passes, {"picture": picture(8, 4), **NAN}, (8, 4))["result"]
+    wanted = picture(8, 4)
+    wanted[..., 2:] = 1.0 if driver.name == "d3d9" else 0.0, 1.0
+    np.testing.assert_array_equal(output, wanted)
+
+
+@pytest.mark.parametrize("channels", [4, 2])
+@pytest.mark.parametrize("new", [False, True], ids=["old", "new"])
+def test_a_part_of_a_small_target(new, channels, all_drivers):
+    """A viewport in texels of the full size; what an earlier pass left around it stays, a new target is 0 there."""
+    size, scale, part = (29, 21), 4, (8, 4, 13, 9)
+    source = {"picture": picture(4, 3), "whole": np.full((6, 8, 4), 7.0, np.float16), **NAN}
+    wanted = np.full((6, 8, 4), 0.0 if new else np.nan, np.float16)
+    wanted[1:4, 2:6] = fetched(picture(4, 3), (4, 3))
+    if channels == 2:
+        wanted[..., 2:] = 0.0, 1.0
+    drawn = copy("picture", "t", scale, channels, part)
+    for driver in all_drivers:
+        before = [] if new else [nan("t", scale, channels)]
+        output = driver.run([*before, drawn], source, size, keep=("t",))["t"]
+        np.testing.assert_array_equal(output, wanted, driver.name)
+    # the reference copies texel by texel, and not NaN
+    before = [] if new else [copy("whole", "t", scale, channels)]
+    output = Reference().run([*before, drawn], source, size, keep=("t",))["t"]
+    left = fetched(source["whole"], (8, 6), channels)
+    np.testing.assert_array_equal(output, np.where(np.isnan(wanted), left, wanted))
+
+
+@pytest.mark.parametrize("name", ["osmesa", "egl", "wgpu", "dxc"])
+def test_shared_targets(name):
+    """A job takes those of another that have its size and channels, and makes those that have not."""
+    driver, size, source = load(name), (61, 37), {"picture": picture(61, 37)}
+    names = ("same", "small", "two")
+    other = driver.prepared([copy("picture", name) for name in names], source, size)
+    passes = [copy("picture", "same"), copy("picture", "small", 2), copy("picture", "two", channels=2)]
+    job = driver.prepared(passes, source, size, share=other)
+    assert [job.live[name] is other.live[name] for name in names] == [True, False, False]
+    for _ in range(2):
+        other.draw()
+        job.draw()
+        np.testing.assert_array_equal(job.read("small"), fetched(source["picture"], (31, 19)))
+        np.testing.assert_array_equal(job.read("two"), fetched(source["picture"], size, 2))
+        np.testing.assert_array_equal(other.read("small"), fetched(source["picture"], size))
+    job.release()
+    other.release()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"scale": 3}, "BokehConstantCoC: scale is one of 1, 2, 4, 8, not 3"),
+        ({"scale": 0}, "BokehConstantCoC: scale is one of 1, 2, 4, 8, not 0"),
+        ({"channels": 1}, "BokehConstantCoC: channels is one of 2, 4, not 1"),
+    ],
+)
+def test_no_such_targets(changes, words):
+    """Said when the pass is made."""
+    with pytest.raises(ValueError, match=words):
+        copy("picture", "t", **changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"viewport": (2, 4, 4, 4)}, r"viewport \(2, 4, 4, 4\) begins within a texel of targets of scale 4"),
+        ({"viewport": (4, 6, 4, 4)}, r"viewport \(4, 6, 4, 4\) begins within a texel of targets of scale 4"),
+        ({"viewport": (4, 4, 26, 4)}, r"viewport \(4, 4, 26, 4\) is not within 29 x 21"),
+        ({"viewport": (4, 4, 4, 4), "scale": 2}, "has scale 2 and 4 channels, and draws over 't', which has scale 4"),
+        ({"viewport": (4, 4, 4, 4), "channels": 2}, "4 and 2 channels, and draws over 't', which has scale 4 and 4 ch"),
+    ],
+)
+def test_no_such_part(changes, words, driver):
+    """A part of a target begins at a texel; a target keeps its size and format."""
+    first = copy("picture", "t", 4)
+    for candidate in (driver, Reference()):
+        with pytest.raises(ValueError, match=words):
+            candidate.run([first, replace(first, **changes)], {"picture": picture(8, 6)}, (29, 21), keep=("t",))
 
 
 HOSTILE_COLOR = [np.nan, np.inf, -np.inf, -1.0, 0.0, -0.0, 65504.0, 6e-8, 1.0]

@@ -8,13 +8,15 @@ from bokeh_validation import engines
 from bokeh_validation.errors import Unavailable
 
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
+# Their default is layered
+LAYERED = ("opengl", "threejs-webgl", "threejs-webgpu", "direct3d11")
 
 
 # Bevy's first build takes a quarter of an hour
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("name", engines.ENGINES)
 def test_sample(name, request):
-    """Hexagon and octagon, paper and exact, on what the engine drew.
+    """Hexagon and octagon, paper and exact, the layered hexagon where it is the default, on what the engine drew.
 
     A slow sample is run where its files changed since it last passed here, or with --all.
     """
@@ -27,9 +29,11 @@ def test_sample(name, request):
         if os.environ.get("CI"):
             pytest.fail(f"{name} is missing: {error}")
         pytest.skip(f"{name}: {error}")
-    assert {(s.case.settings.method, s.case.settings.aperture) for s in capture.shots} >= WANTED
+    shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
+    assert set(shown) >= WANTED
+    assert name not in LAYERED or shown[0] == ("layered", "hexagon")
     for shot in capture.shots:
-        assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}"
+        assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}, {shot.outside}"
         # something is in focus, something is not, and something is brighter than white
         depth, color = shot.case.depth, shot.case.color
         assert depth.max() > 2 * depth.min() and color[..., :3].max() > 4.0

@@ -8,7 +8,7 @@ import pytest
 from conftest import load
 from test_drivers import compared, noise_case
 
-from bokeh_validation import apertures, exr, methods, metrics, paths, quality, suite
+from bokeh_validation import apertures, exr, fetches, methods, metrics, paths, quality, suite
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.patterns import exact
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
@@ -147,7 +147,7 @@ def test_light_on_float_targets(aperture, driver):
 def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     """Tone-mapped PSNR against 900 and more samples of the same polygon: so many dB above the paper's method."""
     driver = load("egl")
-    chosen = next(s for s in suite.SCENES if s.name == scene)
+    chosen = next(s for s in suite.DRIVER_SCENES if s.name == scene)
     found = {
         method: quality.distance(driver, suite.scene_case(chosen, method, aperture)) for method in ("paper", "exact")
     }
@@ -158,7 +158,7 @@ def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     assert [float(number) for number in told.groups()] == pytest.approx([found["paper"], found["exact"]], abs=0.15)
 
 
-MARKET = methods.Camera(0.0714, 0.05, 2.42, 0.024, 0.15)
+MARKET = suite.MARKET.camera
 # Version 0.1.0 around the head in focus, dB, default counts on OSMesa: each line was normalised by itself
 HALO_BEFORE = {"hexagon": 23.35, "octagon": 24.80}
 
@@ -235,8 +235,8 @@ def test_fetches(aperture):
     passes = methods.plan(methods.Settings("exact", aperture), (64, 48)).passes
     assert all("DepthSamp" not in item.inputs for item in passes[1:])
     lines = 2 * (methods.EXACT[aperture] // 2 - 1)
-    assert methods.fetches(passes) == lines * methods.EDGE_SAMPLES[aperture] + 2
-    assert methods.fetches(passes) <= 0.55 * FETCHES_BEFORE[aperture]
+    assert fetches.of_filters(passes) == lines * methods.EDGE_SAMPLES[aperture] + 2
+    assert fetches.of_filters(passes) <= 0.55 * FETCHES_BEFORE[aperture]
 
 
 @pytest.mark.parametrize("aperture", EXACT)

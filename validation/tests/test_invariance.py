@@ -18,6 +18,7 @@ from bokeh_validation import apertures, methods, metrics, moments, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
+from bokeh_validation.patterns import layers, sweep
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import precision, segments
 from bokeh_validation.reference.images import Image
@@ -497,3 +498,162 @@ def test_translation(settings, name):
         return np.roll(image, shift[::-1], axis=(0, 1))
 
     check_same(driver, case, moved, settings)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# the layered method
+# ----------------------------------------------------------------------------------------------------------------------
+
+BLUR = 24  # pixels
+LAYERED = layers.settings()
+MOVES = np.arange(17) / 8
+
+
+def layered(driver: Driver, case: Case) -> np.ndarray:
+    """Its picture, (H, W, 3) float64."""
+    return driver.run(case.plan.passes, case.textures(), case.size)["result"][..., :3].astype(np.float64)
+
+
+def told(pattern: str) -> list[float]:
+    """Numbers that docs/invariances.md states."""
+    (found,) = re.findall(pattern, DOCUMENT)
+    return [float(value) for value in ([found] if isinstance(found, str) else found)]
+
+
+@pytest.mark.parametrize("quality", methods.QUALITIES)
+@pytest.mark.parametrize("size", ASPECTS, ids=str)
+def test_layered_aspect_and_presets(size, quality, driver):
+    """A far light, at each aspect ratio and preset: the polygon's second moments, but for what half size adds.
+
+    Square pixels on each axis. Off by: 2 x 2 pixels in a texel, 1/4; each of two passes adds up to 1/4 square texel of
+    four square pixels, as does a linear enlargement: 3 in all. For all that CoC^2 is made smaller by 32 square pixels,
+    R^2 = CoC^2 / 4 by 8, of which the polygon has (2 + cos(2 pi / n)) / 12. Samples in the middle of cells of l pixels
+    leave out l^2 / 12 on each pass; an edge of 12 pixels, 6 texels, has as many cells: l is 2.
+    """
+    color = flat(size)
+    middle = [length // 2 for length in size]
+    color[middle[1] - 1 : middle[1] + 2, middle[0] - 1 : middle[0] + 2, :3] = PEAK / 9
+    case = Case("", replace(LAYERED, quality=quality), color, depth_of(size, layers.metres(BLUR, size[1])))
+    found = moments.measured(layered(driver, case)[..., 1], (middle[0] + 0.5, middle[1] + 0.5))
+    share = (2.0 + np.cos(2.0 * np.pi / 6)) / 12.0
+    off = np.diag(found.second) - (9 - 1) / 12 - share * BLUR**2 / 4
+    assert (off >= -8 * share - 2 * 2**2 / 12).all() and (off <= 3.25 - 8 * share).all(), off
+    # the shape is known to half a pixel on each axis, the mean to less
+    assert np.abs(found.mean).max() <= 0.5
+
+
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_layered_resolution(scale, driver):
+    """A near edge at half, the whole and twice the size: the spread of the same lens, known to half a pixel in each."""
+    height = round(64 * scale)
+    coc, width = BLUR * scale, round(80 * scale)
+    held = np.broadcast_to(np.arange(width) < width // 2, (height, width))
+    alpha = layered(driver, layers.near_case("", coc, held, LAYERED))[..., 0]
+    polygon = layers.polygon_of("hexagon", 0.0, coc)
+    wanted = layers.edge_spread(polygon, width // 2 - np.arange(width) - 0.5)
+    allowed = 0.5 * layers.steepest(polygon) + layers.WHOLE + layers.STEP
+    assert np.abs(alpha - wanted).max() <= allowed
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+@pytest.mark.parametrize("case", [layers.light_case(-BLUR, 3), layers.silhouette_case()], ids=lambda c: c.label)
+def test_layered_exposure(case, factor, driver):
+    """Colour times any factor: the picture times that, where no half float is denormal or too large.
+
+    Brightness is compared with a level that grows with it. A layer's CoC is a quotient of sums that are stored three
+    times: half floats cut off up to 6 steps of it, half of that moves an edge. Beside the weights, a channel is stored
+    four times.
+    """
+    plain = layered(driver, case)
+    color = case.color.copy()
+    color[..., :3] = color[..., :3].astype(np.float64) * factor
+    off = np.abs(layered(driver, replace(case, color=color)) / factor - plain)
+    for channel in range(3):
+        image = plain[..., channel]
+        slope = max(np.abs(np.diff(image, axis=axis)).max() for axis in (0, 1))
+        allowed = 3 * layers.STEP * BLUR * slope + 4 * layers.STEP * image.max()
+        assert off[..., channel].max() <= allowed, (channel, off[..., channel].max(), allowed)
+
+
+def test_layered_quarter_turn(driver):
+    """Image and aperture turned by 90 degrees: the turned picture, where the sizes are multiples of 8.
+
+    Tiles are taken along rows first, so sums are rounded in another order: as close as two drivers are.
+    """
+    case = noise_case((64, 64), methods.Settings("layered", "hexagon", camera=CAMERA))
+    turned = transformed(case, rotated, replace(case.settings, rotation=-90.0))
+    found, wanted = (driver.run(item.plan.passes, item.textures(), item.size)["result"] for item in (turned, case))
+    distance = metrics.steps(found, rotated(wanted))
+    assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE
+
+
+def edge_at(place: float) -> Case:
+    """A near edge with its pixels drawn by area, and depth by their middles, as a renderer does."""
+    size = layers.SIZE
+    cover = np.clip(size[0] // 2 + place - np.arange(size[0]), 0.0, 1.0)
+    case = layers.near_case("", BLUR, np.broadcast_to(cover >= 0.5, size[::-1]), LAYERED)
+    case.color[..., 0] = cover
+    case.color[..., 1] = (1.0 - cover) * layers.checker(size)
+    return case
+
+
+def test_layered_moving_edge(driver):
+    """A near edge moved by 1/8 pixel a frame: its alpha follows the lens's, and no frame is off from it by more.
+
+    The layer's edge is where depth has it, half a pixel from the true one at most, and known to half a pixel: a pixel
+    of the spread. Beside that, a pixel that is covered by less than a half keeps the colour of the edge in focus: where
+    alpha is a half, half of a half. From frame to frame that comes and goes.
+    """
+    polygon = layers.polygon_of("hexagon", 0.0, BLUR)
+    width = layers.SIZE[0]
+    off = [
+        layered(driver, edge_at(place))[..., 0]
+        - layers.edge_spread(polygon, width // 2 + place - np.arange(width) - 0.5)
+        for place in MOVES
+    ]
+    allowed = layers.steepest(polygon) + 0.25 + layers.WHOLE + layers.STEP
+    assert np.abs(off).max() <= allowed
+    assert np.abs(np.diff(off, axis=0)).max() <= allowed
+    if driver.name == "egl":
+        changed, bound = told(r"moving near edge \| up to ([\d.]+) of its alpha.*?bound ([\d.]+)")
+        assert np.abs(np.diff(off, axis=0)).max() <= changed + 0.0005
+        assert bound == pytest.approx(allowed, abs=0.0005)
+
+
+def light_at(place: float, near: bool) -> tuple[Case, np.ndarray]:
+    """A disc of 3 pixels drawn by area: near, over what is in focus, or far, beside a silhouette; and its coverage."""
+    size = layers.SIZE
+    cover = sweep.disc(size, (size[0] / 2 + 4 + place, size[1] / 2 + 0.3), 3.0)
+    if not near:
+        case = layers.silhouette_case()
+        case.color[:, layers.EDGE :, 2] = layers.LIGHT * cover[:, layers.EDGE :]
+        return case, cover
+    case = layers.near_case("", BLUR, cover >= 0.5, LAYERED)
+    case.color[..., 0] = 0.0
+    case.color[..., 1] = (1.0 - cover) * layers.checker(size)
+    case.color[..., 2] = layers.LIGHT * cover
+    return case, cover
+
+
+@pytest.mark.parametrize("near", [True, False], ids=["near light", "far light beside an edge"])
+def test_layered_moving_light(near, driver):
+    """A light moved by 1/8 pixel a frame: how far its own light flickers.
+
+    Near, it is kept as an isolated one is, 0.99 to 1.01, so a frame differs by no more than 0.02. Far, the silhouette
+    hides a part: what is seen is what the polygon has there, times up to 2 (see the probe), and by 1/8 pixel that
+    changes by the width of the polygon over its area, once more times 2, beside the 0.02.
+    """
+    found = []
+    for place in MOVES:
+        case, cover = light_at(place, near)
+        found.append(layered(driver, case)[..., 2].sum() / (layers.LIGHT * cover.sum()))
+    changed = np.abs(np.diff(found)).max()
+    allowed = 0.02 + (0.0 if near else 2 * layers.steepest(layers.polygon_of("hexagon", 0.0, BLUR)) / 8)
+    assert changed <= allowed
+    if near:
+        assert 0.99 <= min(found) and max(found) <= 1.01, found
+    if driver.name == "egl":
+        name = "moving near light" if near else "moving far light beside an edge"
+        measured, bound = told(rf"{name} \| up to ([\d.]+) of its light.*?bound ([\d.]+)")
+        assert changed <= measured + 0.0005
+        assert bound == pytest.approx(allowed, abs=0.0005)

@@ -11,7 +11,8 @@ from bokeh_validation.errors import UserError
 
 LANGUAGES = paths.LANGUAGES
 TEXTS = {
-    key: (paths.ROOT / key).read_text(encoding="ascii") for key in (*parity.LIBRARY.values(), *parity.PASSES.values())
+    key: (paths.ROOT / key).read_text(encoding="ascii")
+    for key in (*parity.LIBRARY.values(), *parity.LAYERS.values(), *parity.PASSES.values())
 }
 BEFORE = parity.check()
 
@@ -396,6 +397,71 @@ def test_hardly_a_token_can_go_unnoticed(language):
             continue
         dropped = text[: start + token.start()] + text[start + token.end() :]
         assert new_differences({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# layers
+# ----------------------------------------------------------------------------------------------------------------------
+
+# name -> (old, new), the same in every language
+IN_LAYERS = {
+    "a literal": ("min(0.01 + brightness, 10000.0)", "min(0.02 + brightness, 10000.0)"),
+    "a texture": ("BokehNearSlope(tile.r)", "BokehNearSlope(tile.g)"),
+    "a function": ("BokehNearSlope(tile.r)", "BokehFarSlope(tile.r)"),
+    "a doc comment": ("MaxCoC        fraction of", "MaxCoC        part of"),
+    "the first comment": ("// Layers: where the image lies", "// Layers: where an image lies"),
+    "a heading": ("[13] the picture\n// ---", "[13] a picture\n// ---"),
+    "a section number": ("[13] the picture\n// ---", "[14] the picture\n// ---"),
+    "the contract": ("Places and CoC are in pixels here.", "Places and CoC are in texels here."),
+    "a default in the table": ("//   BOKEH_LAYER_CELLS       12 ", "//   BOKEH_LAYER_CELLS       13 "),
+    "a row of the presets": ("//   BOKEH_PRESET_LOW        2 ", "//   BOKEH_PRESET_LOW        1 "),
+    "the default row of the presets": ("//   BOKEH_PRESET_MEDIUM     3 ", "//   BOKEH_PRESET_MEDIUM     4 "),
+    "sampling past BokehFetchTexture": ("BokehFetchTexture(tex, ", "textureLod(tex, "),
+    "the version": ("Version 0.2.0.", "Version 0.3.0."),
+    "a tag line": ("// Layers: largest of the three channels", "// Largest of the three channels"),
+}
+CONFIGURED = {
+    "hlsl": ("#define BOKEH_PRESET_CELLS 8", "#define BOKEH_PRESET_CELLS 9"),
+    "glsl": ("#define BOKEH_PRESET_CELLS 12", "#define BOKEH_PRESET_CELLS 13"),
+    "wgsl": ("override BOKEH_LAYER_CELLS: i32 = 12;", "override BOKEH_LAYER_CELLS: i32 = 13;"),
+}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", IN_LAYERS)
+def test_a_change_in_the_layers_is_found(name, language):
+    key = parity.LAYERS[language]
+    old, new = IN_LAYERS[name]
+    if language == "hlsl" and old.endswith("(tex, "):
+        old = "BokehFetchTexture(BOKEH_ARGUMENT(tex), "
+    assert new_differences({key: replaced(TEXTS[key], old, new)})
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_change_in_the_configuration_of_the_layers_is_found(language):
+    key = parity.LAYERS[language]
+    assert new_differences({key: replaced(TEXTS[key], *CONFIGURED[language])})
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_hardly_a_token_of_the_layers_can_go_unnoticed(language):
+    """Every 23rd token of the functions dropped."""
+    key = parity.LAYERS[language]
+    text = TEXTS[key]
+    start = text.index(parity.SHARED_LAYERS)
+    for token in list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s]", text[start:]))[::23]:
+        dropped = text[: start + token.start()] + text[start + token.end() :]
+        assert new_differences({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
+
+
+@pytest.mark.parametrize("language", ["hlsl", "glsl"])
+def test_the_layers_of_the_passes_can_be_left_out(language):
+    """Their helpers and entries are in an #ifdef, which WGSL has not."""
+    key = parity.PASSES[language]
+    start = parity.ENTRIES.search(TEXTS[key]).end()
+    head, text = TEXTS[key][:start], TEXTS[key][start:]
+    assert new_differences({key: head + replaced(text, "#ifdef BOKEH_LAYERS\n", "")})
+    assert new_differences({key: head + replaced(text, "#ifdef BOKEH_LAYERS\n", "#ifdef BOKEH_LAYER\n")})
 
 
 # One change to all three languages: name -> (old, new), written as in GLSL.

@@ -376,7 +376,7 @@ def test_document_says_what_is_measured(findings):
 def test_libraries_have_no_half():
     """No word in any of the three that makes a variable 16 bits; comments may have it."""
     for language in paths.LANGUAGES:
-        for file in (paths.library(language), paths.passes(language)):
+        for file in (paths.library(language), paths.layers(language), paths.passes(language)):
             code = re.sub(r"//.*", "", file.read_text(encoding="ascii"))
             found = re.findall(r"\b(?:half\d?|min\w+float\d?|float16_t\d?|mediump|lowp|f16|vec\dh)\b", code)
             assert not found, f"{file.name}: {found}"

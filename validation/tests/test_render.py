@@ -53,7 +53,7 @@ def test_street_in_a_folder_with_spaces(tmp_path):
     with OpenEXR.File(str(folder / "out put.exr"), separate_channels=True) as file:
         channels = {name: np.asarray(c.pixels) for name, c in file.channels().items()}
     assert sorted(channels) == list("ABGR") and all(c.dtype == np.float16 for c in channels.values())
-    case = suite.scene_case(suite.SCENES[0], "exact", "hexagon")
+    case = suite.scene_case(suite.STREET, "exact", "hexagon")
     wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"]
     np.testing.assert_allclose(channels["G"].astype(float), wanted[..., 1].astype(float), rtol=0.02, atol=0.002)
     np.testing.assert_allclose(channels["A"].astype(float), wanted[..., 3].astype(float), rtol=0.02, atol=1e-5)

@@ -132,7 +132,7 @@ def test_a_rounded_count_is_caught():
 
 def scene_crop(settings: methods.Settings) -> Case:
     """A piece of a ray-traced scene with near and far objects."""
-    scene = suite.scene_case(suite.SCENES[0], "paper", "hexagon")
+    scene = suite.scene_case(suite.STREET, "paper", "hexagon")
     return Case("", settings, scene.color[200:272, 280:376].copy(), scene.depth[200:272, 280:376].copy())
 
 

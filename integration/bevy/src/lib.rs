@@ -22,6 +22,7 @@ use bevy::{
 };
 
 const LIBRARY: &str = include_str!("../../../wgsl/bokeh.wgsl");
+const LAYERS: &str = include_str!("../../../wgsl/bokeh_layers.wgsl");
 const PASSES: &str = include_str!("../../../wgsl/bokeh_passes.wgsl");
 
 /// The line of `bokeh.wgsl` that says how many samples a line has at most.
@@ -134,7 +135,7 @@ impl Plugin for BokehPlugin {
         assert!(LIBRARY.contains(SAMPLES), "bokeh.wgsl has no line {SAMPLES}");
         let samples = format!("override BOKEH_NUM_SAMPLES: i32 = {};", self.samples);
         let library = LIBRARY.replace(SAMPLES, &samples);
-        let shader = Shader::from_wgsl(format!("{library}{PASSES}"), "bokeh_passes.wgsl");
+        let shader = Shader::from_wgsl(format!("{library}{LAYERS}{PASSES}"), "bokeh_passes.wgsl");
         let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(shader);
         app.add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -308,6 +309,8 @@ struct BokehParameters {
     texture_width: f32,
     texture_height: f32,
     pass_index: f32,
+    axis: f32,
+    layer: f32,
 }
 
 #[derive(Resource)]

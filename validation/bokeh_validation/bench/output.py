@@ -1,11 +1,13 @@
 """A measurement as tables, as markdown and as a picture."""
 
 import io
+from collections.abc import Iterator
 
 from PIL import Image
 from rich.table import Table
 
 from bokeh_validation.bench.measure import Spread
+from bokeh_validation.bench.rows import LAYERS_SCENE
 from bokeh_validation.bench.session import Measured, Result
 
 # Table 1 of the paper: frames a second on a GeForce 8600 GT, 800 x 800, the engine's own work included
@@ -44,7 +46,7 @@ def _cells(found: Measured) -> list[str]:
         found.row.key,
         str(cost.passes),
         f"{cost.color:.4g} + {cost.depth:.4g}",
-        str(cost.written),
+        f"{cost.written:.4g}",
         f"{1e3 * seconds.median:.3g}",
         f"{1.0 / seconds.median:.3g}",
         _spread(found.naive),
@@ -69,8 +71,9 @@ def tables(result: Result) -> list:
     curves = Table("time against", "method", "slope", "R2", box=None, pad_edge=False)
     for curve in result.curves:
         curves.add_row(curve.against, curve.name, f"{curve.fit.slope:.2f}", f"{curve.fit.r2:.3f}")
-    size = f"{result.size[0]} x {result.size[1]}"
-    head = [f"{result.driver}: {result.adapter}", f"{size}, {result.rounds} rounds, {result.why}", *LEGEND]
+    size, layers = (f"{width} x {height}" for width, height in (result.size, result.layers_size))
+    sizes = f"{size}; the layers {LAYERS_SCENE.name} at {layers}"
+    head = [f"{result.driver}: {result.adapter}", f"{sizes}; {result.rounds} rounds, {result.why}", *LEGEND]
     return [*head, table, curves]
 
 
@@ -80,18 +83,43 @@ def markdown(data: dict) -> list[str]:
     kinds = ("naive/it", "it/paper's", "it/floor")
     heads = ["method", "passes", "fetches", "bytes", *(f"{name}: {kind}" for name in names for kind in kinds)]
     lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    for rows in zip(*(driver["rows"] for driver in data["drivers"]), strict=True):
+    for rows in _side_by_side(data, False):
         cost = rows[0]["cost"]
         cells = [
             rows[0]["key"],
             str(cost["passes"]),
             f"{cost['color']:.4g} + {cost['depth']:.4g}",
-            str(cost["written"]),
+            f"{cost['written']:.4g}",
         ]
         for row in rows:
             cells += [_shown(row["naive_ratio"]), _shown(row["ratios"].get("paper")), _shown(row["floor_ratio"])]
         lines.append(f"| {' | '.join(cells)} |")
     return lines
+
+
+def layers_markdown(data: dict) -> list[str]:
+    """The table of the layers there: the ratio to the paper's hexagon for each driver."""
+    names = [driver["driver"] for driver in data["drivers"]]
+    heads = ["", "passes", "fetches", "bytes", *(f"{name}: it/paper's" for name in names)]
+    lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    for rows in _side_by_side(data, True):
+        cost = rows[0]["cost"]
+        cells = [
+            rows[0]["key"],
+            str(cost["passes"]),
+            f"{cost['color']:.4g} + {cost['depth']:.4g}",
+            f"{cost['written']:.4g}",
+            *(_shown(row["ratios"].get("paper")) for row in rows),
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return lines
+
+
+def _side_by_side(data: dict, layers: bool) -> Iterator[tuple[dict, ...]]:
+    """The row of each driver: the layers, or all others."""
+    for rows in zip(*(driver["rows"] for driver in data["drivers"]), strict=True):
+        if (rows[0]["group"] == "layers") == layers:
+            yield rows
 
 
 def _shown(found: dict | None) -> str:
@@ -163,7 +191,7 @@ def _curves(axis, result: Result, against: str, label: str) -> None:
 
 def _floors(axis, result: Result) -> None:
     # of Table 1 the middle is enough to see
-    shown = [m for m in reversed(result.rows) if m.row.group != "table 1" or m.row.effective == 144]
+    shown = [m for m in reversed(result.rows) if m.floor and (m.row.group != "table 1" or m.row.effective == 144)]
     places = range(len(shown))
     medians = [found.floor.median for found in shown]
     errors = [[m.floor.median - m.floor.low for m in shown], [m.floor.high - m.floor.median for m in shown]]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation import apertures, methods
+from bokeh_validation import apertures, fetches, methods
 from bokeh_validation.passes import COPYING_ENTRIES, Pass
 from bokeh_validation.reference import listings, segments
 
@@ -94,12 +94,16 @@ def reads(item: Pass) -> Reads:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one picture, CoC map and all: passes, and a pixel's colour and depth fetches (means) and bytes written."""
+    """Of one picture, CoC map and all: passes, and a pixel's colour and depth fetches and bytes written.
+
+    Fetches are means; of the layers they are the most that a pixel takes, or all that it takes in focus. A texel of a
+    target of 1 / n of the size counts 1 / n^2.
+    """
 
     passes: int
     color: float
     depth: float
-    written: int
+    written: float
 
 
 def stored_coc(item: Pass, depth: np.ndarray) -> np.ndarray:
@@ -121,10 +125,13 @@ def stored_coc(item: Pass, depth: np.ndarray) -> np.ndarray:
 
 def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
     """Cost of a plan on this depth, (H, W) in metres: filter passes that all blur by the CoC of the first pass."""
-    color, of_depth, written = 0.0, 0.0, 0
+    color, of_depth, written = 0.0, 0.0, 0.0
     coc = stored_coc(passes[0], depth)
     for item in passes:
-        written += TARGET_BYTES * len(item.outputs)
+        written += TARGET_BYTES * len(item.outputs) / item.scale**2
+        if fetches.is_layers(item):
+            color += fetches.of_pass(item, not coc.any())["color"] / item.scale**2
+            continue
         if item.entry in COPIES:
             color += 1
             of_depth += item.entry != "BokehConstantCoC"

@@ -1,18 +1,21 @@
-"""What is measured: the methods of Table 1, the defaults, adaptive counts, and a picture in focus."""
+"""What is measured: the methods of Table 1, the defaults, adaptive counts, a picture in focus, and the layers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, pi, tan
 
 import numpy as np
 
-from bokeh_validation import exr, methods, paths, suite
+from bokeh_validation import methods, suite
 from bokeh_validation.bench import floors
 from bokeh_validation.passes import Pass
 
 # Samples on a line for the effective counts of Table 1: 16, 64, 144, 256, 400, 576
 SIDES = (4, 8, 12, 16, 20, 24)
 QUICK_SIDES = (4, 12, 24)
-SCENE = suite.SCENES[0]
+SCENE = suite.STREET
+# Of the layers: much of it is out of focus, near and far
+LAYERS_SCENE = suite.MARKET
+LAYERS_PAPER = "paper hexagon, layers"
 # Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
 COC = 0.1
 # As many as a line of CoC length can take at a sample a pixel in a picture of 2540 rows
@@ -25,10 +28,10 @@ class Row:
     """One method with its settings.
 
     key        its name in the results
-    group      'table 1', 'default', 'adaptive' or 'in focus'
+    group      'table 1', 'default', 'adaptive', 'in focus' or 'layers'
     effective  effective samples as the paper counts them; None where the count follows the CoC
     passes     what is timed
-    floor      what it is held against
+    floor      what it is held against; the layers have none
     versus     key -> row that it is divided by: 'naive' and 'paper', where there is one
     """
 
@@ -53,7 +56,9 @@ def edge_samples(aperture: str, line_samples: int) -> int:
 
 def _row(key: str, group: str, settings: methods.Settings, size, effective=None, **versus: str) -> Row:
     passes = methods.plan(settings, size).passes
-    floor = floors.one_fetch(passes) if group == "in focus" else floors.floor(passes)
+    floor = ()
+    if group != "layers":
+        floor = floors.one_fetch(passes) if group == "in focus" else floors.floor(passes)
     return Row(key, group, settings, effective, passes, floor, versus)
 
 
@@ -117,14 +122,26 @@ def in_focus(size: tuple[int, int]) -> list[Row]:
     return rows
 
 
+def layers(size: tuple[int, int]) -> list[Row]:
+    """`layered` against the paper's hexagon with 13 samples, all with the CoC from depth; and a picture in focus."""
+    camera = LAYERS_SCENE.camera
+    rows = [_row(LAYERS_PAPER, "layers", methods.Settings("paper", "hexagon", camera=camera), size)]
+    for quality in ("low", "medium", "high"):
+        settings = methods.Settings("layered", "hexagon", camera=camera, quality=quality)
+        rows.append(_row(f"layered {quality}", "layers", settings, size, paper=LAYERS_PAPER))
+    settings = methods.Settings("layered", "hexagon", camera=camera, coc=0.0)
+    rows.append(_row("layered in focus", "layers", settings, size, paper=LAYERS_PAPER))
+    return rows
+
+
 def _reading(item: Pass, name: str) -> Pass:
     inputs = {slot: name if source == "coc" else source for slot, source in item.inputs.items()}
-    return Pass(item.entry, inputs, item.output, item.parameters, item.samples, item.sources)
+    return replace(item, inputs=inputs)
 
 
-def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
-    """The street of validation/scenes at (width, height), nearest texel: 'color', 'depth', and 'sharp' with alpha 0."""
-    scene = exr.read(paths.SCENES / f"{SCENE.name}_pin.exr")
+def textures(size: tuple[int, int], file: suite.SceneFile = SCENE) -> dict[str, np.ndarray]:
+    """A scene at (width, height), nearest texel: 'color', 'depth', and 'sharp' with alpha 0."""
+    scene = suite.picture(file)
     width, height = scene.size
     columns, lines = np.arange(size[0]) * width // size[0], np.arange(size[1]) * height // size[1]
     color = scene.color[lines][:, columns]

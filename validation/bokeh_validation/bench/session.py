@@ -7,7 +7,7 @@ from importlib import metadata
 
 import numpy as np
 
-from bokeh_validation import __version__, doctor
+from bokeh_validation import __version__, doctor, suite
 from bokeh_validation.bench import growth, reads, rows
 from bokeh_validation.bench.measure import CLOCKS, Spread, Times, interleaved
 from bokeh_validation.drivers.base import TimedDriver
@@ -18,6 +18,8 @@ DEFAULT_DRIVERS = ("osmesa", "wgpu")
 # Parts of the names of devices that are programs on this machine's cores
 SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader", "Microsoft Basic Render")
 SIZE, SOFTWARE_SIZE, QUICK_SIZE = (800, 800), (400, 400), (160, 160)
+# Of the layers: the scene as it is
+LAYERS_SIZE = (960, 540)
 ROUNDS, QUICK_ROUNDS, GROWTH_ROUNDS = 9, 5, 5
 
 
@@ -48,6 +50,11 @@ class Plan:
         return SOFTWARE_SIZE if is_software(driver) else SIZE
 
     @property
+    def layers_size(self) -> tuple[int, int]:
+        """(width, height) for the layers."""
+        return self.size or (SOFTWARE_SIZE if self.quick else LAYERS_SIZE)
+
+    @property
     def counted(self) -> int:
         """Rounds that count."""
         return self.rounds or (QUICK_ROUNDS if self.quick else ROUNDS)
@@ -59,17 +66,17 @@ class Plan:
 
     @property
     def steps(self) -> int:
-        """Steps of the progress bar for each driver: the rounds of the rows and of two kinds of growth, each with a
-        warm-up.
+        """Steps of the progress bar for each driver: the rounds of the rows, of the layers and of two kinds of growth,
+        each with a warm-up.
         """
-        return self.counted + 1 + 2 * (min(self.counted, GROWTH_ROUNDS) + 1)
+        return 2 * (self.counted + 1) + 2 * (min(self.counted, GROWTH_ROUNDS) + 1)
 
 
 @dataclass(frozen=True)
 class Measured:
     """A row with its times. Ratios are over the rounds, each computed within its round.
 
-    floor   row / its floor
+    floor   row / its floor; None where there is none
     naive   naive with as many effective samples / row; None where there is none
     versus  row / the rows that it names in `versus`
     """
@@ -77,8 +84,8 @@ class Measured:
     row: rows.Row
     cost: reads.Cost
     seconds: Spread
-    floor_seconds: Spread
-    floor: Spread
+    floor_seconds: Spread | None
+    floor: Spread | None
     naive: Spread | None
     versus: dict[str, Spread]
     raw: dict[str, list]
@@ -104,6 +111,7 @@ class Result:
     adapter: str
     software: bool
     size: tuple[int, int]
+    layers_size: tuple[int, int]
     rounds: int
     clock: str
     why: str
@@ -122,34 +130,36 @@ def measure_rows(
     rounds: int,
     step: Callable[[str], None] = lambda _: None,
     clock: str | None = None,
+    scene: suite.SceneFile = rows.SCENE,
 ) -> tuple[list[Measured], Times]:
     """Time rows and their floors, all interleaved."""
-    images = rows.textures(size)
+    images = rows.textures(size, scene)
     # one picture and one set of targets for all: 80 jobs of their own would not fit a small device
     shared = driver.prepared((), images, size)
     jobs = {}
     chosen = list(chosen)
     for row in chosen:
         for key, passes in ((row.key, row.passes), (row.key + " floor", row.floor)):
-            jobs[key] = driver.prepared(passes, images, size, share=shared)
+            if passes:
+                jobs[key] = driver.prepared(passes, images, size, share=shared)
     times = interleaved(jobs, rounds, is_software(driver), step=step, clock=clock)
     for job in [*jobs.values(), shared]:
         job.release()
     found = []
     for row in chosen:
-        seconds, floor = times.seconds[row.key], times.seconds[row.key + " floor"]
+        floor = row.key + " floor" if row.floor else None
         versus = {name: times.ratio(row.key, other) for name, other in row.versus.items()}
         found.append(
             Measured(
                 row,
                 _cost(row, images["depth"]),
-                Spread.of(seconds),
-                Spread.of(floor),
-                times.ratio(row.key, row.key + " floor"),
+                Spread.of(times.seconds[row.key]),
+                Spread.of(times.seconds[floor]) if floor else None,
+                times.ratio(row.key, floor) if floor else None,
                 times.ratio(row.versus["naive"], row.key) if "naive" in row.versus else None,
                 versus,
                 {name: _raw(times.clocks[name][row.key]) for name in CLOCKS},
-                {name: _raw(times.clocks[name][row.key + " floor"]) for name in CLOCKS},
+                {name: _raw(times.clocks[name][floor]) for name in CLOCKS} if floor else {},
             )
         )
     return found, times
@@ -206,12 +216,25 @@ def measure(driver: TimedDriver, plan: Plan, step: Callable[[str], None] = lambd
     size = plan.size_on(driver)
     chosen = [*rows.table_one(size, plan.sides), *rows.defaults(size), *rows.adaptive(size), *rows.in_focus(size)]
     found, times = measure_rows(driver, chosen, size, plan.counted, step, plan.clock)
+    size_of_layers = plan.layers_size
+    found += measure_rows(
+        driver, rows.layers(size_of_layers), size_of_layers, plan.counted, step, plan.clock, rows.LAYERS_SCENE
+    )[0]
     few = min(plan.counted, GROWTH_ROUNDS)
     curves = sample_curves(found)
     curves += measure_curves(driver, growth.with_coc(size), few, step, plan.clock)
     curves += measure_curves(driver, growth.with_size(size), few, step, plan.clock)
     return Result(
-        driver.name, driver.adapter, is_software(driver), size, plan.counted, times.clock, times.why, found, curves
+        driver.name,
+        driver.adapter,
+        is_software(driver),
+        size,
+        size_of_layers,
+        plan.counted,
+        times.clock,
+        times.why,
+        found,
+        curves,
     )
 
 
@@ -224,6 +247,7 @@ def as_json(results: list[Result], missing: dict[str, str]) -> dict:
         "environment": {**doctor.environment(), **versions},
         "coc": rows.COC,
         "scene": rows.SCENE.name,
+        "layers_scene": rows.LAYERS_SCENE.name,
         "missing": missing,
         "drivers": [_driver_json(result) for result in results],
     }
@@ -235,12 +259,17 @@ def _driver_json(result: Result) -> dict:
         "adapter": result.adapter,
         "software": result.software,
         "size": list(result.size),
+        "layers_size": list(result.layers_size),
         "rounds": result.rounds,
         "clock": result.clock,
         "clock_check": result.why,
         "rows": [_row_json(found) for found in result.rows],
         "growth": [asdict(curve) for curve in result.curves],
     }
+
+
+def _optional(found: Spread | None) -> dict | None:
+    return None if found is None else asdict(found)
 
 
 def _row_json(found: Measured) -> dict:
@@ -256,9 +285,9 @@ def _row_json(found: Measured) -> dict:
         "coc": settings.coc,
         "cost": asdict(found.cost),
         "seconds": asdict(found.seconds),
-        "floor_seconds": asdict(found.floor_seconds),
-        "floor_ratio": asdict(found.floor),
-        "naive_ratio": None if found.naive is None else asdict(found.naive),
+        "floor_seconds": _optional(found.floor_seconds),
+        "floor_ratio": _optional(found.floor),
+        "naive_ratio": _optional(found.naive),
         "ratios": {name: {"to": found.row.versus[name], **asdict(spread)} for name, spread in found.versus.items()},
         "rounds": found.raw,
         "floor_rounds": found.raw_floor,

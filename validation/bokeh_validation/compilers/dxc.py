@@ -15,9 +15,9 @@ from pathlib import Path
 
 from bokeh_validation import locks, paths
 from bokeh_validation.compilers import spirv_facts
+from bokeh_validation.compilers.registers import BINDINGS
 from bokeh_validation.compilers.result import CompileResult, accepted
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE
 
 PACKAGE = "compushady"
 VERSION = "0.17.5"
@@ -29,9 +29,16 @@ MEMBERS = {
 DOWNLOAD_S = 540
 INSTALL = "validation/run doctor --install fetches it (67 MB, once)"
 
-# Register shifts that put HLSL's b0, t0, s0 and those behind on the bindings of the WGSL file, all in set 0.
-_SHIFTS = {"b": 0, "t": FIRST_TEXTURE, "s": FIRST_SAMPLER}
-SPIRV_OPTIONS = ("-spirv", *(word for kind, by in _SHIFTS.items() for word in (f"-fvk-{kind}-shift", str(by), "0")))
+
+def spirv_options(source: str) -> list[str]:
+    """Options that put HLSL's registers on the bindings of the WGSL file, where the text names them; all in set 0.
+
+    DXC refuses to bind registers of a text that leaves one to it.
+    """
+    if "register(t6)" not in source:
+        return ["-spirv"]
+    bound = (("-fvk-bind-register", name, "0", str(binding), "0") for name, binding in BINDINGS.items())
+    return ["-spirv", *(word for words in bound for word in words)]
 
 
 class GUID(ctypes.Structure):
@@ -117,7 +124,7 @@ class Compiler:
 
     def compile(self, source: str, profile: str, entry: str, spirv: bool = True) -> CompileResult:
         """Compile HLSL text to SPIR-V, or to DXIL with spirv=False."""
-        options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(SPIRV_OPTIONS if spirv else ())]
+        options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(spirv_options(source) if spirv else ())]
         arguments = (ctypes.c_wchar_p * len(options))(*options)
         data = source.encode("ascii")
         buffer = Buffer(ctypes.cast(ctypes.c_char_p(data), ctypes.c_void_p), len(data), 65001)

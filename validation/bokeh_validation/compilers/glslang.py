@@ -1,17 +1,22 @@
 """The Khronos reference front end for GLSL, GLSL ES and HLSL: glslangValidator."""
 
+from itertools import chain
+
 from bokeh_validation.compilers import spirv_facts, tool
+from bokeh_validation.compilers.registers import BINDINGS
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
-from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE
 
 INSTALL = "apt-get install -y glslang-tools"
 
 # What the SPIR-V is for, as a client and as glslangValidator's options. OpenGL: GLSL 330 states no locations or
-# bindings, so they are assigned. HLSL: the register shifts put t0, s0, b0 and those behind them on the bindings of the
-# WGSL file.
+# bindings, so they are assigned. HLSL: those of the WGSL file; to what --rsb gives a texture its shift is added.
 OPENGL = ("-G100", "--aml", "--amb")
 VULKAN = ("-V",)
-HLSL = ("-D", "-V", "--stb", str(FIRST_TEXTURE), "--ssb", str(FIRST_SAMPLER), "--sub", "0")
+_TEXTURES = ((name, "0", str(binding - BINDINGS["t0"])) for name, binding in BINDINGS.items() if name[0] == "t")
+HLSL = (
+    *("-D", "-V", "--stb", str(BINDINGS["t0"]), "--ssb", str(BINDINGS["s0"]), "--sub", "0"),
+    *("--rsb", "frag", *chain.from_iterable(_TEXTURES)),
+)
 
 
 def _program() -> str:

@@ -12,9 +12,9 @@ PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag|glsl)|0|bokeh\.hlsl|wgsl)
 def located(message: str, source: str, language: str) -> str:
     """Replace each place by one like bokeh.glsl:251. A message on the lines before the files is left as it is.
 
-    source  the program that was compiled: lines of its own (version, defines), then the two files
+    source  the program that was compiled: lines of its own (version, defines), then the three files
     """
-    files = [paths.library(language), paths.passes(language)]
+    files = [paths.library(language), paths.layers(language), paths.passes(language)]
     lengths = [len(_lines(file)) for file in files]
     head = len(source.splitlines()) - sum(lengths)
 

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass
+from bokeh_validation.passes import Pass, target_area
 from bokeh_validation.reference import images
 
 Textures = Mapping[str, np.ndarray]
@@ -52,7 +52,7 @@ class Job(Protocol):
         ...
 
     def read(self, name: str) -> np.ndarray:
-        """A target after the last draw, (H, W, 4)."""
+        """A target after the last draw, (H, W, 4) of its own size; see four_channels()."""
         ...
 
     def release(self) -> None:
@@ -85,9 +85,10 @@ class Driver(Protocol):
         """Run the passes in order and return the textures named in `keep`.
 
         textures  (H, W, 4) float16 or float32, or (H, W) float32 for depth
-        size      (width, height) of every target
+        size      (width, height) of every target of scale 1
         storage   'half' or 'float': format of the targets between and after the passes
-        returns   name -> (H, W, 4), float16 or float32 by `storage`
+        returns   name -> (H, W, 4) of the target's size, float16 or float32 by `storage`; where it has two channels,
+                  the others are 0 and 1
 
         A pass with a viewport draws nothing outside of it; uv runs 0 .. 1 over it. What an earlier pass has left in its
         targets stays around it; a target that no earlier pass has made is 0 there, also where a texture of that name
@@ -112,7 +113,7 @@ class TimedDriver(Driver, Protocol):
         """What `run` would draw, uploaded and compiled.
 
         share  a job of the same size and storage: textures and targets of a name that it has are used again, not
-               uploaded and not made. It is to be released last.
+               uploaded and not made; a target only if it has the same size and channels. It is to be released last.
 
         Raises Unavailable as `run` does.
         """
@@ -124,33 +125,50 @@ def storage_type(storage: str) -> type:
     return {"half": np.float16, "float": np.float32}[storage]
 
 
+def four_channels(pixels: np.ndarray) -> np.ndarray:
+    """A target of (H, W, 2) or (H, W, 4) as (H, W, 4), a copy: with two channels, blue is 0 and alpha 1."""
+    result = np.zeros((*pixels.shape[:2], 4), pixels.dtype)
+    result[..., 3] = 1
+    result[..., : pixels.shape[2]] = pixels
+    return result
+
+
 def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[str]]:
     """For each pass the names of those outputs that an earlier pass has made and that it draws over.
 
-    size  (width, height) of every target
+    size  (width, height) of every target of scale 1
 
-    Raises ValueError where a pass reads what it draws over, and for a viewport that is not within the targets.
+    Raises ValueError where a pass reads what it draws over, or draws over a target of another scale or other channels,
+    and for a viewport that is not within the targets or begins within a texel of them.
     """
-    made: set[str] = set()
+    made: dict[str, tuple[int, int]] = {}
     found = []
     for item in passes:
-        over = frozenset(made.intersection(item.outputs)) if item.viewport else frozenset()
+        over = frozenset(set(made).intersection(item.outputs)) if item.viewport else frozenset()
         if item.viewport:
             x, y, width, height = item.viewport
             if min(x, y) < 0 or min(width, height) < 1 or x + width > size[0] or y + height > size[1]:
                 raise ValueError(f"{item.entry}: viewport {item.viewport} is not within {size[0]} x {size[1]}")
+            target_area(item.scale, item.viewport)
         for name in over.intersection(item.inputs.values()):
             raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
+        kind = (item.scale, item.channels)
+        for name in over:
+            if made[name] != kind:
+                raise ValueError(
+                    f"{item.entry} has scale {item.scale} and {item.channels} channels, and draws over {name!r}, which "
+                    f"has scale {made[name][0]} and {made[name][1]} channels"
+                )
         found.append(over)
-        made.update(item.outputs)
+        made.update(dict.fromkeys(item.outputs, kind))
     return found
 
 
 def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
     """Raise Unavailable where all targets of a pass together have more bytes a pixel than the device's `limit`."""
-    texel = 4 * np.dtype(storage_type(storage)).itemsize
+    channel = np.dtype(storage_type(storage)).itemsize
     for item in passes:
-        needed = texel * len(item.outputs)
+        needed = channel * item.channels * len(item.outputs)
         if needed > limit:
             raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
 

@@ -8,9 +8,16 @@ from functools import cached_property
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Textures, drawn_over, half_rounding, require_targets, storage_type
+from bokeh_validation.drivers.base import (
+    Textures,
+    drawn_over,
+    four_channels,
+    half_rounding,
+    require_targets,
+    storage_type,
+)
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear
+from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear, target_area, target_size
 
 TYPES = {np.dtype(np.float16): "half", np.dtype(np.float32): "float"}
 SOFTWARE_DEVICE = "swiftshader"
@@ -31,7 +38,8 @@ def packed(pixels: np.ndarray) -> dict[str, object]:
 def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
     """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
     data = np.frombuffer(base64.b64decode(pixels["data"]), storage_type(pixels["type"]))
-    return data.reshape(pixels["height"], pixels["width"], 4).astype(storage_type(storage))
+    shape = (pixels["height"], pixels["width"], pixels["channels"])
+    return four_channels(data.reshape(shape).astype(storage_type(storage)))
 
 
 class BrowserDriver:
@@ -96,7 +104,6 @@ class BrowserDriver:
         over = drawn_over(passes, size)
         job = {
             **self._shared(),
-            "size": list(size),
             "storage": storage,
             "keep": list(keep),
             "textures": {name: packed(pixels) for name, pixels in textures.items()},
@@ -104,7 +111,9 @@ class BrowserDriver:
                 {
                     **self._program(item),
                     "outputs": [{"name": name, "over": name in kept} for name in item.outputs],
-                    "viewport": item.viewport,
+                    "size": target_size(item.scale, size),
+                    "channels": item.channels,
+                    "viewport": target_area(item.scale, item.viewport) if item.viewport else None,
                     "values": {name: float(value) for name, value in item.values().items()},
                     "inputs": {
                         slot: {"texture": texture, "linear": is_linear(item.entry, slot)}

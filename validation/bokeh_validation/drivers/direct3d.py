@@ -12,14 +12,16 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Textures, drawn_over, half_rounding, storage_type
+from bokeh_validation.drivers.base import Textures, drawn_over, four_channels, half_rounding, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear
+from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 from bokeh_validation.windows import programs, server
 
 FORMATS = {
     (np.dtype(np.float16), 4): "half4",
     (np.dtype(np.float32), 4): "float4",
+    (np.dtype(np.float16), 2): "half2",
+    (np.dtype(np.float32), 2): "float2",
     (np.dtype(np.float32), 1): "float1",
 }
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
@@ -72,8 +74,7 @@ class Direct3D:
         over = drawn_over(passes, size)
         folder, dtype = self.server.folder, np.dtype(storage_type(storage))
         numbers: dict[str, int] = {}
-        lines = [f"size {size[0]} {size[1]} {FORMATS[dtype, 4]}"]
-        lines.append(f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}")
+        lines = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"]
         files = []
         for name, pixels in textures.items():
             number = numbers[name] = len(files)
@@ -83,12 +84,16 @@ class Direct3D:
             files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
             lines.append(f"texture {number} {width} {height} {kind} {files[-1].name}")
         free = itertools.count(len(files))
+        shapes: dict[str, tuple[int, int, int]] = {}
         for item, kept in zip(passes, over, strict=True):
+            width, height = target_size(item.scale, size)
+            lines.append(f"size {width} {height} {FORMATS[dtype, item.channels]}")
             lines += self._draw(item, numbers)
             targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
             lines.append(f"draw {' '.join(map(str, targets.values()))}")
             # an output may have the name of an earlier texture: from here on it is this one
             numbers.update(targets)
+            shapes.update(dict.fromkeys(targets, (height, width, item.channels)))
         results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
         lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
         job = folder / f"{self.name}.job"
@@ -97,9 +102,8 @@ class Direct3D:
             ok, answer = self.server.ask(job.name, RUN_S)
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
-            shape = (size[1], size[0], 4)
             pixels = {name: np.frombuffer(file.read_bytes(), dtype) for name, file in results.items()}
-            return {name: values.reshape(shape).copy() for name, values in pixels.items()}
+            return {name: four_channels(values.reshape(shapes[name])) for name, values in pixels.items()}
         except server.Ended as error:
             raise RuntimeError(f"{self.name}: {error}") from error
         finally:
@@ -114,7 +118,7 @@ class Direct3D:
             kind = "linear" if is_linear(item.entry, slot) else "nearest"
             lines.append(f"input {SLOTS.index(slot)} {numbers[texture]} {kind}")
         if item.viewport:
-            lines.append(f"viewport {' '.join(map(str, item.viewport))}")
+            lines.append(f"viewport {' '.join(map(str, target_area(item.scale, item.viewport)))}")
         # nine digits are enough for any float32
         lines += [f"value {index} {value:.9g}" for index, value in enumerate(item.values().values())]
         return lines

@@ -9,9 +9,17 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Stopwatch, Textures, Timing, drawn_over, half_rounding, storage_type
+from bokeh_validation.drivers.base import (
+    Stopwatch,
+    Textures,
+    Timing,
+    drawn_over,
+    four_channels,
+    half_rounding,
+    storage_type,
+)
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear
+from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 
 DTYPES = {np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
 
@@ -59,9 +67,9 @@ class GLDriver:
             self.context.texture((width, height), channels, pixels.tobytes(), alignment=1, dtype=DTYPES[pixels.dtype])
         )
 
-    def target(self, size: tuple[int, int], storage: str) -> moderngl.Texture:
-        """An RGBA render target."""
-        return self._clamped(self.context.texture(size, 4, dtype=DTYPES[np.dtype(storage_type(storage))]))
+    def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> moderngl.Texture:
+        """A render target: RGBA, or RG with two channels."""
+        return self._clamped(self.context.texture(size, channels, dtype=DTYPES[np.dtype(storage_type(storage))]))
 
     @staticmethod
     def _clamped(texture: moderngl.Texture) -> moderngl.Texture:
@@ -161,14 +169,17 @@ class GLJob:
                 if name in kept:
                     targets.append(self.live[name])
                     continue
+                wanted = (target_size(item.scale, size), item.channels)
                 reused = share.live.get(name) if share else None
-                targets.append(reused or self._owned(driver.target(size, storage)))
+                if reused and (reused.size, reused.components) != wanted:
+                    reused = None
+                targets.append(reused or self._owned(driver.target(wanted[0], storage, item.channels)))
                 fresh.append(targets[-1])
             framebuffer = self._owned(driver.context.framebuffer(targets))
             cleared = None
             if item.viewport:
                 # a triangle is clipped to it; its y counts from the first row in memory, as v does
-                framebuffer.viewport = item.viewport
+                framebuffer.viewport = target_area(item.scale, item.viewport)
                 cleared = self._owned(driver.context.framebuffer(fresh)) if fresh else None
             self.steps.append(Step(item, bound, framebuffer, cleared))
             self.live.update(zip(item.outputs, targets, strict=True))
@@ -205,7 +216,7 @@ class GLJob:
         self.driver.make_current()
         texture = self.live[name]
         pixels = np.frombuffer(texture.read(alignment=1), storage_type(self.storage))
-        return pixels.reshape(texture.height, texture.width, 4).copy()
+        return four_channels(pixels.reshape(texture.height, texture.width, texture.components))
 
     def release(self) -> None:
         """See drivers.base.Job.release."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
-from bokeh_validation.passes import Pass
-from bokeh_validation.reference import listings, segments
+from bokeh_validation.passes import SLOTS, Pass, target_area, target_size
+from bokeh_validation.reference import layers, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.precision import Precision
@@ -45,49 +45,87 @@ class Reference:
         storage: str = "half",
         precision: Precision | None = None,
         rounding: str = "nearest",
+        given: Textures | None = None,
     ) -> dict[str, Image]:
         """Every pass's output in float64; with `precision`, each with its acceptance interval.
 
         rounding  how the targets round, see images.stored
+        given     name -> what a device has in a target: what later passes read in place of the result for it. Each
+                  interval is then that of one pass.
         """
         dtype = storage_type(storage)
         live: dict[str, Image] = {}
-        drawn_over(passes, size)
-        for item in passes:
+        results_of: dict[str, Image] = {}
+        scales: dict[str, int] = {}
+        for item, over in zip(passes, drawn_over(passes, size), strict=True):
+            whole = target_size(item.scale, size)
             if item.viewport is None:
-                results = _run_pass(item, live, textures, size, precision)
+                results = _run_pass(item, live, textures, whole, precision)
             else:
-                results = _run_in_viewport(item, live, textures, precision)
+                results = _run_in_viewport(item, live, scales, textures, precision)
             for name, image in zip(item.outputs, results, strict=True):
                 kept = stored(image, dtype, rounding)
-                live[name] = kept if item.viewport is None else _drawn(kept, item.viewport, live.get(name), size)
-        return live
+                if item.viewport is not None:
+                    area = target_area(item.scale, item.viewport)
+                    kept = _drawn(kept, area, live[name] if name in over else None, whole)
+                live[name] = kept if item.channels == 4 else _two_channels(kept)
+                scales[name] = item.scale
+                results_of[name] = live[name]
+                if given is not None and name in given:
+                    live[name] = _exactly(given[name], precision)
+        return results_of
 
 
 # The shaders keep so far from the texels around a viewport, texels: BokehSetViewport
 VIEWPORT_INSET = 1.0 / 128.0
 
 
-def _run_in_viewport(item: Pass, live: Mapping[str, Image], textures: Textures, precision) -> list[Image]:
+def _exactly(pixels: np.ndarray, precision: Precision | None) -> Image:
+    """What a device has in a target, without doubt."""
+    value = pixels.astype(np.float64)
+    if precision is None:
+        return Image(value)
+    return Image(value, np.zeros_like(value), np.zeros(value.shape[:2], bool))
+
+
+def _two_channels(image: Image) -> Image:
+    """The image as a target of two channels has it: blue 0 and alpha 1, both exact."""
+    value = image.value.copy()
+    value[..., 2:] = 0.0, 1.0
+    if image.error is None:
+        return Image(value)
+    error = image.error.copy()
+    error[..., 2:] = 0.0
+    return Image(value, error, image.undecided)
+
+
+def _run_in_viewport(
+    item: Pass, live: Mapping[str, Image], scales: Mapping[str, int], textures: Textures, precision
+) -> list[Image]:
     """What a pass writes into its viewport, from that part of its textures where it is told so; tables are read whole.
+
+    scales  of the targets in `live`: the part is in texels of each
 
     The interval counts the inset as an error of the sampler's place, which it is at the edge and nowhere else.
     """
     x, y, width, height = item.viewport
     if not item.constants["BOKEH_VIEWPORT"]:
-        return _run_pass(item, live, textures, (width, height), precision)
+        return _run_pass(item, live, textures, target_size(item.scale, (width, height)), precision)
     rows, columns = slice(y, y + height), slice(x, x + width)
     part = {name: pixels[rows, columns] for name, pixels in textures.items()}
     if "KernelSamp" in item.inputs:
         part[item.inputs["KernelSamp"]] = textures[item.inputs["KernelSamp"]]
     if precision is not None:
         precision = replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
-    parts = {name: image.part(rows, columns) for name, image in live.items()}
-    return _run_pass(item, parts, part, (width, height), precision)
+    parts = {}
+    for name in set(live).intersection(item.inputs.values()):
+        x, y, width, height = target_area(scales[name], item.viewport)
+        parts[name] = live[name].part(slice(y, y + height), slice(x, x + width))
+    return _run_pass(item, parts, part, target_size(item.scale, item.viewport[2:]), precision)
 
 
 def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None, size: tuple[int, int]) -> Image:
-    """An image drawn into a viewport of a target, over what it held; a new target holds 0."""
+    """An image drawn into a rectangle of a target of that size, over what it held; a new target holds 0."""
     x, y, width, height = viewport
     shape = (size[1], size[0])
 
@@ -107,6 +145,9 @@ def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None
 def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:
     """What a pass writes to each of its targets."""
     values = item.given()
+    if "Layer" in item.entry:
+        inputs = [live[item.inputs[slot]] for slot in SLOTS if slot in item.inputs]
+        return layers.run_pass(item.entry, inputs, size, values, item.defines, precision)
     if item.entry in ("BokehCoCMap", "BokehSignedCoCMap"):
         depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
         coc = listings.circle_of_confusion(

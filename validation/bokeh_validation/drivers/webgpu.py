@@ -13,16 +13,28 @@ from bokeh_validation.drivers.base import (
     Textures,
     Timing,
     drawn_over,
+    four_channels,
     half_rounding,
     require_targets,
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
+from bokeh_validation.passes import (
+    BINDINGS,
+    FIRST_SAMPLER,
+    PARAMETERS,
+    SAMPLE_TYPES,
+    SLOTS,
+    Pass,
+    target_area,
+    target_size,
+)
 
 FORMATS = {
     (np.dtype(np.float16), 4): "rgba16float",
     (np.dtype(np.float32), 4): "rgba32float",
+    (np.dtype(np.float16), 2): "rg16float",
+    (np.dtype(np.float32), 2): "rg32float",
     (np.dtype(np.float32), 1): "r32float",
 }
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
@@ -65,7 +77,7 @@ class Step:
 
     views     of its targets
     kept      for each target whether it is drawn over with its contents kept
-    viewport  see passes.Pass
+    viewport  see passes.target_area; None: all of the targets
     """
 
     pipeline: object
@@ -109,8 +121,8 @@ class WGPU:
         """One layout for every pass: parameters, all texture slots, the sampler. Depth need not be filterable."""
         stage = self.wgpu.ShaderStage.FRAGMENT
         entries = [{"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}}]
-        for binding, kind in enumerate(SAMPLE_TYPES.values(), FIRST_TEXTURE):
-            entries.append({"binding": binding, "visibility": stage, "texture": {"sample_type": kind}})
+        for slot, kind in SAMPLE_TYPES.items():
+            entries.append({"binding": BINDINGS[slot], "visibility": stage, "texture": {"sample_type": kind}})
         entries.append({"binding": FIRST_SAMPLER, "visibility": stage, "sampler": {"type": "filtering"}})
         return self.device.create_bind_group_layout(entries=entries)
 
@@ -159,12 +171,12 @@ class WGPU:
         self.device.queue.write_texture({"texture": texture}, pixels.tobytes(), layout, (width, height, 1))
         return texture
 
-    def target(self, size: tuple[int, int], storage: str):
-        """An RGBA render target that can be sampled and read back."""
+    def target(self, size: tuple[int, int], storage: str, channels: int = 4):
+        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
         usage = self.wgpu.TextureUsage
         return self.device.create_texture(
             size=(*size, 1),
-            format=FORMATS[np.dtype(storage_type(storage)), 4],
+            format=FORMATS[np.dtype(storage_type(storage)), channels],
             usage=usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC,
         )
 
@@ -174,9 +186,9 @@ class WGPU:
         values[: len(PARAMETERS)] = list(item.values().values())
         buffer = self.device.create_buffer_with_data(data=values.tobytes(), usage=self.wgpu.BufferUsage.UNIFORM)
         entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": values.nbytes}}]
-        for binding, slot in enumerate(SLOTS, FIRST_TEXTURE):
+        for slot in SLOTS:
             texture = live[item.inputs[slot]] if slot in item.inputs else self._dummy
-            entries.append({"binding": binding, "resource": texture.create_view()})
+            entries.append({"binding": BINDINGS[slot], "resource": texture.create_view()})
         entries.append({"binding": FIRST_SAMPLER, "resource": self._sampler})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
@@ -184,7 +196,8 @@ class WGPU:
         """A pass with all that it needs; `kept` names the outputs that keep what is in them."""
         pipeline = self.pipeline(item, [target.format for target in targets])
         views = tuple(target.create_view() for target in targets)
-        return Step(pipeline, self.bind(item, live), views, tuple(name in kept for name in item.outputs), item.viewport)
+        area = target_area(item.scale, item.viewport) if item.viewport else None
+        return Step(pipeline, self.bind(item, live), views, tuple(name in kept for name in item.outputs), area)
 
     def wait(self) -> None:
         """Return when all that was submitted is done: a read of four bytes, which the queue puts behind it.
@@ -237,7 +250,7 @@ class WGPUJob:
         share: "WGPUJob | None" = None,
     ):
         over = drawn_over(passes, size)
-        self.driver, self.size, self.storage = driver, size, storage
+        self.driver, self.storage = driver, storage
         self.live = dict(share.live) if share else {}
         self.steps: list[Step] = []
         for name, pixels in textures.items():
@@ -245,9 +258,12 @@ class WGPUJob:
                 self.live[name] = driver.upload(pixels)
         for item, kept in zip(passes, over, strict=True):
             targets = []
+            wanted, kind = target_size(item.scale, size), FORMATS[np.dtype(storage_type(storage)), item.channels]
             for name in item.outputs:
-                reused = share.live.get(name) if share else None
-                targets.append(self.live[name] if name in kept else reused or driver.target(size, storage))
+                found = self.live[name] if name in kept else share.live.get(name) if share else None
+                if found and (found.size[:2], found.format) != (wanted, kind):
+                    found = None
+                targets.append(found or driver.target(wanted, storage, item.channels))
             self.steps.append(driver.step(item, self.live, targets, kept))
             self.live.update(zip(item.outputs, targets, strict=True))
 
@@ -304,10 +320,12 @@ class WGPUJob:
 
     def read(self, name: str) -> np.ndarray:
         """See drivers.base.Job.read."""
-        dtype = np.dtype(storage_type(self.storage))
-        layout = {"bytes_per_row": self.size[0] * 4 * dtype.itemsize, "rows_per_image": self.size[1]}
-        data = self.driver.device.queue.read_texture({"texture": self.live[name]}, layout, (*self.size, 1))
-        return np.frombuffer(data, dtype).reshape(self.size[1], self.size[0], 4).copy()
+        dtype, texture = np.dtype(storage_type(self.storage)), self.live[name]
+        channels = next(count for (kind, count), known in FORMATS.items() if known == texture.format)
+        width, height, _ = texture.size
+        layout = {"bytes_per_row": width * channels * dtype.itemsize, "rows_per_image": height}
+        data = self.driver.device.queue.read_texture({"texture": texture}, layout, texture.size)
+        return four_channels(np.frombuffer(data, dtype).reshape(height, width, channels))
 
     def release(self) -> None:
         """See drivers.base.Job.release: textures go when nothing names them any more."""

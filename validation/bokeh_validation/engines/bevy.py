@@ -52,6 +52,7 @@ def sources() -> list[Path]:
     crate = [SAMPLE / "Cargo.toml", *SAMPLE.rglob("*.rs")]
     return sorted(path for path in crate if "target" not in path.relative_to(SAMPLE).parts) + [
         paths.library("wgsl"),
+        paths.layers("wgsl"),
         paths.passes("wgsl"),
     ]
 

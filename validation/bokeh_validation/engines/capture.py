@@ -12,21 +12,31 @@ capture.json beside raw little-endian files, rows from v = 0 (the first row in m
 
 Keys of a shot beside name and result are fields of methods.Settings; what is left out has its default there. Each shot
 may have a camera, color and depth of its own in place of the common ones.
+
+A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
+each, in the order of docs/passes.md. It is compared pass by pass, each with what the device had in the pass's inputs,
+as in patterns.model.compared.
 """
 
 import json
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from math import prod
 from pathlib import Path
 
 import numpy as np
 
 from bokeh_validation import methods, metrics
+from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.passes import target_size
 from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.reference import precision
 from bokeh_validation.reference.images import Image
 
 # Devices whose texture filter is float32-exact and whose sin and cos are too; all others are judged as GPUs.
 SOFTWARE = ("llvmpipe", "softpipe")
-_SETTINGS = {field.name for field in fields(methods.Settings)} - {"camera"}
+_PRECISIONS = {True: precision.SOFTWARE, False: precision.GPU}
+_SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 
 
 class Broken(Exception):
@@ -37,9 +47,11 @@ class Broken(Exception):
 class Shot:
     """One result, with what went in.
 
-    result    (H, W, 4) float16
-    expected  the reference's, with its interval, and how far the result is from it
-    rounding  how the engine's targets round, 'nearest' or 'zero': the one that fits, since engines do not say
+    result      (H, W, 4) float16
+    expected    the reference's, with its interval
+    comparison  how far the result is from it; `outside` counts those of all targets
+    rounding    how the engine's targets round, 'nearest' or 'zero': the one that fits, since engines do not say
+    outside     of a layered shot, the targets that are not within their intervals, each with its number of pixels
     """
 
     name: str
@@ -48,6 +60,7 @@ class Shot:
     expected: Image
     comparison: metrics.Comparison
     rounding: str
+    outside: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -81,22 +94,38 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     size = (int(shot["width"]), int(shot["height"]))
     color = _pixels(folder / shot["color"], np.float16, (*size[::-1], 4))
     depth = _pixels(folder / shot["depth"], np.float32, size[::-1])
-    result = _pixels(folder / shot["result"], np.float16, (*size[::-1], 4))
     chosen = {key: value for key, value in shot.items() if key in _SETTINGS}
     settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth, tone_map=True)
-    software = any(word in data["device"].lower() for word in SOFTWARE)
+    result = _pixels(folder / shot["result"], np.float16, (*size[::-1], 4))
+    device = data["device"].lower()
+    software = any(word in device for word in SOFTWARE)
+    outputs = {"result": result} if settings.method != "layered" else _written(folder / shot["written"], case)
+    kind = precision.SWIFTSHADER if "swiftshader" in device else _PRECISIONS[software]
     found = {}
     # Mesa's targets cut off, the others that are here round to nearest: the likely one first
     for rounding in ("zero", "nearest") if software else ("nearest", "zero"):
-        wanted = expected(case, software, rounding)["result"]
+        if settings.method == "layered":
+            passes = case.plan.passes
+            wanted = Reference().images(passes, case.textures(), size, "half", kind, rounding, given=outputs)
+        else:
+            wanted = expected(case, software, rounding)
         # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
-        found[rounding] = (metrics.compare(result, wanted, False), wanted)
-        if found[rounding][0].outside == 0:
+        outside = {name: metrics.compare(pixels, wanted[name], False).outside for name, pixels in outputs.items()}
+        comparison = replace(metrics.compare(result, wanted["result"], False), outside=sum(outside.values()))
+        outside = {name: count for name, count in outside.items() if count}
+        found[rounding] = Shot(shot["name"], case, result, wanted["result"], comparison, rounding, outside)
+        if not outside:
             break
-    nearer = min(found, key=lambda name: (found[name][0].outside, -found[name][0].close))
-    comparison, wanted = found[nearer]
-    return Shot(shot["name"], case, result, wanted, comparison, nearer)
+    return min(found.values(), key=lambda shot: (shot.comparison.outside, -shot.comparison.close))
+
+
+def _written(path: Path, case: Case) -> dict[str, np.ndarray]:
+    """Name -> pixels of all targets of a layered shot. Raises Broken."""
+    shapes = {k: (*target_size(item.scale, case.size)[::-1], 4) for item in case.plan.passes for k in item.outputs}
+    ends = np.cumsum([prod(shape) for shape in shapes.values()])
+    pieces = np.split(_pixels(path, np.float16, (ends[-1],)), ends[:-1])
+    return {name: piece.reshape(shape) for (name, shape), piece in zip(shapes.items(), pieces, strict=True)}
 
 
 def _pixels(path: Path, dtype: type, shape: tuple[int, ...]) -> np.ndarray:

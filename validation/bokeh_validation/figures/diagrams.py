@@ -6,7 +6,7 @@ from math import degrees
 import numpy as np
 from PIL import Image, ImageDraw
 
-from bokeh_validation import apertures, methods, quality, sheet, tiling
+from bokeh_validation import apertures, fetches, methods, quality, sheet, tiling
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
 from bokeh_validation.figures.model import Figure, Made, Table
@@ -165,7 +165,7 @@ def workflows(driver: Driver) -> Made:
         drawn.append(_graph(f"({letter}) {method}, {aperture}", nodes, outputs, case.exposure))
         settings = methods.Settings(method, aperture)
         count = methods.plan(settings, case.size).passes
-        numbers.append((f"{aperture}, {method}", (float(len(count) - 1), float(methods.fetches(count)))))
+        numbers.append((f"{aperture}, {method}", (float(len(count) - 1), fetches.of_filters(count))))
         images |= {f"figure_10_{letter}_{node.name.replace(' ', '_')}": outputs[node.name] for node in nodes[1:]}
     table = Table(("passes", "colour fetches a pixel"), tuple(numbers), (0, 0))
     columns = [np.vstack(_same_width(part)) for part in (drawn[:2], drawn[2:])]

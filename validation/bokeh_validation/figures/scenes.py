@@ -12,7 +12,7 @@ from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import scenes as probes
 from bokeh_validation.patterns.model import Case, Probe
 
-STREET, CANOPY = suite.SCENES
+STREET, CANOPY = suite.DRIVER_SCENES
 # A wider lens than the scenes' own, so that what Figures 2 and 7 are about is large enough to be seen.
 WIDE = 0.15
 

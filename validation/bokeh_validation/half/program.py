@@ -71,8 +71,9 @@ def library() -> Mapping[str, Function]:
 
 @cache
 def helpers() -> Mapping[str, Function]:
-    """The functions of glsl/bokeh_passes.glsl that its entries call."""
-    found = listing.functions(_text("passes"))
+    """The functions of glsl/bokeh_passes.glsl that its entries call, without those of the layered method."""
+    text = re.sub(r"^#ifdef BOKEH_LAYERS\n.*?^#endif\n", "", _text("passes"), flags=re.MULTILINE | re.DOTALL)
+    found = listing.functions(text)
     return {function.name: _parsed(function, 0) for function in found if function.name != "main"}
 
 

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants.everywhere import EVERYWHERE
+from bokeh_validation.mutants.layers import LAYERS
 from bokeh_validation.mutants.model import KINDS, Mutant
 from bokeh_validation.mutants.one_language import ONE_LANGUAGE
 
-MUTANTS: tuple[Mutant, ...] = (*EVERYWHERE, *ONE_LANGUAGE)
+MUTANTS: tuple[Mutant, ...] = (*EVERYWHERE, *ONE_LANGUAGE, *LAYERS)
 
 
 def chosen(

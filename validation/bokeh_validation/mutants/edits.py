@@ -21,7 +21,7 @@ SPELLINGS = {
 }
 # Parameters of the passes are members of a block there, unless they already are
 BLOCK = re.compile(rf"(?<![\w.])({'|'.join(PARAMETERS)})\b")
-FILES = {"library": parity.LIBRARY, "passes": parity.PASSES}
+FILES = {"library": parity.LIBRARY, "layers": parity.LAYERS, "passes": parity.PASSES}
 
 
 def spelled(text: str, language: str, file: str = "library") -> str:
@@ -33,7 +33,7 @@ def spelled(text: str, language: str, file: str = "library") -> str:
 
 @cache
 def originals() -> Mapping[str, str]:
-    """Path from the top of the checkout -> text of the six shader files."""
+    """Path from the top of the checkout -> text of the nine shader files."""
     keys = [FILES[file][language] for file in FILES for language in paths.LANGUAGES]
     return {key: (paths.ROOT / key).read_text(encoding="ascii") for key in keys}
 
@@ -77,8 +77,8 @@ def _edited(text: str, edit: Edit, language: str, name: str) -> str:
 
 
 def functions(language: str) -> dict[str, int]:
-    """Name -> section of every function of a library."""
-    text = originals()[parity.LIBRARY[language]]
+    """Name -> section of every function of a library and of its layers."""
+    text = "".join(originals()[files[language]] for files in (parity.LIBRARY, parity.LAYERS))
     return {
         function.name: section.number
         for section in listing.sections(text)
@@ -88,7 +88,7 @@ def functions(language: str) -> dict[str, int]:
 
 def bodies(text: str, file: str, language: str, name: str) -> list[tuple[int, int]]:
     """(start, end) of the bodies of a function or entry; in HLSL two of one name stand in two branches of an #if."""
-    names = {name} if file == "library" else {name, f"{name}_PS", f"{name}_VS"}
+    names = {name, f"{name}_PS", f"{name}_VS"} if file == "passes" else {name}
     if file == "passes" and language == "glsl" and name in ("BokehFullScreen", *shaders.ENTRIES):
         branch = re.search(rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(name)}\n\n", text, re.MULTILINE)
         start = branch.end() if branch else len(text)

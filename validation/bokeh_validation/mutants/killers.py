@@ -41,3 +41,14 @@ DENSE = Selection((EXACT,), "test_jitter_leaves_dense_samples_alone")
 # few samples on a wide blur, where the noise counts
 JITTER = on("egl", SURVIVORS, "test_jitter_of_the_exact_passes", "hexagon")
 OUT_OF_RANGE = Selection(("test_hostile.py",), "test_parameters_out_of_range and egl and (BokehSides or BokehEdge)")
+LAYERS = "test_layers.py"
+LAYERED_MUTANTS = "test_layers_mutants.py"
+# pass by pass within the reference's intervals; where both layers are full, then all settings
+LAYERED = on("osmesa", LAYERED_MUTANTS, "(test_both_layers or test_half_a_layer)")
+LAYERED_MANY = on("osmesa", LAYERS, "test_settings")
+LAYERED_ONE_TARGET = on("osmesa", LAYERS, "test_settings", "targets")
+LAYERED_PLACE = on("osmesa", LAYERED_MUTANTS, "test_layers_of_a_viewport")
+LAYERED_LEAKS = on("osmesa", LAYERED_MUTANTS, "test_nothing_leaks")
+LAYERED_INVERSE = Selection((LAYERED_MUTANTS,), "test_a_size_whose_inverse")
+LAYERED_LEVELS = on("osmesa", LAYERED_MUTANTS, "test_black_and_bright")
+LAYERED_MADE = Selection((LAYERED_MUTANTS,), "test_layers_without_jitter")

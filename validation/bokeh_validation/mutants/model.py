@@ -40,7 +40,7 @@ class Selection:
 class Edit:
     """A replacement of text, written as in GLSL where the three languages differ (edits.spelled).
 
-    file    'library' or 'passes'
+    file    'library', 'layers' or 'passes'
     within  name of a function, or of an entry without _PS and _VS: only its body; None: the whole file
     old     any white space is a space
     count   how often `old` stands there, else the catalog is out of date

@@ -72,14 +72,15 @@ FORGOTTEN = (
 )
 
 PORTING = (
-    _mutant("hlsl-fetch", "porting", "hlsl", Edit("library", "BokehFetch", "(uv)", "(uv + 0.01)", 2),
+    _mutant("hlsl-fetch", "porting", "hlsl",
+            Edit("library", "BokehFetchTexture", "coords, 0.0", "coords + 0.01, 0.0", 2),
             on("dxc", DRIVERS, SIZES, "paper")),
     _mutant("hlsl-fetch-sm3", "porting", "hlsl",
-            Edit("library", "BokehFetch", "(uv), 0.0, 0.0", "(uv) + 0.01, 0.0, 0.0"),
+            Edit("library", "BokehFetchTexture", "coords, 0.0, 0.0", "coords + 0.01, 0.0, 0.0"),
             on("d3d9", DRIVERS, SIZES, "paper")),
-    _mutant("glsl-fetch", "porting", "glsl", Edit("library", "BokehFetch", "(uv)", "(uv + 0.01)"),
+    _mutant("glsl-fetch", "porting", "glsl", Edit("library", "BokehFetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
             on("egl", DRIVERS, SIZES, "paper")),
-    _mutant("wgsl-fetch", "porting", "wgsl", Edit("library", "BokehFetch", "(uv)", "(uv + 0.01)"),
+    _mutant("wgsl-fetch", "porting", "wgsl", Edit("library", "BokehFetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
             on("wgpu", DRIVERS, SIZES, "paper")),
     _mutant("glsl-raw-depth", "porting", "glsl", Edit("library", "BokehFetchNearest", "BokehToTexture(uv)", "uv"),
             on("egl", "test_viewport.py", "test_nothing_leaks_in")),

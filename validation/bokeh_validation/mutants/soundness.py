@@ -21,8 +21,9 @@ def refusal(mutant: Mutant, texts: Mapping[str, str], seen: bool) -> str:
     seen   whether the parity check notices
     """
     for language in mutant.languages:
-        library, passes = ({**originals(), **texts}[keys[language]] for keys in (parity.LIBRARY, parity.PASSES))
-        said = COMPILERS[language](library, library + passes, parity.PASSES[language] in texts)
+        files = {**originals(), **texts}
+        parts = [files[keys[language]] for keys in (parity.LIBRARY, parity.LAYERS, parity.PASSES)]
+        said = COMPILERS[language](parts[0], "".join(parts), parity.PASSES[language] in texts)
         if said:
             return f"{language} does not compile: {said}"
     if mutant.everywhere and seen:

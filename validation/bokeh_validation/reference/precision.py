@@ -59,3 +59,5 @@ class Precision:
 GPU = Precision(subtexel=2.0**-8, filter=2.0**-11, line=2.0**-11)
 # Mesa's software texture unit filters float formats in float32.
 SOFTWARE = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=4 * FLOAT_STEP)
+# Chromium's software device filters float formats in float32 too, but its sin and cos are those of a GPU.
+SWIFTSHADER = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=2.0**-11)

@@ -12,7 +12,10 @@
 
 #define TEXEL_SIZE_REGISTER 20
 
-static const D3DFORMAT FORMATS[NUM_FORMATS] = {D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_R32F};
+/* Of two channels a shader reads blue 1, in later versions of Direct3D 0. */
+static const D3DFORMAT FORMATS[NUM_FORMATS] = {
+    D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_G16R16F, D3DFMT_G32R32F, D3DFMT_R32F,
+};
 
 static IDirect3D9 *direct3d;
 static IDirect3DDevice9 *device;

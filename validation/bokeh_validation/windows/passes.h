@@ -3,8 +3,9 @@
  *
  * A job file is text, one command a line, done in this order:
  *
- *   size W H FORMAT              of every target from now on; FORMAT is half4 or float4
- *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps; half4, float4 or float1
+ *   size W H FORMAT              of every target from now on, whatever those before have; any FORMAT
+ *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4,
+ *                                half2, float2 or float1
  *   vertex FILE                  vertex shader of the draws to come
  *   pixel FILE                   pixel shader of the next draw
  *   input SLOT N FILTER          texture N in a slot (s and t register) of the next draw; linear or nearest, clamp
@@ -29,10 +30,10 @@
 #define NUM_VALUES 36 /* room for the parameters; a multiple of 4, since they are a constant buffer */
 #define MAX_TARGETS 4 /* what Direct3D 9 cards have at the most */
 
-typedef enum { HALF4, FLOAT4, FLOAT1, NUM_FORMATS } Format;
+typedef enum { HALF4, FLOAT4, HALF2, FLOAT2, FLOAT1, NUM_FORMATS } Format;
 
-static const char *const FORMAT_NAMES[NUM_FORMATS] = {"half4", "float4", "float1"};
-static const int TEXEL_BYTES[NUM_FORMATS] = {8, 16, 4};
+static const char *const FORMAT_NAMES[NUM_FORMATS] = {"half4", "float4", "half2", "float2", "float1"};
+static const int TEXEL_BYTES[NUM_FORMATS] = {8, 16, 4, 8, 4};
 
 typedef struct {
     int width, height;

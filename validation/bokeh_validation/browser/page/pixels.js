@@ -1,6 +1,6 @@
 // Pixels as they travel between Python and the page: base64 of the raw rows, first row first, nothing between the rows.
 //
-//   { width, height, channels: 4 | 1, type: "half" | "float", data }
+//   { width, height, channels: 4 | 2 | 1, type: "half" | "float", data }
 
 export const BYTES = { half: 2, float: 4 };
 
@@ -12,12 +12,12 @@ export function decode(pixels) {
 }
 
 // What decode() takes, for one target.
-export function encode([width, height], type, elements) {
+export function encode([width, height], channels, type, elements) {
   const bytes = new Uint8Array(elements.buffer, elements.byteOffset, elements.byteLength);
-  return { width, height, channels: 4, type, data: bytes.toBase64() };
+  return { width, height, channels, type, data: bytes.toBase64() };
 }
 
-// Room for one RGBA image.
-export function elements([width, height], type) {
-  return new ARRAYS[type](width * height * 4);
+// Room for one image.
+export function elements([width, height], channels, type) {
+  return new ARRAYS[type](width * height * channels);
 }

@@ -91,11 +91,12 @@ function place({ program, places }, name) {
   return places.get(name);
 }
 
-// 'half' or 'float', 4 or 1 channels: the format that stores it exactly.
+// 'half' or 'float', 4 or 2 channels, or one of 'float': the format that stores it exactly.
 function format(type, channels) {
-  if (channels === 1) return { internal: gl.R32F, layout: gl.RED, type: gl.FLOAT };
-  if (type === "half") return { internal: gl.RGBA16F, layout: gl.RGBA, type: gl.HALF_FLOAT };
-  return { internal: gl.RGBA32F, layout: gl.RGBA, type: gl.FLOAT };
+  const half = type === "half";
+  const layout = { 4: gl.RGBA, 2: gl.RG, 1: gl.RED }[channels];
+  const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 2: half ? gl.RG16F : gl.RG32F, 1: gl.R32F }[channels];
+  return { internal, layout, type: half ? gl.HALF_FLOAT : gl.FLOAT };
 }
 
 function texture([width, height], internal) {
@@ -153,19 +154,23 @@ function draw(pass, live, vertex) {
   });
 }
 
-// The framebuffer that is bound; 32-bit floats where the browser reads half-float targets only so.
+// The framebuffer that is bound, as RGBA, which is what 32-bit floats of any target can be read as; half floats only
+// where the browser names both. Of two channels, blue is 0 and alpha 1.
 function read(size, storage) {
-  const half = storage === "half" && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
+  const format = gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_FORMAT);
+  const exact = format === gl.RGBA && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
+  const half = storage === "half" && exact;
   const type = half ? "half" : "float";
-  const into = elements(size, type);
+  const into = elements(size, 4, type);
   gl.readPixels(0, 0, ...size, gl.RGBA, half ? gl.HALF_FLOAT : gl.FLOAT, into);
-  return encode(size, type, into);
+  return encode(size, 4, type, into);
 }
 
 // Run a job and return the targets that it keeps, by name.
-export function run({ size, storage, textures, passes, keep, vertex }) {
+export function run({ storage, textures, passes, keep, vertex }) {
   start();
   const live = new Map();
+  const sizes = new Map(); // of the targets, by name
   const made = []; // all textures: a later one may take the name of an earlier one
   try {
     for (const [name, pixels] of Object.entries(textures)) {
@@ -175,16 +180,19 @@ export function run({ size, storage, textures, passes, keep, vertex }) {
     for (const pass of passes) {
       const targets = pass.outputs.map(({ name, over }) => {
         if (over) return live.get(name);
-        const target = texture(size, format(storage, 4).internal); // 0 everywhere, as WebGL has it
+        const target = texture(pass.size, format(storage, pass.channels).internal); // 0 everywhere, as WebGL has it
         made.push(target);
         return target;
       });
-      gl.viewport(...(pass.viewport ?? [0, 0, ...size])); // a triangle is clipped to it
+      gl.viewport(...(pass.viewport ?? [0, 0, ...pass.size])); // a triangle is clipped to it
       onto(targets, () => draw(pass, live, vertex));
-      pass.outputs.forEach(({ name }, index) => live.set(name, targets[index]));
+      pass.outputs.forEach(({ name }, index) => {
+        live.set(name, targets[index]);
+        sizes.set(name, pass.size);
+      });
     }
     const kept = {};
-    for (const name of keep) kept[name] = onto([live.get(name)], () => read(size, storage));
+    for (const name of keep) kept[name] = onto([live.get(name)], () => read(sizes.get(name), storage));
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
     return kept;

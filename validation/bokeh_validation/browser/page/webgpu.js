@@ -2,7 +2,13 @@
 
 import { BYTES, decode, elements, encode } from "./pixels.js";
 
-const FORMATS = { half4: "rgba16float", float4: "rgba32float", float1: "r32float" };
+const FORMATS = {
+  half4: "rgba16float",
+  float4: "rgba32float",
+  half2: "rg16float",
+  float2: "rg32float",
+  float1: "r32float",
+};
 // Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
 const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
@@ -33,14 +39,16 @@ async function open() {
   return { adapter, device, sampler, dummy };
 }
 
+const SAMPLER = 7; // its binding: textures of the layers come after it
+
 // One layout for every pass, as the package documents it: parameters, textures, the sampler, bound in this order.
 // `slots`: name of a texture -> its sample type, in the order of the bindings.
 function layout(device, slots) {
   const resources = [
     { buffer: { type: "uniform" } },
     ...Object.values(slots).map((sampleType) => ({ texture: { sampleType } })),
-    { sampler: { type: "filtering" } },
   ];
+  resources.splice(SAMPLER, 0, { sampler: { type: "filtering" } });
   const visibility = GPUShaderStage.FRAGMENT;
   const entries = resources.map((resource, binding) => ({ binding, visibility, ...resource }));
   return device.createBindGroupLayout({ entries });
@@ -142,30 +150,32 @@ function bind({ device, sampler, dummy }, slots, pass, live) {
   // a pass has something at every binding, also where it reads nothing
   const bound = (slot) => (slot in pass.inputs ? live.get(pass.inputs[slot].texture) : dummy);
   const textures = Object.keys(slots).map((slot) => bound(slot).createView());
-  const resources = [{ buffer }, ...textures, sampler];
+  const resources = [{ buffer }, ...textures];
+  resources.splice(SAMPLER, 0, sampler);
   const entries = resources.map((resource, binding) => ({ binding, resource }));
   return { buffer, group: device.createBindGroup({ layout: layout(device, slots), entries }) };
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-function copy(device, encoder, texture, [width, height], storage) {
-  const bytesPerRow = Math.ceil((width * 4 * BYTES[storage]) / 256) * 256;
+function copy(device, encoder, texture, channels, storage) {
+  const { width, height } = texture;
+  const bytesPerRow = Math.ceil((width * channels * BYTES[storage]) / 256) * 256;
   const buffer = device.createBuffer({
     size: bytesPerRow * height,
     usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
   });
   encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, [width, height]);
-  return { buffer, bytesPerRow };
+  return { buffer, bytesPerRow, size: [width, height], channels };
 }
 
-async function read({ buffer, bytesPerRow }, size, storage) {
+async function read({ buffer, bytesPerRow, size, channels }, storage) {
   await buffer.mapAsync(GPUMapMode.READ);
   const padded = new Uint8Array(buffer.getMappedRange());
-  const into = elements(size, storage);
+  const into = elements(size, channels, storage);
   const bytes = new Uint8Array(into.buffer);
   const row = bytes.length / size[1];
   for (let y = 0; y < size[1]; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
-  return encode(size, storage, into);
+  return encode(size, channels, storage, into);
 }
 
 // Run a job and return the targets that it keeps, by name.
@@ -180,22 +190,23 @@ export async function run(job) {
 }
 
 async function record(gpu, job, made) {
-  const { size, storage, textures, passes, keep } = job;
+  const { storage, textures, passes, keep } = job;
   const { device } = gpu;
-  const format = FORMATS[storage + 4];
   const live = new Map();
+  const channels = new Map(); // of the targets, by name
   for (const [name, pixels] of Object.entries(textures)) {
     live.set(name, upload(device, pixels));
     made.push(live.get(name));
   }
   const ready = [];
-  for (const pass of passes) ready.push(await pipeline(device, job, pass, format));
+  for (const pass of passes) ready.push(await pipeline(device, job, pass, FORMATS[storage + pass.channels]));
   const encoder = device.createCommandEncoder();
   passes.forEach((pass, index) => {
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
     const targets = pass.outputs.map(({ name, over }) => {
       if (over) return live.get(name);
-      const target = device.createTexture({ size, format, usage });
+      const format = FORMATS[storage + pass.channels];
+      const target = device.createTexture({ size: pass.size, format, usage });
       made.push(target);
       return target;
     });
@@ -213,12 +224,16 @@ async function record(gpu, job, made) {
     if (pass.viewport) render.setViewport(...pass.viewport, 0, 1); // a triangle is clipped to it
     render.draw(3);
     render.end();
-    pass.outputs.forEach(({ name }, output) => live.set(name, targets[output]));
+    pass.outputs.forEach(({ name }, output) => {
+      live.set(name, targets[output]);
+      channels.set(name, pass.channels);
+    });
   });
-  const copies = new Map(keep.map((name) => [name, copy(device, encoder, live.get(name), size, storage)]));
+  const copied = (name) => copy(device, encoder, live.get(name), channels.get(name), storage);
+  const copies = new Map(keep.map((name) => [name, copied(name)]));
   for (const { buffer } of copies.values()) made.push(buffer);
   device.queue.submit([encoder.finish()]);
   const kept = {};
-  for (const [name, copied] of copies) kept[name] = await read(copied, size, storage);
+  for (const [name, filled] of copies) kept[name] = await read(filled, storage);
   return kept;
 }

@@ -1,0 +1,955 @@
+// SPDX-License-Identifier: MIT
+//
+// Layered depth of field with polygonal bokeh, GLSL. Version 0.2.0. Put it after bokeh.glsl.
+//
+//   The one-layer filters of bokeh.glsl blur each pixel by its own CoC, so near objects keep a hard
+//   outline. Here near objects spread over what is behind them, what they hide is filled, and far
+//   samples count by how far they spread themselves. docs/layers.md has the method.
+//
+// CONTRACT
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.glsl beside it has
+//   ready-made programs.
+//   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
+//   Out   rgb = the picture, a = signed CoC.
+//   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
+//   blending off. RGBA16F; what uses two channels may be RG16F.
+//   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
+//
+//   function      size  reads                              writes
+//   LayerTiles    1/8   map                                largest near and far CoC, light level
+//   LayerReach    1/8   Tiles; then itself                 the same of the tiles that reach here
+//   LayerSplit    1/2   map, Reach                         T2 near layer, T3 far layer, T4 sums,
+//                                                          T5 leftovers (RG)
+//   LayerKernels  1/8   sums, leftovers                    T2 leftovers (RG), T3 sums of a tile
+//   LayerSpread   1/8   both, Reach                        the same, spread along rows
+//   LayerSizes    1/8   both, Reach                        T2 Reach and leftovers, T3 CoC of the
+//                                                          layers (RG)
+//   LayerHoles    1/4   map, Reach                         T2 middle, T3 far, T4 shares (RG)
+//   LayerFill     1/4   middle, far, shares, Reach         T2 middle, T3 far, without holes
+//   LayerFirst    1/2   a layer, CoC of the layers         exact polygon, first pass
+//   LayerSecond   1/2   what that wrote, CoC of the layers exact polygon, second pass
+//   Layered       1     map, T2 of Sizes, both layers,     the picture
+//                       both of Fill
+//
+//   LayerReach and the two after it run twice: LayerReach along rows, then along columns; First and
+//   Second for the near layer, then for the far one.
+//
+// CONTENTS
+//   [10] layers: BokehMakeLayers, BokehLayerTiles, BokehLayerReach, BokehLayerSplit,
+//        BokehLayerKernels, BokehLayerSpread, BokehLayerSizes
+//   [11] holes: BokehLayerHoles, BokehLayerFill
+//   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
+//        BokehLayerEdge, BokehPickTarget
+//   [13] the picture: BokehLayered
+
+// -------------------------------------------------------------------------------------------------
+// [10] layers
+// -------------------------------------------------------------------------------------------------
+//
+//   name                    default    range   meaning
+//   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
+//   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//
+//   Presets: define one before both files; in WGSL set the three constants.
+//
+//   preset                  rings      cells   cubic
+//   BOKEH_PRESET_LOW        2          8       0
+//   BOKEH_PRESET_MEDIUM     3          12      1      the default
+//   BOKEH_PRESET_HIGH       3          16      1
+//   BOKEH_PRESET_ULTRA      4          16      1
+
+#ifndef BOKEH_VIEWPORT
+#error put bokeh.glsl before bokeh_layers.glsl
+#endif
+#define BOKEH_LAYERS 1
+
+#if defined(BOKEH_PRESET_LOW)
+#define BOKEH_PRESET_RINGS 2
+#define BOKEH_PRESET_CELLS 8
+#define BOKEH_PRESET_CUBIC 0
+#elif defined(BOKEH_PRESET_HIGH)
+#define BOKEH_PRESET_RINGS 3
+#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CUBIC 1
+#elif defined(BOKEH_PRESET_ULTRA)
+#define BOKEH_PRESET_RINGS 4
+#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CUBIC 1
+#else
+#define BOKEH_PRESET_RINGS 3
+#define BOKEH_PRESET_CELLS 12
+#define BOKEH_PRESET_CUBIC 1
+#endif
+
+#ifndef BOKEH_LAYER_RINGS
+#define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
+#endif
+#ifndef BOKEH_LAYER_CELLS
+#define BOKEH_LAYER_CELLS BOKEH_PRESET_CELLS
+#endif
+#ifndef BOKEH_LAYER_CUBIC
+#define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+
+// Layers: where the image lies in textures of one size, all in their texels
+//   size          of the image
+//   origin        its first texel: 0, or the viewport's
+//   texel         1 / size of the textures
+struct BokehGrid
+{
+    vec2 size;
+    vec2 origin;
+    vec2 texel;
+};
+
+// Layers: what all passes need to know
+//   full          the grid of the full size
+//   polygon       the aperture
+//   largest       possible CoC: BokehMaxCoC times the image height, pixels
+//   jitter        from BokehNoise, times its amount; 0 = none
+struct BokehLayers
+{
+    BokehGrid full;
+    BokehPolygon polygon;
+    float largest;
+    float jitter;
+};
+
+// Layers: the grid of the full size
+//   viewport      x, y of the image's first pixel, multiples of 8, width, height; pixels
+//   wholeSize     of the textures, pixels; it and x, y count with BOKEH_VIEWPORT 1 only
+BokehGrid BokehMakeGrid(vec4 viewport, vec2 wholeSize)
+{
+    BokehGrid grid;
+    grid.size = viewport.zw;
+    grid.origin = vec2(0.0, 0.0);
+    grid.texel = 1.0 / viewport.zw;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        grid.origin = viewport.xy;
+        grid.texel = 1.0 / wholeSize;
+    }
+    return grid;
+}
+
+// Layers: settings for an image that fills its textures, without jitter
+//   imageSize     width, height; pixels
+//   MaxCoC        fraction of the image height, as in the CoC map
+BokehLayers BokehMakeLayers(vec2 imageSize, BokehPolygon polygon, float MaxCoC)
+{
+    BokehLayers layers;
+    layers.full = BokehMakeGrid(vec4(0.0, 0.0, imageSize), imageSize);
+    layers.polygon = polygon;
+    layers.largest = MaxCoC * imageSize.y;
+    layers.jitter = 0.0;
+    return layers;
+}
+
+// Layers: the grid of textures of 1 / scale of the full size
+BokehGrid BokehReducedGrid(BokehGrid full, float scale)
+{
+    BokehGrid grid;
+    grid.size = ceil(full.size / scale);
+    grid.origin = full.origin / scale;
+    grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    return grid;
+}
+
+// Layers: one filtered fetch
+//   place         texels of the grid, from the image's corner; the centre of the first is 0.5, 0.5
+vec4 BokehFetchGrid(sampler2D tex, vec2 place, BokehGrid grid)
+{
+    vec2 coords = place;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        vec2 inset = min(vec2(0.5078125, 0.5078125), grid.size * 0.5);
+        coords = grid.origin + clamp(place, inset, grid.size - inset);
+    }
+    return BokehFetchTexture(tex, coords * grid.texel);
+}
+
+// Layers: largest of the three channels
+float BokehBrightest(vec3 color)
+{
+    return max(max(color.r, color.g), color.b);
+}
+
+// Layers: how fast a share grows with the CoC, for BokehLayerShare; 1 / pixels
+//   largest       CoC of a neighbourhood, pixels: where it is `none` or less there is no layer,
+//                 from `whole` up all of it
+float BokehLayerSlope(float largest, float none, float whole)
+{
+    float gate = clamp((largest - none) / (whole - none), 0.001, 1.0);
+    return 5.0 / max(largest / gate, 2.0);
+}
+
+// Layers: the slope of the near layer
+float BokehNearSlope(float largest)
+{
+    return BokehLayerSlope(largest, 6.0, 12.0);
+}
+
+// Layers: the slope of the far layer
+float BokehFarSlope(float largest)
+{
+    return BokehLayerSlope(largest, 10.0, 16.0);
+}
+
+// Layers: how much of a pixel is in a layer: none up to 0.4 of the largest CoC around, all from 0.6
+//   CoC           pixels: -s for the near layer, s for the far one
+float BokehLayerShare(float CoC, float slope)
+{
+    return clamp(CoC * slope - 2.0, 0.0, 1.0);
+}
+
+// Layers: largest near and far CoC of 8 x 8 pixels, and how bright they are
+//   The level is the mean of the logarithm: later passes compare brightness with it, so that the
+//   picture does not depend on exposure.
+//   returns       r = near, g = far, both >= 0, pixels; b = level
+vec4 BokehLayerTiles(sampler2D MapSamp, vec2 uv, BokehLayers layers)
+{
+    vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + vec2(0.5, 0.5);
+    vec3 found = vec3(0.0, 0.0, 0.0);
+    for (int y = 0; y < 8; y++)
+    {
+        for (int x = 0; x < 8; x++)
+        {
+            vec2 place = first + vec2(float(x), float(y));
+            vec4 pixel = BokehFetchGrid(MapSamp, place, layers.full);
+            float s = pixel.a * layers.full.size.y;
+            float level = log2(max(BokehBrightest(pixel.rgb), 0.00001));
+            found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
+        }
+    }
+    return vec4(found.r, found.g, found.b / 64.0, 1.0);
+}
+
+// Layers: what a CoC of another tile counts for here
+//   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
+//   more, so that nothing jumps as CoC change.
+//   tiles         distance
+vec2 BokehReaching(vec2 CoC, float tiles)
+{
+    vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
+    return CoC * clamp(share, vec2(0.0, 0.0), vec2(1.0, 1.0));
+}
+
+// Layers: how many tiles the largest CoC reaches, with BokehReaching's margin; 127 at most
+float BokehReachTiles(BokehLayers layers)
+{
+    return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
+}
+
+// Layers: the largest CoC that reach a tile; along rows first, then along columns
+//   TilesSamp     from BokehLayerTiles, then from here
+//   axis          (1, 0), then (0, 1)
+vec4 BokehLayerReach(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    float radius = BokehReachTiles(layers);
+    vec2 found = vec2(0.0, 0.0);
+    float level = 0.0;
+    for (int i = 0; i < 255; i++)
+    {
+        float tiles = float(i) - radius;
+        if (tiles > radius)
+        {
+            break;
+        }
+        vec4 tile = BokehFetchGrid(TilesSamp, uv * grid.size + axis * tiles, grid);
+        found = max(found, BokehReaching(tile.rg, abs(tiles)));
+        level += tile.b;
+    }
+    return vec4(found, level / (2.0 * radius + 1.0), 1.0);
+}
+
+// Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
+//   brightness    in units of the level around
+float BokehBlurWeight(float brightness)
+{
+    return min(0.01 + brightness, 10000.0);
+}
+
+// Layers: near and far layer at half size, and what is known of their CoC
+//   returns       T2, T3 = near and far layer: rgb times share, share
+//                 T4 = sums for the mean CoC of both: CoC / 128 times weight, weight
+//                 T5.rg = largest near and far CoC that is not wholly in its layer, pixels
+BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    vec2 middle = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + vec2(1.0, 1.0);
+    vec4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(full, 8.0));
+    float nearSlope = BokehNearSlope(reach.r);
+    float farSlope = BokehFarSlope(reach.g);
+    float unit = exp2(-reach.b);
+    vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
+    vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+    vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
+    vec2 left = vec2(0.0, 0.0);
+    float largestShare = 0.0;
+    for (int y = 0; y < 2; y++)
+    {
+        for (int x = 0; x < 2; x++)
+        {
+            vec2 place = middle + vec2(float(x) - 0.5, float(y) - 0.5);
+            vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+            float s = pixel.a * full.size.y;
+            float nearShare = BokehLayerShare(-s, nearSlope);
+            float farShare = BokehLayerShare(s, farSlope);
+            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit);
+            far += vec4(pixel.rgb, 1.0) * farShare;
+            sums += vec4(0.0, 0.0, weight * s / 128.0, weight);
+            left = max(left, vec2(-s, s) * min(vec2(4.0 - 4.0 * nearShare, 4.0 - 4.0 * farShare),
+                vec2(1.0, 1.0)));
+            largestShare = max(largestShare, nearShare);
+        }
+    }
+    if (largestShare > 0.0)
+    {
+        // an antialiased pixel of a near edge holds light of what is behind it: where that is
+        // brighter, no near pixel stays brighter than the darkest one around
+        float behind = 0.0;
+        vec3 darkest = vec3(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        for (int y = 0; y < 4; y++)
+        {
+            for (int x = 0; x < 4; x++)
+            {
+                vec2 place = middle + vec2(float(x) - 1.5, float(y) - 1.5);
+                vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+                float nearShare = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
+                if (nearShare < 0.5 * largestShare)
+                {
+                    behind = max(behind, BokehBrightest(pixel.rgb));
+                }
+                else
+                {
+                    darkest = min(darkest, pixel.rgb);
+                }
+            }
+        }
+        float limit = BokehBrightest(darkest);
+        for (int row = 0; row < 2; row++)
+        {
+            for (int column = 0; column < 2; column++)
+            {
+                vec2 place = middle + vec2(float(column) - 0.5, float(row) - 0.5);
+                vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+                float s = pixel.a * full.size.y;
+                float nearShare = BokehLayerShare(-s, nearSlope);
+                float brightest = BokehBrightest(pixel.rgb);
+                vec3 color = pixel.rgb;
+                if (behind > brightest)
+                {
+                    color = min(color, darkest);
+                    if (brightest > limit)
+                    {
+                        // the part of it that is not light from behind
+                        nearShare *= (behind - brightest) / (behind - limit);
+                    }
+                }
+                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit);
+                near += vec4(color, 1.0) * nearShare;
+                sums += vec4(-weight * s / 128.0, weight, 0.0, 0.0);
+            }
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = near * 0.25;
+    targets.T3 = far * 0.25;
+    targets.T4 = sums * 0.25;
+    targets.T5 = vec4(left, 0.0, 1.0);
+    return targets;
+}
+
+// Layers: T4 and T5 of BokehLayerSplit for each tile
+//   returns       T2.rg = the largest leftovers, T3 = the mean of the sums
+BokehTargets BokehLayerKernels(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, BokehLayers layers)
+{
+    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + vec2(0.5, 0.5);
+    vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
+    vec2 left = vec2(0.0, 0.0);
+    for (int y = 0; y < 4; y++)
+    {
+        for (int x = 0; x < 4; x++)
+        {
+            vec2 place = first + vec2(float(x), float(y));
+            sums += BokehFetchGrid(SumsSamp, place, halves);
+            left = max(left, BokehFetchGrid(LeftSamp, place, halves).rg);
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = vec4(left, 0.0, 1.0);
+    targets.T3 = sums / 16.0;
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// Layers: leftovers and sums of the tiles around, along one axis
+//   LeftSamp, SumsSamp  T2 and T3 of BokehLayerKernels, then of this
+//   returns       T2.rg = the largest leftovers that reach here; T3 = mean of the sums, by a
+//                 Gaussian as wide as the CoC that reach here
+BokehTargets BokehLayerSpread(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
+    vec2 axis, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
+    vec2 sigma = max(reach * 0.0375, vec2(0.6, 0.6));
+    float radius = BokehReachTiles(layers);
+    vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
+    vec2 left = vec2(0.0, 0.0);
+    vec2 total = vec2(0.0, 0.0);
+    for (int i = 0; i < 255; i++)
+    {
+        float tiles = float(i) - radius;
+        if (tiles > radius)
+        {
+            break;
+        }
+        vec2 place = uv * grid.size + axis * tiles;
+        vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
+        sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+            weight.y);
+        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid).rg, abs(tiles)));
+        total += weight;
+    }
+    BokehTargets targets;
+    targets.T2 = vec4(left, 0.0, 1.0);
+    targets.T3 = sums / vec4(total.x, total.x, total.y, total.y);
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// Layers: BokehLayerSpread along columns, and the CoC that the layers are blurred by
+//   One kernel for a neighbourhood and layer is what makes its blur separable.
+//   returns       T2 = near and far CoC that reach here, near and far leftovers that do;
+//                 T3.rg = CoC of the near and of the far layer, 0 where there is none; pixels
+BokehTargets BokehLayerSizes(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
+    BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
+    BokehTargets targets = BokehLayerSpread(LeftSamp, SumsSamp, ReachSamp, uv, vec2(0.0, 1.0),
+        layers);
+    vec4 sums = targets.T3;
+    vec2 sizes = vec2(0.0, 0.0);
+    if (sums.g > 0.0001 && reach.r > 6.0)
+    {
+        sizes = vec2(128.0 * sums.r / sums.g, 0.0);
+    }
+    if (sums.a > 0.0001 && reach.g > 10.0)
+    {
+        sizes = vec2(sizes.x, 128.0 * sums.b / sums.a);
+    }
+    targets.T2 = vec4(reach, targets.T2.rg);
+    targets.T3 = vec4(sizes, 0.0, 1.0);
+    return targets;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [11] holes: what the near layer hides
+// -------------------------------------------------------------------------------------------------
+
+// Layers: what is not near, at quarter size, as weighted sums
+//   Bright pixels weigh less: a light would fill the whole hole.
+//   returns       T2 = what is between the layers, T3 = the far layer: rgb times weight, weight;
+//                 T4.rg = shares of the two, unweighted
+BokehTargets BokehLayerHoles(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    vec2 first = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + vec2(0.5, 0.5);
+    vec2 middlePlace = first + vec2(1.5, 1.5);
+    vec4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(full, 8.0));
+    float nearSlope = BokehNearSlope(reach.r);
+    float farSlope = BokehFarSlope(reach.g);
+    float unit = exp2(-reach.b);
+    vec4 middle = vec4(0.0, 0.0, 0.0, 0.0);
+    vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+    vec2 shares = vec2(0.0, 0.0);
+    for (int y = 0; y < 4; y++)
+    {
+        for (int x = 0; x < 4; x++)
+        {
+            vec2 place = first + vec2(float(x), float(y));
+            vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+            float s = pixel.a * full.size.y;
+            // what is partly near is hardly background: a near light would shine through itself
+            float nearShare = BokehLayerShare(-s, nearSlope);
+            float notNear = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
+            float farShare = BokehLayerShare(s, farSlope);
+            float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
+            middle += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
+            far += vec4(pixel.rgb, 1.0) * (weight * farShare);
+            shares += vec2(1.0 - farShare, farShare) * notNear;
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = middle / 16.0;
+    targets.T3 = far / 16.0;
+    targets.T4 = vec4(shares / 16.0, 0.0, 1.0);
+    targets.T5 = targets.T4;
+    return targets;
+}
+
+// Layers: the first corner of a polygon, at a distance of 1 from its middle; not squeezed
+vec2 BokehFirstCorner(BokehPolygon polygon)
+{
+    float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
+    return vec2(cos(angle), sin(angle));
+}
+
+// Layers: (cos, sin) of the angle from one corner to the next
+vec2 BokehCornerStep(BokehPolygon polygon)
+{
+    float angle = 6.28318531 / float(polygon.sides);
+    return vec2(cos(angle), sin(angle));
+}
+
+// Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
+int BokehOnEdge(int ring, BokehPolygon polygon)
+{
+    return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
+}
+
+// Layers: holes filled with what is around; the nearest counts most
+//   MiddleSamp, FarSamp, SharesSamp  T2, T3, T4 of BokehLayerHoles
+//   returns       T2 = what is between the layers, a = its share in what is around; T3 = the far
+//                 layer
+BokehTargets BokehLayerFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D SharesSamp,
+    sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
+    vec2 center = uv * grid.size;
+    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers.full, 8.0)).r;
+    vec2 stretch = vec2(layers.polygon.squeeze, 1.0);
+    vec2 cornerStep = BokehCornerStep(layers.polygon);
+    vec2 corner = BokehFirstCorner(layers.polygon);
+    vec4 middle = BokehFetchGrid(MiddleSamp, center, grid);
+    vec4 far = BokehFetchGrid(FarSamp, center, grid);
+    vec2 shares = BokehFetchGrid(SharesSamp, center, grid).rg;
+    for (int ring = 1; ring < 3; ring++)
+    {
+        // no near layer, no holes
+        if (reach < 6.0)
+        {
+            break;
+        }
+        // in quarter pixels; the rings reach half the CoC
+        float radius = max(reach / 16.0, 1.0) * float(ring);
+        float weight = 1.0 / (1.0 + 16.0 * radius * radius);
+        int onEdge = BokehOnEdge(ring, layers.polygon);
+        for (int edge = 0; edge < layers.polygon.sides; edge++)
+        {
+            vec2 nextCorner = BokehRotated(corner, cornerStep);
+            vec2 along = (nextCorner - corner) / float(onEdge);
+            for (int i = 0; i < onEdge; i++)
+            {
+                vec2 place = center + (corner + along * float(i)) * stretch * radius;
+                middle += BokehFetchGrid(MiddleSamp, place, grid) * weight;
+                far += BokehFetchGrid(FarSamp, place, grid) * weight;
+                shares += BokehFetchGrid(SharesSamp, place, grid).rg * weight;
+            }
+            corner = nextCorner;
+        }
+    }
+    vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
+    float share = shares.r / max(shares.r + shares.g, 0.000001);
+    BokehTargets targets;
+    targets.T2 = vec4(both, share);
+    targets.T3 = vec4(both, 1.0);
+    if (middle.a > 0.000001)
+    {
+        targets.T2 = vec4(middle.rgb / middle.a, share);
+    }
+    if (far.a > 0.000001)
+    {
+        targets.T3 = vec4(far.rgb / far.a, 1.0);
+    }
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [12] polygons at half size
+// -------------------------------------------------------------------------------------------------
+//
+//   The parallelograms of [8], without weights and without a leakage test: a layer has nothing in
+//   it that must not spread. All four channels are blurred alike.
+
+// Layers: mean of the samples along one line
+//   center        place, texels of the half size
+//   segment       from BokehPolygonEdge
+//   CoC           texels of the half size
+vec4 BokehLayerLine(sampler2D LayerSamp, vec2 center, vec4 segment, float CoC, BokehLayers layers)
+{
+    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    float lengthInTexels = 2.0 * length(segment.zw) * CoC;
+    float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
+    float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
+    vec2 first = center + (segment.xy - segment.zw) * CoC;
+    vec2 cellLength = segment.zw * CoC * (2.0 / cells);
+    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    for (int i = 0; i < int(ceil(cells)); i++)
+    {
+        float cell = clamp(cells - float(i), 0.0, 1.0);
+        vec2 place = first + cellLength * (float(i) + cell * phase);
+        sum += cell * BokehFetchGrid(LayerSamp, place, halves);
+    }
+    return sum / cells;
+}
+
+// Layers: the CoC that a layer is blurred by, texels of the half size
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves; so much less is left to do.
+//   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
+float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers layers)
+{
+    vec2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers.full, 8.0)).rg;
+    float CoC = 0.5 * sizes.r;
+    if (isFar)
+    {
+        CoC = 0.5 * sizes.g;
+    }
+    return sqrt(max(CoC * CoC - 8.0, 0.25));
+}
+
+// Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
+//   their parallelograms
+//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
+vec4 BokehLayerTarget(int k, int sides, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
+{
+    float angle = 6.28318531 / float(sides);
+    float w1 = sin((float(k) - 1.0) * angle);
+    float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
+    float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
+    float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
+}
+
+// Layers: first pass over a layer
+//   LayerSamp     T2 or T3 of BokehLayerSplit
+//   SizesSamp     T3 of BokehLayerSizes
+//   isFar         false: the near layer
+//   returns       as BokehExactFirst
+BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFar,
+    BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
+    vec4 L1 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+    BokehTargets targets;
+    targets.T2 = L1;
+    targets.T3 = L1;
+    targets.T4 = L1;
+    targets.T5 = L1;
+    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        vec4 L2 = none;
+        vec4 L3 = none;
+        L1 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(1, polygon, false), CoC, layers);
+        targets.T2 = L1;
+        if (polygon.sides > 4)
+        {
+            L2 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(2, polygon, false), CoC,
+                layers);
+            targets.T3 = BokehLayerTarget(3, polygon.sides, L1, L2, none, none);
+        }
+        if (polygon.sides > 6)
+        {
+            L3 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(3, polygon, false), CoC,
+                layers);
+            targets.T4 = BokehLayerTarget(4, polygon.sides, L1, L2, L3, none);
+        }
+        if (polygon.sides > 8)
+        {
+            vec4 L4 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(4, polygon, false), CoC,
+                layers);
+            targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
+        }
+    }
+    return targets;
+}
+
+// Layers: second pass: the finished layer
+//   T2Samp .. T5Samp  what the first pass wrote; where there are fewer, pass any of them for the
+//                     rest: it is not read
+//   SizesSamp     T3 of BokehLayerSizes
+//   isFar         false: the near layer
+//   returns       rgb times share, share
+vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
+    sampler2D SizesSamp, vec2 uv, bool isFar, BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    vec4 result = BokehFetchGrid(T2Samp, center, BokehReducedGrid(layers.full, 2.0));
+    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        float total = BokehExactWeight(2, polygon.sides);
+        vec4 sum = total * BokehLayerLine(T2Samp, center, BokehPolygonEdge(2, polygon, true), CoC,
+            layers);
+        if (polygon.sides > 4)
+        {
+            float weight = BokehExactWeight(3, polygon.sides);
+            sum += weight * BokehLayerLine(T3Samp, center, BokehPolygonEdge(3, polygon, true), CoC,
+                layers);
+            total += weight;
+        }
+        if (polygon.sides > 6)
+        {
+            float weight = BokehExactWeight(4, polygon.sides);
+            sum += weight * BokehLayerLine(T4Samp, center, BokehPolygonEdge(4, polygon, true), CoC,
+                layers);
+            total += weight;
+        }
+        if (polygon.sides > 8)
+        {
+            float weight = BokehExactWeight(5, polygon.sides);
+            sum += weight * BokehLayerLine(T5Samp, center, BokehPolygonEdge(5, polygon, true), CoC,
+                layers);
+            total += weight;
+        }
+        result = sum / total;
+    }
+    return result;
+}
+
+// Layers: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2; as BokehExactEdge.
+vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFar, int k,
+    BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    vec4 result = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        float angle = 6.28318531 / float(polygon.sides);
+        vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+        float total = 0.0;
+        for (int i = 1; i < min(k, 5); i++)
+        {
+            float area = max(sin(float(k - i) * angle), 0.0);
+            sum += area * BokehLayerLine(LayerSamp, center, BokehPolygonEdge(i, polygon, false),
+                CoC, layers);
+            total += area;
+        }
+        result = sum / total;
+    }
+    return result;
+}
+
+// Layers: target Tk of several, where a pass can write only one: call the pass once for each
+vec4 BokehPickTarget(BokehTargets targets, int k)
+{
+    vec4 picked = targets.T2;
+    if (k == 3)
+    {
+        picked = targets.T3;
+    }
+    else if (k == 4)
+    {
+        picked = targets.T4;
+    }
+    else if (k == 5)
+    {
+        picked = targets.T5;
+    }
+    return picked;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [13] the picture
+// -------------------------------------------------------------------------------------------------
+
+// Layers: a half-size layer at a place of the full size
+//   Catmull-Rom without its corners, five fetches: bilinear would make the edges of polygons
+//   ragged. It overshoots: no channel leaves the range of its five fetches, or lights had dark rims
+//   and too much light.
+//
+//            t          w0     weights from the texel before to the second one after;
+//          l c r      w1 + w2  c, the middle fetch, takes two by two texels
+//            b          w3
+//
+//   place         texels of the half size
+vec4 BokehFetchLayer(sampler2D LayerSamp, vec2 place, BokehGrid halves)
+{
+    vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
+    if (BOKEH_LAYER_CUBIC > 0)
+    {
+        vec2 texel = floor(place - 0.5) + 0.5;
+        vec2 f = place - texel;
+        vec2 w0 = f * (f * (1.0 - 0.5 * f) - 0.5);
+        vec2 w2 = f * (f * (2.0 - 1.5 * f) + 0.5);
+        vec2 w3 = f * f * (0.5 * f - 0.5);
+        vec2 w12 = 1.0 - w0 - w3;
+        vec2 inner = texel + w2 / w12;
+        vec4 c = BokehFetchGrid(LayerSamp, inner, halves);
+        vec4 l = BokehFetchGrid(LayerSamp, vec2(texel.x - 1.0, inner.y), halves);
+        vec4 r = BokehFetchGrid(LayerSamp, vec2(texel.x + 2.0, inner.y), halves);
+        vec4 t = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y - 1.0), halves);
+        vec4 b = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y + 2.0), halves);
+        vec4 sum = c * (w12.x * w12.y) + (l * w0.x + r * w3.x) * w12.y +
+            (t * w0.y + b * w3.y) * w12.x;
+        float total = w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x;
+        result = clamp(sum / total, min(min(c, min(l, r)), min(t, b)),
+            max(max(c, max(l, r)), max(t, b)));
+    }
+    else
+    {
+        result = BokehFetchGrid(LayerSamp, place, halves);
+    }
+    return result;
+}
+
+// Layers: how far a CoC spreads, pixels, without the blur that linear filtering adds by itself
+float BokehSpreadRadius(float s)
+{
+    return max(0.5 * abs(s) - 0.5, 0.0);
+}
+
+// Layers: radius of a ring of the gather, pixels
+//   power         1: evenly spaced, the last ring half a step within the radius; 2: closer to the
+//                 middle. No two rings are closer than a pixel.
+float BokehRingRadius(int ring, float radius, float power)
+{
+    float share = float(ring) / (float(BOKEH_LAYER_RINGS) + 0.5);
+    return max(radius * exp2(power * log2(share)), float(ring));
+}
+
+// Layers: the last pass: a gather over what is in no layer, and all of it together
+//   Each sample counts by its own CoC, spread over the area that it covers; from behind this
+//   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
+//   over it and behind it.
+//   MapSamp       from BokehSignedCoCMap
+//   TilesSamp     T2 of BokehLayerSizes
+//   NearSamp, FarSamp     from BokehLayerSecond
+//   MiddleSamp, BackSamp  T2 and T3 of BokehLayerFill
+//   returns       rgb = the picture, a = signed CoC of this pixel
+vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sampler2D FarSamp,
+    sampler2D MiddleSamp, sampler2D BackSamp, vec2 uv, BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    vec2 center = uv * full.size;
+    vec4 centerPixel = BokehFetchNearest(MapSamp, uv);
+    vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(full, 8.0));
+    vec3 result = centerPixel.rgb;
+    // up to a CoC of one pixel nothing spreads
+    if (max(tile.r, tile.g) > 1.0)
+    {
+        float s = centerPixel.a * full.size.y;
+        float nearSlope = BokehNearSlope(tile.r);
+        float farSlope = BokehFarSlope(tile.g);
+        float nearShare = BokehLayerShare(-s, nearSlope);
+        float farShare = BokehLayerShare(s, farSlope);
+        // at a near pixel the far layer is added too: it lies beyond it
+        float addFar = max(farShare, nearShare);
+        vec4 near = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(full, 2.0));
+        vec4 far = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(full, 2.0));
+
+        // the gather reaches as far as what is in no layer
+        float ownRadius = BokehSpreadRadius(s);
+        float restRadius = ownRadius * min(16.0 - 16.0 * farShare, 1.0) * (1.0 - nearShare);
+        float radius = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
+        if (near.a > 0.998)
+        {
+            // wholly covered
+            radius = 0.0;
+        }
+        float power = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
+        float before = 0.0;
+        float current = BokehRingRadius(1, radius, power);
+        float area = 0.25 * current * current;
+        float weight = (1.0 - nearShare) * (1.0 - farShare * addFar) * area /
+            max(ownRadius * ownRadius, area);
+        vec4 sum = vec4(centerPixel.rgb, 1.0) * weight;
+        // where near layers are, places move to the nearest texel: between a near light and what is
+        // behind it, the linear filter would find a light in focus
+        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) +
+            100.0 * clamp((tile.r - 16.0) / 16.0, 0.0, 1.0);
+        vec2 stretch = vec2(layers.polygon.squeeze, 1.0);
+        vec2 cornerStep = BokehCornerStep(layers.polygon);
+        vec2 corner = BokehFirstCorner(layers.polygon);
+        for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+        {
+            //   ring        1     2     3
+            //   |--.--|-----.-----|--.--|     a ring has the area half way to its neighbours
+            //   inner outer
+            float next = BokehRingRadius(ring + 1, radius, power);
+            float inner = 0.5 * (before + current);
+            float outer = 0.5 * (current + next);
+            if (ring == BOKEH_LAYER_RINGS)
+            {
+                outer = 1.5 * current - 0.5 * before;
+            }
+            if (inner > radius)
+            {
+                break;
+            }
+            int onEdge = BokehOnEdge(ring, layers.polygon);
+            float cell = (outer * outer - inner * inner) / float(onEdge * layers.polygon.sides);
+            float slope = 1.0 / (outer - inner);
+            float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+            for (int edge = 0; edge < layers.polygon.sides; edge++)
+            {
+                vec2 nextCorner = BokehRotated(corner, cornerStep);
+                vec2 along = (nextCorner - corner) / float(onEdge);
+                for (int i = 0; i < onEdge; i++)
+                {
+                    vec2 place = center + (corner + along * (float(i) + phase)) * stretch *
+                        current;
+                    vec2 f = place - 0.5 - floor(place - 0.5);
+                    place += clamp(f + (f - 0.5) * steepness, vec2(0.0, 0.0), vec2(1.0, 1.0)) - f;
+                    vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+                    float q = pixel.a * full.size.y;
+                    float isBehind = clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - nearShare);
+                    float spread = BokehSpreadRadius(q);
+                    spread = min(spread + (ownRadius - spread) * isBehind, radius);
+                    weight = (1.0 - BokehLayerShare(-q, nearSlope)) *
+                        (1.0 - BokehLayerShare(q, farSlope) * addFar) * cell *
+                        clamp((spread - inner) * slope, 0.0, 1.0) / max(spread * spread, area);
+                    sum += vec4(pixel.rgb, 1.0) * weight;
+                }
+                corner = nextCorner;
+            }
+            before = current;
+            current = next;
+        }
+
+        vec4 plain = sum + far * addFar;
+        if (plain.a >= 0.001)
+        {
+            result = plain.rgb / plain.a;
+        }
+        if (nearShare > 0.0)
+        {
+            // in depth order: the gather, then what fills its holes, then the far layer, and what
+            // fills that
+            BokehGrid quarters = BokehReducedGrid(full, 4.0);
+            vec4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters);
+            vec4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters);
+            float empty = 1.0 - min(sum.a, 1.0);
+            float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
+            float farAlpha = min(far.a, 1.0);
+            float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
+            vec3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) +
+                back.rgb * missing;
+            vec3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover +
+                background * (empty - cover);
+            if (plain.a < 0.001)
+            {
+                result = stack;
+            }
+            result += (stack - result) * nearShare;
+        }
+        float alpha = min(near.a * 1.002, 1.0);
+        result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+    }
+    return vec4(result, centerPixel.a);
+}

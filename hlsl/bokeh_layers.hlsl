@@ -1,0 +1,980 @@
+// SPDX-License-Identifier: MIT
+//
+// Layered depth of field with polygonal bokeh, HLSL. Version 0.2.0. Put it after bokeh.hlsl.
+//
+//   The one-layer filters of bokeh.hlsl blur each pixel by its own CoC, so near objects keep a hard
+//   outline. Here near objects spread over what is behind them, what they hide is filled, and far
+//   samples count by how far they spread themselves. docs/layers.md has the method.
+//
+// CONTRACT
+//   This file holds functions only: no bindings, no entry points. bokeh_passes.hlsl beside it has
+//   ready-made programs.
+//   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
+//   Out   rgb = the picture, a = signed CoC.
+//   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
+//   blending off. RGBA16F; what uses two channels may be RG16F.
+//   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
+//
+//   function      size  reads                              writes
+//   LayerTiles    1/8   map                                largest near and far CoC, light level
+//   LayerReach    1/8   Tiles; then itself                 the same of the tiles that reach here
+//   LayerSplit    1/2   map, Reach                         T2 near layer, T3 far layer, T4 sums,
+//                                                          T5 leftovers (RG)
+//   LayerKernels  1/8   sums, leftovers                    T2 leftovers (RG), T3 sums of a tile
+//   LayerSpread   1/8   both, Reach                        the same, spread along rows
+//   LayerSizes    1/8   both, Reach                        T2 Reach and leftovers, T3 CoC of the
+//                                                          layers (RG)
+//   LayerHoles    1/4   map, Reach                         T2 middle, T3 far, T4 shares (RG)
+//   LayerFill     1/4   middle, far, shares, Reach         T2 middle, T3 far, without holes
+//   LayerFirst    1/2   a layer, CoC of the layers         exact polygon, first pass
+//   LayerSecond   1/2   what that wrote, CoC of the layers exact polygon, second pass
+//   Layered       1     map, T2 of Sizes, both layers,     the picture
+//                       both of Fill
+//
+//   LayerReach and the two after it run twice: LayerReach along rows, then along columns; First and
+//   Second for the near layer, then for the far one.
+//
+// CONTENTS
+//   [10] layers: BokehMakeLayers, BokehLayerTiles, BokehLayerReach, BokehLayerSplit,
+//        BokehLayerKernels, BokehLayerSpread, BokehLayerSizes
+//   [11] holes: BokehLayerHoles, BokehLayerFill
+//   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
+//        BokehLayerEdge, BokehPickTarget
+//   [13] the picture: BokehLayered
+
+// -------------------------------------------------------------------------------------------------
+// [10] layers
+// -------------------------------------------------------------------------------------------------
+//
+//   name                    default    range   meaning
+//   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
+//   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//
+//   Presets: define one before both files; in WGSL set the three constants.
+//
+//   preset                  rings      cells   cubic
+//   BOKEH_PRESET_LOW        2          8       0
+//   BOKEH_PRESET_MEDIUM     3          12      1      the default
+//   BOKEH_PRESET_HIGH       3          16      1
+//   BOKEH_PRESET_ULTRA      4          16      1
+
+#ifndef BOKEH_VIEWPORT
+#error put bokeh.hlsl before bokeh_layers.hlsl
+#endif
+#define BOKEH_LAYERS 1
+
+#if defined(BOKEH_PRESET_LOW)
+#define BOKEH_PRESET_RINGS 2
+#define BOKEH_PRESET_CELLS 8
+#define BOKEH_PRESET_CUBIC 0
+#elif defined(BOKEH_PRESET_HIGH)
+#define BOKEH_PRESET_RINGS 3
+#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CUBIC 1
+#elif defined(BOKEH_PRESET_ULTRA)
+#define BOKEH_PRESET_RINGS 4
+#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CUBIC 1
+#else
+#define BOKEH_PRESET_RINGS 3
+#define BOKEH_PRESET_CELLS 12
+#define BOKEH_PRESET_CUBIC 1
+#endif
+
+#ifndef BOKEH_LAYER_RINGS
+#define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
+#endif
+#ifndef BOKEH_LAYER_CELLS
+#define BOKEH_LAYER_CELLS BOKEH_PRESET_CELLS
+#endif
+#ifndef BOKEH_LAYER_CUBIC
+#define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+
+// Layers: where the image lies in textures of one size, all in their texels
+//   size          of the image
+//   origin        its first texel: 0, or the viewport's
+//   texel         1 / size of the textures
+struct BokehGrid
+{
+    float2 size;
+    float2 origin;
+    float2 texel;
+};
+
+// Layers: what all passes need to know
+//   full          the grid of the full size
+//   polygon       the aperture
+//   largest       possible CoC: BokehMaxCoC times the image height, pixels
+//   jitter        from BokehNoise, times its amount; 0 = none
+struct BokehLayers
+{
+    BokehGrid full;
+    BokehPolygon polygon;
+    float largest;
+    float jitter;
+};
+
+// Layers: the grid of the full size
+//   viewport      x, y of the image's first pixel, multiples of 8, width, height; pixels
+//   wholeSize     of the textures, pixels; it and x, y count with BOKEH_VIEWPORT 1 only
+BokehGrid BokehMakeGrid(float4 viewport, float2 wholeSize)
+{
+    BokehGrid grid;
+    grid.size = viewport.zw;
+    grid.origin = float2(0.0, 0.0);
+    grid.texel = 1.0 / viewport.zw;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        grid.origin = viewport.xy;
+        grid.texel = 1.0 / wholeSize;
+    }
+    return grid;
+}
+
+// Layers: settings for an image that fills its textures, without jitter
+//   imageSize     width, height; pixels
+//   MaxCoC        fraction of the image height, as in the CoC map
+BokehLayers BokehMakeLayers(float2 imageSize, BokehPolygon polygon, float MaxCoC)
+{
+    BokehLayers layers;
+    layers.full = BokehMakeGrid(float4(0.0, 0.0, imageSize), imageSize);
+    layers.polygon = polygon;
+    layers.largest = MaxCoC * imageSize.y;
+    layers.jitter = 0.0;
+    return layers;
+}
+
+// Layers: the grid of textures of 1 / scale of the full size
+BokehGrid BokehReducedGrid(BokehGrid full, float scale)
+{
+    BokehGrid grid;
+    grid.size = ceil(full.size / scale);
+    grid.origin = full.origin / scale;
+    grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    return grid;
+}
+
+// Layers: one filtered fetch
+//   place         texels of the grid, from the image's corner; the centre of the first is 0.5, 0.5
+float4 BokehFetchGrid(BOKEH_TEXTURE(tex), float2 place, BokehGrid grid)
+{
+    float2 coords = place;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        float2 inset = min(float2(0.5078125, 0.5078125), grid.size * 0.5);
+        coords = grid.origin + clamp(place, inset, grid.size - inset);
+    }
+    return BokehFetchTexture(BOKEH_ARGUMENT(tex), coords * grid.texel);
+}
+
+// Layers: largest of the three channels
+float BokehBrightest(float3 color)
+{
+    return max(max(color.r, color.g), color.b);
+}
+
+// Layers: how fast a share grows with the CoC, for BokehLayerShare; 1 / pixels
+//   largest       CoC of a neighbourhood, pixels: where it is `none` or less there is no layer,
+//                 from `whole` up all of it
+float BokehLayerSlope(float largest, float none, float whole)
+{
+    float gate = clamp((largest - none) / (whole - none), 0.001, 1.0);
+    return 5.0 / max(largest / gate, 2.0);
+}
+
+// Layers: the slope of the near layer
+float BokehNearSlope(float largest)
+{
+    return BokehLayerSlope(largest, 6.0, 12.0);
+}
+
+// Layers: the slope of the far layer
+float BokehFarSlope(float largest)
+{
+    return BokehLayerSlope(largest, 10.0, 16.0);
+}
+
+// Layers: how much of a pixel is in a layer: none up to 0.4 of the largest CoC around, all from 0.6
+//   CoC           pixels: -s for the near layer, s for the far one
+float BokehLayerShare(float CoC, float slope)
+{
+    return clamp(CoC * slope - 2.0, 0.0, 1.0);
+}
+
+// Layers: largest near and far CoC of 8 x 8 pixels, and how bright they are
+//   The level is the mean of the logarithm: later passes compare brightness with it, so that the
+//   picture does not depend on exposure.
+//   returns       r = near, g = far, both >= 0, pixels; b = level
+float4 BokehLayerTiles(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
+{
+    float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + float2(0.5, 0.5);
+    float3 found = float3(0.0, 0.0, 0.0);
+    BOKEH_LOOP for (int y = 0; y < 8; y++)
+    {
+        BOKEH_LOOP for (int x = 0; x < 8; x++)
+        {
+            float2 place = first + float2(float(x), float(y));
+            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, layers.full);
+            float s = pixel.a * layers.full.size.y;
+            float level = log2(max(BokehBrightest(pixel.rgb), 0.00001));
+            found = float3(max(found.r, -s), max(found.g, s), found.b + level);
+        }
+    }
+    return float4(found.r, found.g, found.b / 64.0, 1.0);
+}
+
+// Layers: what a CoC of another tile counts for here
+//   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
+//   more, so that nothing jumps as CoC change.
+//   tiles         distance
+float2 BokehReaching(float2 CoC, float tiles)
+{
+    float2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
+    return CoC * clamp(share, float2(0.0, 0.0), float2(1.0, 1.0));
+}
+
+// Layers: how many tiles the largest CoC reaches, with BokehReaching's margin; 127 at most
+float BokehReachTiles(BokehLayers layers)
+{
+    return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
+}
+
+// Layers: the largest CoC that reach a tile; along rows first, then along columns
+//   TilesSamp     from BokehLayerTiles, then from here
+//   axis          (1, 0), then (0, 1)
+float4 BokehLayerReach(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    float radius = BokehReachTiles(layers);
+    float2 found = float2(0.0, 0.0);
+    float level = 0.0;
+    BOKEH_LOOP for (int i = 0; i < 255; i++)
+    {
+        float tiles = float(i) - radius;
+        if (tiles > radius)
+        {
+            break;
+        }
+        float4 tile = BokehFetchGrid(BOKEH_ARGUMENT(TilesSamp), uv * grid.size + axis * tiles,
+            grid);
+        found = max(found, BokehReaching(tile.rg, abs(tiles)));
+        level += tile.b;
+    }
+    return float4(found, level / (2.0 * radius + 1.0), 1.0);
+}
+
+// Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
+//   brightness    in units of the level around
+float BokehBlurWeight(float brightness)
+{
+    return min(0.01 + brightness, 10000.0);
+}
+
+// Layers: near and far layer at half size, and what is known of their CoC
+//   returns       T2, T3 = near and far layer: rgb times share, share
+//                 T4 = sums for the mean CoC of both: CoC / 128 times weight, weight
+//                 T5.rg = largest near and far CoC that is not wholly in its layer, pixels
+BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
+    BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    float2 middle = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + float2(1.0, 1.0);
+    float4 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MapSamp), middle / 8.0,
+        BokehReducedGrid(full, 8.0));
+    float nearSlope = BokehNearSlope(reach.r);
+    float farSlope = BokehFarSlope(reach.g);
+    float unit = exp2(-reach.b);
+    float4 near = float4(0.0, 0.0, 0.0, 0.0);
+    float4 far = float4(0.0, 0.0, 0.0, 0.0);
+    float4 sums = float4(0.0, 0.0, 0.0, 0.0);
+    float2 left = float2(0.0, 0.0);
+    float largestShare = 0.0;
+    BOKEH_LOOP for (int y = 0; y < 2; y++)
+    {
+        BOKEH_LOOP for (int x = 0; x < 2; x++)
+        {
+            float2 place = middle + float2(float(x) - 0.5, float(y) - 0.5);
+            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+            float s = pixel.a * full.size.y;
+            float nearShare = BokehLayerShare(-s, nearSlope);
+            float farShare = BokehLayerShare(s, farSlope);
+            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit);
+            far += float4(pixel.rgb, 1.0) * farShare;
+            sums += float4(0.0, 0.0, weight * s / 128.0, weight);
+            left = max(left, float2(-s, s) * min(float2(4.0 - 4.0 * nearShare, 4.0 - 4.0 *
+                farShare), float2(1.0, 1.0)));
+            largestShare = max(largestShare, nearShare);
+        }
+    }
+    if (largestShare > 0.0)
+    {
+        // an antialiased pixel of a near edge holds light of what is behind it: where that is
+        // brighter, no near pixel stays brighter than the darkest one around
+        float behind = 0.0;
+        float3 darkest = float3(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        BOKEH_LOOP for (int y = 0; y < 4; y++)
+        {
+            BOKEH_LOOP for (int x = 0; x < 4; x++)
+            {
+                float2 place = middle + float2(float(x) - 1.5, float(y) - 1.5);
+                float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+                float nearShare = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
+                if (nearShare < 0.5 * largestShare)
+                {
+                    behind = max(behind, BokehBrightest(pixel.rgb));
+                }
+                else
+                {
+                    darkest = min(darkest, pixel.rgb);
+                }
+            }
+        }
+        float limit = BokehBrightest(darkest);
+        BOKEH_LOOP for (int row = 0; row < 2; row++)
+        {
+            BOKEH_LOOP for (int column = 0; column < 2; column++)
+            {
+                float2 place = middle + float2(float(column) - 0.5, float(row) - 0.5);
+                float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+                float s = pixel.a * full.size.y;
+                float nearShare = BokehLayerShare(-s, nearSlope);
+                float brightest = BokehBrightest(pixel.rgb);
+                float3 color = pixel.rgb;
+                if (behind > brightest)
+                {
+                    color = min(color, darkest);
+                    if (brightest > limit)
+                    {
+                        // the part of it that is not light from behind
+                        nearShare *= (behind - brightest) / (behind - limit);
+                    }
+                }
+                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit);
+                near += float4(color, 1.0) * nearShare;
+                sums += float4(-weight * s / 128.0, weight, 0.0, 0.0);
+            }
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = near * 0.25;
+    targets.T3 = far * 0.25;
+    targets.T4 = sums * 0.25;
+    targets.T5 = float4(left, 0.0, 1.0);
+    return targets;
+}
+
+// Layers: T4 and T5 of BokehLayerSplit for each tile
+//   returns       T2.rg = the largest leftovers, T3 = the mean of the sums
+BokehTargets BokehLayerKernels(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), float2 uv,
+    BokehLayers layers)
+{
+    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + float2(0.5, 0.5);
+    float4 sums = float4(0.0, 0.0, 0.0, 0.0);
+    float2 left = float2(0.0, 0.0);
+    BOKEH_LOOP for (int y = 0; y < 4; y++)
+    {
+        BOKEH_LOOP for (int x = 0; x < 4; x++)
+        {
+            float2 place = first + float2(float(x), float(y));
+            sums += BokehFetchGrid(BOKEH_ARGUMENT(SumsSamp), place, halves);
+            left = max(left, BokehFetchGrid(BOKEH_SHARED(LeftSamp, SumsSamp), place, halves).rg);
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = float4(left, 0.0, 1.0);
+    targets.T3 = sums / 16.0;
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// Layers: leftovers and sums of the tiles around, along one axis
+//   LeftSamp, SumsSamp  T2 and T3 of BokehLayerKernels, then of this
+//   returns       T2.rg = the largest leftovers that reach here; T3 = mean of the sums, by a
+//                 Gaussian as wide as the CoC that reach here
+BokehTargets BokehLayerSpread(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
+    BOKEH_TEXELS(ReachSamp), float2 uv, float2 axis, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
+    float2 sigma = max(reach * 0.0375, float2(0.6, 0.6));
+    float radius = BokehReachTiles(layers);
+    float4 sums = float4(0.0, 0.0, 0.0, 0.0);
+    float2 left = float2(0.0, 0.0);
+    float2 total = float2(0.0, 0.0);
+    BOKEH_LOOP for (int i = 0; i < 255; i++)
+    {
+        float tiles = float(i) - radius;
+        if (tiles > radius)
+        {
+            break;
+        }
+        float2 place = uv * grid.size + axis * tiles;
+        float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
+        sums += BokehFetchGrid(BOKEH_SHARED(SumsSamp, LeftSamp), place, grid) *
+            float4(weight.x, weight.x, weight.y, weight.y);
+        left = max(left, BokehReaching(BokehFetchGrid(BOKEH_ARGUMENT(LeftSamp), place, grid).rg,
+            abs(tiles)));
+        total += weight;
+    }
+    BokehTargets targets;
+    targets.T2 = float4(left, 0.0, 1.0);
+    targets.T3 = sums / float4(total.x, total.x, total.y, total.y);
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// Layers: BokehLayerSpread along columns, and the CoC that the layers are blurred by
+//   One kernel for a neighbourhood and layer is what makes its blur separable.
+//   returns       T2 = near and far CoC that reach here, near and far leftovers that do;
+//                 T3.rg = CoC of the near and of the far layer, 0 where there is none; pixels
+BokehTargets BokehLayerSizes(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
+    BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
+    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv,
+        float2(0.0, 1.0), layers);
+    float4 sums = targets.T3;
+    float2 sizes = float2(0.0, 0.0);
+    if (sums.g > 0.0001 && reach.r > 6.0)
+    {
+        sizes = float2(128.0 * sums.r / sums.g, 0.0);
+    }
+    if (sums.a > 0.0001 && reach.g > 10.0)
+    {
+        sizes = float2(sizes.x, 128.0 * sums.b / sums.a);
+    }
+    targets.T2 = float4(reach, targets.T2.rg);
+    targets.T3 = float4(sizes, 0.0, 1.0);
+    return targets;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [11] holes: what the near layer hides
+// -------------------------------------------------------------------------------------------------
+
+// Layers: what is not near, at quarter size, as weighted sums
+//   Bright pixels weigh less: a light would fill the whole hole.
+//   returns       T2 = what is between the layers, T3 = the far layer: rgb times weight, weight;
+//                 T4.rg = shares of the two, unweighted
+BokehTargets BokehLayerHoles(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
+    BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    float2 first = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + float2(0.5, 0.5);
+    float2 middlePlace = first + float2(1.5, 1.5);
+    float4 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MapSamp), middlePlace / 8.0,
+        BokehReducedGrid(full, 8.0));
+    float nearSlope = BokehNearSlope(reach.r);
+    float farSlope = BokehFarSlope(reach.g);
+    float unit = exp2(-reach.b);
+    float4 middle = float4(0.0, 0.0, 0.0, 0.0);
+    float4 far = float4(0.0, 0.0, 0.0, 0.0);
+    float2 shares = float2(0.0, 0.0);
+    BOKEH_LOOP for (int y = 0; y < 4; y++)
+    {
+        BOKEH_LOOP for (int x = 0; x < 4; x++)
+        {
+            float2 place = first + float2(float(x), float(y));
+            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+            float s = pixel.a * full.size.y;
+            // what is partly near is hardly background: a near light would shine through itself
+            float nearShare = BokehLayerShare(-s, nearSlope);
+            float notNear = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
+            float farShare = BokehLayerShare(s, farSlope);
+            float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
+            middle += float4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
+            far += float4(pixel.rgb, 1.0) * (weight * farShare);
+            shares += float2(1.0 - farShare, farShare) * notNear;
+        }
+    }
+    BokehTargets targets;
+    targets.T2 = middle / 16.0;
+    targets.T3 = far / 16.0;
+    targets.T4 = float4(shares / 16.0, 0.0, 1.0);
+    targets.T5 = targets.T4;
+    return targets;
+}
+
+// Layers: the first corner of a polygon, at a distance of 1 from its middle; not squeezed
+float2 BokehFirstCorner(BokehPolygon polygon)
+{
+    float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
+    return float2(cos(angle), sin(angle));
+}
+
+// Layers: (cos, sin) of the angle from one corner to the next
+float2 BokehCornerStep(BokehPolygon polygon)
+{
+    float angle = 6.28318531 / float(polygon.sides);
+    return float2(cos(angle), sin(angle));
+}
+
+// Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
+int BokehOnEdge(int ring, BokehPolygon polygon)
+{
+    return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
+}
+
+// Layers: holes filled with what is around; the nearest counts most
+//   MiddleSamp, FarSamp, SharesSamp  T2, T3, T4 of BokehLayerHoles
+//   returns       T2 = what is between the layers, a = its share in what is around; T3 = the far
+//                 layer
+BokehTargets BokehLayerFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
+    BOKEH_TEXELS(SharesSamp), BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+{
+    BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
+    float2 center = uv * grid.size;
+    float reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MiddleSamp), center / 2.0,
+        BokehReducedGrid(layers.full, 8.0)).r;
+    float2 stretch = float2(layers.polygon.squeeze, 1.0);
+    float2 cornerStep = BokehCornerStep(layers.polygon);
+    float2 corner = BokehFirstCorner(layers.polygon);
+    float4 middle = BokehFetchGrid(BOKEH_ARGUMENT(MiddleSamp), center, grid);
+    float4 far = BokehFetchGrid(BOKEH_SHARED(FarSamp, MiddleSamp), center, grid);
+    float2 shares = BokehFetchGrid(BOKEH_SHARED(SharesSamp, MiddleSamp), center, grid).rg;
+    BOKEH_LOOP for (int ring = 1; ring < 3; ring++)
+    {
+        // no near layer, no holes
+        if (reach < 6.0)
+        {
+            break;
+        }
+        // in quarter pixels; the rings reach half the CoC
+        float radius = max(reach / 16.0, 1.0) * float(ring);
+        float weight = 1.0 / (1.0 + 16.0 * radius * radius);
+        int onEdge = BokehOnEdge(ring, layers.polygon);
+        BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides; edge++)
+        {
+            float2 nextCorner = BokehRotated(corner, cornerStep);
+            float2 along = (nextCorner - corner) / float(onEdge);
+            BOKEH_LOOP for (int i = 0; i < onEdge; i++)
+            {
+                float2 place = center + (corner + along * float(i)) * stretch * radius;
+                middle += BokehFetchGrid(BOKEH_ARGUMENT(MiddleSamp), place, grid) * weight;
+                far += BokehFetchGrid(BOKEH_SHARED(FarSamp, MiddleSamp), place, grid) * weight;
+                shares += BokehFetchGrid(BOKEH_SHARED(SharesSamp, MiddleSamp), place, grid).rg *
+                    weight;
+            }
+            corner = nextCorner;
+        }
+    }
+    float3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
+    float share = shares.r / max(shares.r + shares.g, 0.000001);
+    BokehTargets targets;
+    targets.T2 = float4(both, share);
+    targets.T3 = float4(both, 1.0);
+    if (middle.a > 0.000001)
+    {
+        targets.T2 = float4(middle.rgb / middle.a, share);
+    }
+    if (far.a > 0.000001)
+    {
+        targets.T3 = float4(far.rgb / far.a, 1.0);
+    }
+    targets.T4 = targets.T2;
+    targets.T5 = targets.T2;
+    return targets;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [12] polygons at half size
+// -------------------------------------------------------------------------------------------------
+//
+//   The parallelograms of [8], without weights and without a leakage test: a layer has nothing in
+//   it that must not spread. All four channels are blurred alike.
+
+// Layers: mean of the samples along one line
+//   center        place, texels of the half size
+//   segment       from BokehPolygonEdge
+//   CoC           texels of the half size
+float4 BokehLayerLine(BOKEH_TEXTURE(LayerSamp), float2 center, float4 segment, float CoC,
+    BokehLayers layers)
+{
+    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    float lengthInTexels = 2.0 * length(segment.zw) * CoC;
+    float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
+    float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
+    float2 first = center + (segment.xy - segment.zw) * CoC;
+    float2 cellLength = segment.zw * CoC * (2.0 / cells);
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
+    {
+        float cell = clamp(cells - float(i), 0.0, 1.0);
+        float2 place = first + cellLength * (float(i) + cell * phase);
+        sum += cell * BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), place, halves);
+    }
+    return sum / cells;
+}
+
+// Layers: the CoC that a layer is blurred by, texels of the half size
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves; so much less is left to do.
+//   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
+float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLayers layers)
+{
+    float2 sizes = BokehFetchGrid(BOKEH_ARGUMENT(SizesSamp), center / 4.0,
+        BokehReducedGrid(layers.full, 8.0)).rg;
+    float CoC = 0.5 * sizes.r;
+    if (isFar)
+    {
+        CoC = 0.5 * sizes.g;
+    }
+    return sqrt(max(CoC * CoC - 8.0, 0.25));
+}
+
+// Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
+//   their parallelograms
+//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
+float4 BokehLayerTarget(int k, int sides, float4 L1, float4 L2, float4 L3, float4 L4)
+{
+    float angle = 6.28318531 / float(sides);
+    float w1 = sin((float(k) - 1.0) * angle);
+    float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
+    float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
+    float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
+}
+
+// Layers: first pass over a layer
+//   LayerSamp     T2 or T3 of BokehLayerSplit
+//   SizesSamp     T3 of BokehLayerSizes
+//   isFar         false: the near layer
+//   returns       as BokehExactFirst
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 uv,
+    bool isFar, BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    float4 none = float4(0.0, 0.0, 0.0, 0.0);
+    float4 L1 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
+        BokehReducedGrid(layers.full, 2.0));
+    BokehTargets targets;
+    targets.T2 = L1;
+    targets.T3 = L1;
+    targets.T4 = L1;
+    targets.T5 = L1;
+    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        float4 L2 = none;
+        float4 L3 = none;
+        L1 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center, BokehPolygonEdge(1, polygon, false),
+            CoC, layers);
+        targets.T2 = L1;
+        if (polygon.sides > 4)
+        {
+            L2 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
+                BokehPolygonEdge(2, polygon, false), CoC, layers);
+            targets.T3 = BokehLayerTarget(3, polygon.sides, L1, L2, none, none);
+        }
+        if (polygon.sides > 6)
+        {
+            L3 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
+                BokehPolygonEdge(3, polygon, false), CoC, layers);
+            targets.T4 = BokehLayerTarget(4, polygon.sides, L1, L2, L3, none);
+        }
+        if (polygon.sides > 8)
+        {
+            float4 L4 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
+                BokehPolygonEdge(4, polygon, false), CoC, layers);
+            targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
+        }
+    }
+    return targets;
+}
+
+// Layers: second pass: the finished layer
+//   T2Samp .. T5Samp  what the first pass wrote; where there are fewer, pass any of them for the
+//                     rest: it is not read
+//   SizesSamp     T3 of BokehLayerSizes
+//   isFar         false: the near layer
+//   returns       rgb times share, share
+float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
+    BOKEH_TEXELS(T5Samp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar, BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    float4 result = BokehFetchGrid(BOKEH_ARGUMENT(T2Samp), center,
+        BokehReducedGrid(layers.full, 2.0));
+    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, T2Samp), center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        float total = BokehExactWeight(2, polygon.sides);
+        float4 sum = total * BokehLayerLine(BOKEH_ARGUMENT(T2Samp), center,
+            BokehPolygonEdge(2, polygon, true), CoC, layers);
+        if (polygon.sides > 4)
+        {
+            float weight = BokehExactWeight(3, polygon.sides);
+            sum += weight * BokehLayerLine(BOKEH_SHARED(T3Samp, T2Samp), center,
+                BokehPolygonEdge(3, polygon, true), CoC, layers);
+            total += weight;
+        }
+        if (polygon.sides > 6)
+        {
+            float weight = BokehExactWeight(4, polygon.sides);
+            sum += weight * BokehLayerLine(BOKEH_SHARED(T4Samp, T2Samp), center,
+                BokehPolygonEdge(4, polygon, true), CoC, layers);
+            total += weight;
+        }
+        if (polygon.sides > 8)
+        {
+            float weight = BokehExactWeight(5, polygon.sides);
+            sum += weight * BokehLayerLine(BOKEH_SHARED(T5Samp, T2Samp), center,
+                BokehPolygonEdge(5, polygon, true), CoC, layers);
+            total += weight;
+        }
+        result = sum / total;
+    }
+    return result;
+}
+
+// Layers: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2; as BokehExactEdge.
+float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar,
+    int k, BokehLayers layers)
+{
+    BokehPolygon polygon = layers.polygon;
+    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    float4 result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
+        BokehReducedGrid(layers.full, 2.0));
+    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
+    if (CoC > 0.5)
+    {
+        float angle = 6.28318531 / float(polygon.sides);
+        float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+        float total = 0.0;
+        BOKEH_LOOP for (int i = 1; i < min(k, 5); i++)
+        {
+            float area = max(sin(float(k - i) * angle), 0.0);
+            sum += area * BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
+                BokehPolygonEdge(i, polygon, false), CoC, layers);
+            total += area;
+        }
+        result = sum / total;
+    }
+    return result;
+}
+
+// Layers: target Tk of several, where a pass can write only one: call the pass once for each
+float4 BokehPickTarget(BokehTargets targets, int k)
+{
+    float4 picked = targets.T2;
+    if (k == 3)
+    {
+        picked = targets.T3;
+    }
+    else if (k == 4)
+    {
+        picked = targets.T4;
+    }
+    else if (k == 5)
+    {
+        picked = targets.T5;
+    }
+    return picked;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [13] the picture
+// -------------------------------------------------------------------------------------------------
+
+// Layers: a half-size layer at a place of the full size
+//   Catmull-Rom without its corners, five fetches: bilinear would make the edges of polygons
+//   ragged. It overshoots: no channel leaves the range of its five fetches, or lights had dark rims
+//   and too much light.
+//
+//            t          w0     weights from the texel before to the second one after;
+//          l c r      w1 + w2  c, the middle fetch, takes two by two texels
+//            b          w3
+//
+//   place         texels of the half size
+float4 BokehFetchLayer(BOKEH_TEXTURE(LayerSamp), float2 place, BokehGrid halves)
+{
+    float4 result = float4(0.0, 0.0, 0.0, 0.0);
+    if (BOKEH_LAYER_CUBIC > 0)
+    {
+        float2 texel = floor(place - 0.5) + 0.5;
+        float2 f = place - texel;
+        float2 w0 = f * (f * (1.0 - 0.5 * f) - 0.5);
+        float2 w2 = f * (f * (2.0 - 1.5 * f) + 0.5);
+        float2 w3 = f * f * (0.5 * f - 0.5);
+        float2 w12 = 1.0 - w0 - w3;
+        float2 inner = texel + w2 / w12;
+        float4 c = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), inner, halves);
+        float4 l = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(texel.x - 1.0, inner.y),
+            halves);
+        float4 r = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(texel.x + 2.0, inner.y),
+            halves);
+        float4 t = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(inner.x, texel.y - 1.0),
+            halves);
+        float4 b = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(inner.x, texel.y + 2.0),
+            halves);
+        float4 sum = c * (w12.x * w12.y) + (l * w0.x + r * w3.x) * w12.y + (t * w0.y + b * w3.y) *
+            w12.x;
+        float total = w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x;
+        result = clamp(sum / total, min(min(c, min(l, r)), min(t, b)),
+            max(max(c, max(l, r)), max(t, b)));
+    }
+    else
+    {
+        result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), place, halves);
+    }
+    return result;
+}
+
+// Layers: how far a CoC spreads, pixels, without the blur that linear filtering adds by itself
+float BokehSpreadRadius(float s)
+{
+    return max(0.5 * abs(s) - 0.5, 0.0);
+}
+
+// Layers: radius of a ring of the gather, pixels
+//   power         1: evenly spaced, the last ring half a step within the radius; 2: closer to the
+//                 middle. No two rings are closer than a pixel.
+float BokehRingRadius(int ring, float radius, float power)
+{
+    float share = float(ring) / (float(BOKEH_LAYER_RINGS) + 0.5);
+    return max(radius * exp2(power * log2(share)), float(ring));
+}
+
+// Layers: the last pass: a gather over what is in no layer, and all of it together
+//   Each sample counts by its own CoC, spread over the area that it covers; from behind this
+//   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
+//   over it and behind it.
+//   MapSamp       from BokehSignedCoCMap
+//   TilesSamp     T2 of BokehLayerSizes
+//   NearSamp, FarSamp     from BokehLayerSecond
+//   MiddleSamp, BackSamp  T2 and T3 of BokehLayerFill
+//   returns       rgb = the picture, a = signed CoC of this pixel
+float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXELS(NearSamp),
+    BOKEH_TEXELS(FarSamp), BOKEH_TEXELS(MiddleSamp), BOKEH_TEXELS(BackSamp), float2 uv,
+    BokehLayers layers)
+{
+    BokehGrid full = layers.full;
+    float2 center = uv * full.size;
+    float4 centerPixel = BokehFetchNearest(MapSamp, uv);
+    float4 tile = BokehFetchGrid(BOKEH_SHARED(TilesSamp, MapSamp), center / 8.0,
+        BokehReducedGrid(full, 8.0));
+    float3 result = centerPixel.rgb;
+    // up to a CoC of one pixel nothing spreads
+    if (max(tile.r, tile.g) > 1.0)
+    {
+        float s = centerPixel.a * full.size.y;
+        float nearSlope = BokehNearSlope(tile.r);
+        float farSlope = BokehFarSlope(tile.g);
+        float nearShare = BokehLayerShare(-s, nearSlope);
+        float farShare = BokehLayerShare(s, farSlope);
+        // at a near pixel the far layer is added too: it lies beyond it
+        float addFar = max(farShare, nearShare);
+        float4 near = BokehFetchLayer(BOKEH_SHARED(NearSamp, MapSamp), 0.5 * center,
+            BokehReducedGrid(full, 2.0));
+        float4 far = BokehFetchLayer(BOKEH_SHARED(FarSamp, MapSamp), 0.5 * center,
+            BokehReducedGrid(full, 2.0));
+
+        // the gather reaches as far as what is in no layer
+        float ownRadius = BokehSpreadRadius(s);
+        float restRadius = ownRadius * min(16.0 - 16.0 * farShare, 1.0) * (1.0 - nearShare);
+        float radius = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
+        if (near.a > 0.998)
+        {
+            // wholly covered
+            radius = 0.0;
+        }
+        float power = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
+        float before = 0.0;
+        float current = BokehRingRadius(1, radius, power);
+        float area = 0.25 * current * current;
+        float weight = (1.0 - nearShare) * (1.0 - farShare * addFar) * area /
+            max(ownRadius * ownRadius, area);
+        float4 sum = float4(centerPixel.rgb, 1.0) * weight;
+        // where near layers are, places move to the nearest texel: between a near light and what is
+        // behind it, the linear filter would find a light in focus
+        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 *
+            clamp((tile.r - 16.0) / 16.0, 0.0, 1.0);
+        float2 stretch = float2(layers.polygon.squeeze, 1.0);
+        float2 cornerStep = BokehCornerStep(layers.polygon);
+        float2 corner = BokehFirstCorner(layers.polygon);
+        BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+        {
+            //   ring        1     2     3
+            //   |--.--|-----.-----|--.--|     a ring has the area half way to its neighbours
+            //   inner outer
+            float next = BokehRingRadius(ring + 1, radius, power);
+            float inner = 0.5 * (before + current);
+            float outer = 0.5 * (current + next);
+            if (ring == BOKEH_LAYER_RINGS)
+            {
+                outer = 1.5 * current - 0.5 * before;
+            }
+            if (inner > radius)
+            {
+                break;
+            }
+            int onEdge = BokehOnEdge(ring, layers.polygon);
+            float cell = (outer * outer - inner * inner) / float(onEdge * layers.polygon.sides);
+            float slope = 1.0 / (outer - inner);
+            float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+            BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides; edge++)
+            {
+                float2 nextCorner = BokehRotated(corner, cornerStep);
+                float2 along = (nextCorner - corner) / float(onEdge);
+                BOKEH_LOOP for (int i = 0; i < onEdge; i++)
+                {
+                    float2 place = center + (corner + along * (float(i) + phase)) * stretch *
+                        current;
+                    float2 f = place - 0.5 - floor(place - 0.5);
+                    place += clamp(f + (f - 0.5) * steepness, float2(0.0, 0.0), float2(1.0, 1.0)) -
+                        f;
+                    float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+                    float q = pixel.a * full.size.y;
+                    float isBehind = clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - nearShare);
+                    float spread = BokehSpreadRadius(q);
+                    spread = min(spread + (ownRadius - spread) * isBehind, radius);
+                    weight = (1.0 - BokehLayerShare(-q, nearSlope)) *
+                        (1.0 - BokehLayerShare(q, farSlope) * addFar) * cell *
+                        clamp((spread - inner) * slope, 0.0, 1.0) / max(spread * spread, area);
+                    sum += float4(pixel.rgb, 1.0) * weight;
+                }
+                corner = nextCorner;
+            }
+            before = current;
+            current = next;
+        }
+
+        float4 plain = sum + far * addFar;
+        if (plain.a >= 0.001)
+        {
+            result = plain.rgb / plain.a;
+        }
+        if (nearShare > 0.0)
+        {
+            // in depth order: the gather, then what fills its holes, then the far layer, and what
+            // fills that
+            BokehGrid quarters = BokehReducedGrid(full, 4.0);
+            float4 middle = BokehFetchGrid(BOKEH_SHARED(MiddleSamp, MapSamp), 0.25 * center,
+                quarters);
+            float4 back = BokehFetchGrid(BOKEH_SHARED(BackSamp, MapSamp), 0.25 * center, quarters);
+            float empty = 1.0 - min(sum.a, 1.0);
+            float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
+            float farAlpha = min(far.a, 1.0);
+            float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
+            float3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
+                missing;
+            float3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background *
+                (empty - cover);
+            if (plain.a < 0.001)
+            {
+                result = stack;
+            }
+            result += (stack - result) * nearShare;
+        }
+        float alpha = min(near.a * 1.002, 1.0);
+        result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+    }
+    return float4(result, centerPixel.a);
+}

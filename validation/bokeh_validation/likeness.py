@@ -1,0 +1,169 @@
+"""Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from bokeh_validation import metrics, pictures, quality, suite
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import UserError
+from bokeh_validation.figures import panels
+from bokeh_validation.methods import QUALITIES
+from bokeh_validation.scatter import scatter
+from bokeh_validation.suite import SceneFile
+
+# gather: quality.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
+METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
+# What is drawn of layered where nobody says
+PRESETS = ("low", "medium")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A picture against the truth of its scene.
+
+    label  the method, for layered with its preset
+    flip   mean FLIP, 0 is the truth
+    psnr   of tone-mapped colour, dB
+    light  sum of linear rgb over that of the truth
+    """
+
+    scene: str
+    label: str
+    flip: float
+    psnr: float
+    light: float
+
+
+def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None = None) -> list[str]:
+    """Of the rows for --method and --quality; all by default. Raises UserError."""
+    chosen = list(methods or METHODS)
+    qualities = list(presets or PRESETS)
+    for option, given, allowed in (("--method", chosen, METHODS), ("--quality", qualities, tuple(QUALITIES))):
+        for one in given:
+            if one not in allowed:
+                raise UserError(f"{option} {one}: unknown. Give one of {', '.join(allowed)}.")
+    found = []
+    for method in METHODS:
+        if method in chosen:
+            found += [f"layered {name}" for name in QUALITIES if name in qualities] if method == "layered" else [method]
+    return found
+
+
+def scenes(names: Iterable[str] | None = None) -> list[SceneFile]:
+    """Those of --scene; all by default. Raises UserError."""
+    known = {scene.name: scene for scene in suite.SCENES}
+    for name in names or ():
+        if name not in known:
+            raise UserError(f"--scene {name}: unknown. Give one of {', '.join(known)}.")
+    return [scene for name, scene in known.items() if not names or name in names]
+
+
+def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
+    """What a method makes of a scene, (H, W, >= 3), the polygon turned as in the truth.
+
+    changes  to the settings
+    """
+    method, _, preset = label.partition(" ")
+    kind = {"paper": "paper", "layered": "layered"}.get(method, "exact")
+    case = suite.scene_case(scene, kind, aperture)
+    changes = {"rotation": suite.TRUTH_ROTATION[aperture], **changes}
+    if method == "exact":
+        changes["spacing"] = 1.0
+    if preset:
+        changes["quality"] = preset
+    case = replace(case, settings=replace(case.settings, **changes))
+    if method == "pinhole":
+        return case.color
+    if method == "gather":
+        return quality.brute_force(driver, case)
+    if method == "scatter":
+        return scatter(case)
+    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
+
+
+def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Row:
+    """A picture measured."""
+    light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
+    return Row(scene.name, label, metrics.flip(image, lens), metrics.psnr(image, lens), float(light))
+
+
+def measured(
+    driver: Driver,
+    chosen: Iterable[SceneFile],
+    wanted: Iterable[str],
+    folder: Path | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> list[Row]:
+    """Rows of scenes by methods (see labels); pictures into `folder`, those that the documents show."""
+    rows = []
+    for scene in chosen:
+        lens = suite.truth(scene, "hexagon")
+        images = {}
+        for label in wanted:
+            images[label] = picture(driver, scene, label)
+            rows.append(row(scene, label, images[label], lens))
+            progress(f"{scene.name}, {label}")
+        for name, pixels in shown(scene, images | {"truth": lens}).items() if folder else ():
+            pictures.write_png(folder / f"{name}.png", pictures.coarse(pixels))
+    return rows
+
+
+def markdown(rows: list[Row]) -> list[str]:
+    """The table of docs/likeness.md: a row for a method, a column for a scene."""
+    names = list(dict.fromkeys(one.scene for one in rows))
+    lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
+    for label in dict.fromkeys(one.label for one in rows):
+        cells = {one.scene: f"{one.flip:.4f}, {one.psnr:.2f} dB, {one.light:.3f}" for one in rows if one.label == label}
+        lines.append(f"| {label} | {' | '.join(cells[name] for name in names)} |")
+    return lines
+
+
+def as_json(driver: Driver, rows: list[Row]) -> dict:
+    """Everything that was measured."""
+    return {"driver": driver.name, "adapter": driver.adapter, "rows": [vars(one) for one in rows]}
+
+
+# ------------------------------------------------------------------------------------------------------------ pictures
+
+# How bright the scenes are shown
+EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
+CAPTIONS = {
+    "pinhole": "input: color and depth through a pinhole",
+    "paper": "paper, hexagon, 13 samples a line",
+    "gather": "gather: Listing 3, 924 samples",
+    "scatter": "scatter: each pixel by its own CoC",
+    "layered medium": "layered, preset MEDIUM",
+    "truth": "truth: ray traced through a lens",
+}
+WHOLE = ("pinhole", "paper", "layered medium", "truth")
+DETAIL = ("gather", "scatter", "layered medium", "truth")
+# scene -> left, top, width, height of its detail
+PLACES = {
+    "market_7": (600, 220, 240, 160),
+    "street_11": (225, 150, 240, 160),
+    "canopy_12": (100, 100, 240, 160),
+    "street_11x3": (225, 150, 240, 160),
+    "canopy_12x3": (100, 100, 240, 160),
+}
+
+
+def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """A detail at twice its size, and market_7 at half: file name -> 8-bit rgb, as far as there are images."""
+    exposed = {k: pictures.filmic(image, EXPOSURE.get(scene.name, 1.0)) for k, image in images.items()}
+    found = {}
+    if scene is suite.MARKET and all(label in images for label in WHOLE):
+        halved = {k: np.asarray(Image.fromarray(exposed[k]).reduce(2)) for k in WHOLE}
+        found[f"likeness_{scene.name}"] = _grid(halved)
+    if all(label in images for label in DETAIL):
+        details = {k: pictures.enlarged(panels.crop(exposed[k], *PLACES[scene.name]), 2) for k in DETAIL}
+        found[f"likeness_{scene.name}_detail"] = _grid(details)
+    return found
+
+
+def _grid(parts: dict[str, np.ndarray]) -> np.ndarray:
+    found = [panels.Panel(pixels, CAPTIONS[label]) for label, pixels in parts.items()]
+    return panels.grid([found[:2], found[2:]])

@@ -1,0 +1,91 @@
+"""What the layers cost: time against the paper's hexagon, and texels fetched, counted on the device."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import load
+from test_frame import counting
+
+from bokeh_validation import fetches, methods
+from bokeh_validation.bench import reads, rows, session
+from bokeh_validation.passes import COPYING_ENTRIES
+from bokeh_validation.patterns import layers
+from bokeh_validation.patterns.model import depth_of, flat
+
+pytestmark = pytest.mark.alone
+
+DRIVERS = ("osmesa", "wgpu")
+# Time over that of `paper`, hexagon with 13 samples, on market_7 at its size; and fetches of a picture and of a pixel,
+# without the CoC map
+MOST_TIME = {"layered low": 1.3, "layered medium": 2.0}
+MOST_FETCHES = {"low": (55, 56), "medium": (90, 90)}
+# The same where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
+IN_FOCUS = 0.35 * 2 * 39
+
+
+@pytest.mark.parametrize("name", DRIVERS)
+def test_time(name):
+    """Medians of rounds in which all are drawn, in CPU time."""
+    wanted = [row for row in rows.layers(session.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
+    measured, _ = session.measure_rows(load(name), wanted, session.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
+    ratios = {row.row.key: row.versus["paper"] for row in measured if row.row.key in MOST_TIME}
+    assert all(ratios[key].median <= most for key, most in MOST_TIME.items()), ratios
+
+
+def counted(settings: methods.Settings, color: np.ndarray, depth: np.ndarray) -> dict[str, tuple[float, float]]:
+    """Entry and number of each pass after the CoC map -> its fetches for a pixel of the full size: mean, most."""
+    size = depth.shape[::-1]
+    plan, names = methods.plan(settings, size).passes, []
+    passes = []
+    for number, item in enumerate(plan):
+        passes.append(item)
+        if item.entry not in COPYING_ENTRIES:
+            names.append(f"{number} {item.entry}")
+            others = tuple(f"{number}, {k}" for k in range(1, len(item.outputs)))
+            passes.append(counting(item, (names[-1], *others)))
+    output = load("osmesa").run(passes, {"color": color, "depth": depth}, size, keep=names)
+    scales = [item.scale for item in plan if item.entry not in COPYING_ENTRIES]
+    found = zip(names, scales, strict=True)
+    return {n: tuple(f(output[n][..., 0].astype(float)) / s**2 for f in (np.mean, np.max)) for n, s in found}
+
+
+COC = 80
+SIZE = (256, 2 * COC)
+
+
+def worst() -> np.ndarray:
+    """Depths in patches of 2 pixels: of the largest CoC near and far, half of them and none, so that layers and
+    gather have most to do everywhere.
+    """
+    random = np.random.default_rng(4)
+    depths = [layers.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
+    coarse = random.choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
+    return coarse.repeat(2, 0).repeat(2, 1)
+
+
+@pytest.mark.parametrize("quality", MOST_FETCHES)
+def test_fetches_at_the_worst(quality):
+    """Of the picture, and of a pixel for which every pass takes all that it can."""
+    camera = replace(layers.CAMERA, max_coc=COC / SIZE[1])
+    settings = replace(layers.settings(quality=quality), camera=camera)
+    found = counted(settings, flat(SIZE, 1.0), worst())
+    mean, most = (sum(counts[i] for counts in found.values()) for i in (0, 1))
+    allowed = MOST_FETCHES[quality]
+    assert mean <= allowed[0] and most <= allowed[1], (mean, most, found)
+    # the CoC map besides
+    assert most + 1 == pytest.approx(fetches.of_frame(methods.plan(settings, SIZE).passes)["color"])
+
+
+@pytest.mark.parametrize("quality", methods.QUALITIES)
+def test_fetches_in_focus(quality):
+    """What the bench says of that row, to the fetch."""
+    depth = depth_of(SIZE, layers.CAMERA.focus_distance)
+    settings = layers.settings(quality=quality)
+    found = counted(settings, flat(SIZE, 1.0), depth)
+    total = sum(mean for mean, _ in found.values())
+    assert total <= IN_FOCUS, found
+    cost = reads.cost(methods.plan(settings, SIZE).passes, depth)
+    # the CoC map besides
+    assert cost.color == total + 1
+    assert cost.depth == 1

@@ -1,0 +1,106 @@
+"""What a mutant of the layers was needed for to be noticed (validation/run mutants)."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import load
+from test_drivers import noise_case
+from test_layers import SETTINGS, TEXTURES, VIEWPORTS, fill, within
+from test_viewport import framed, inside
+
+from bokeh_validation import methods, shaders
+from bokeh_validation.patterns import layers
+from bokeh_validation.patterns.model import Case, depth_of, flat
+
+# A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
+FULL = methods.Camera(1.8, 0.05, 8.0, max_coc=0.5)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"jitter": 1.0, "squeeze": 0.7},
+        {"aperture": "decagon", "quality": "low", "jitter": 0.5, "rotation": 20.0},
+        {"aperture": "decagon", "quality": "ultra", "targets": False},
+        # edges with fewer samples than texels
+        {"aperture": "square", "quality": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
+    ],
+    ids=["hexagon", "decagon", "one target", "square"],
+)
+def test_both_layers(changes, driver):
+    """Each pass is within its interval where there is much of either layer."""
+    within(driver, noise_case((75, 50), replace(SETTINGS, **{"camera": FULL, **changes})))
+
+
+@pytest.mark.parametrize("coc", [-11.0, -9.0, 11.0, 14.0])
+def test_half_a_layer(coc, driver):
+    """The same for planes of which a part is in a layer."""
+    case = noise_case((50, 40), layers.settings(rotation=10.0))
+    within(driver, replace(case, depth=depth_of(case.size, layers.metres(coc, case.size[1]))))
+
+
+@pytest.mark.parametrize("viewport", VIEWPORTS, ids=str)
+def test_nothing_leaks_into_layers(viewport, driver):
+    """NaN around the image in every texture: nothing of it gets into any target. The picture would hide some."""
+    image = noise_case(viewport[2:], SETTINGS)
+    plan = methods.in_viewport(image.plan, viewport, TEXTURES)
+    names = {name: item.scale for item in plan.passes for name in item.outputs}
+    nothing = np.full((TEXTURES[1], TEXTURES[0], 4), np.nan, np.float16)
+    textures = {"color": framed(image.color, TEXTURES, viewport), "depth": framed(image.depth, TEXTURES, viewport)}
+    outputs = driver.run(fill(plan), textures | {"nan": nothing}, TEXTURES, keep=names)
+    for name, scale in names.items():
+        part = tuple(-(-length // scale) for length in viewport)
+        assert np.isfinite(inside(outputs[name], part)).all(), name
+
+
+@pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])
+def test_layers_of_a_viewport(metres, driver):
+    """In the middle of a large texture, the image is what it would be alone; 11 pixels near and 16 far.
+
+    Black but for a light whose blur ends before the edges. Places are off by float32 roundings, 8 of 2^-24 of the
+    width, and a GPU's step of 2^-8 texel; the light's own slope is the steepest. Four passes store, with a step each.
+    """
+    viewport = (24, 16, 48, 40)
+    camera = methods.Camera(0.3, 0.05, 1.5, max_coc=0.5)
+    color, depth = flat(viewport[2:]), depth_of(viewport[2:], metres)
+    color[18:22, 22:26, :3] = 40.0
+    case = Case("", replace(SETTINGS, camera=camera), color, depth)
+    alone = driver.run(case.plan.passes, case.textures(), case.size)["result"].astype(float)[..., :3]
+    assert alone.max() < 0.5 * color.max()
+    plan = methods.in_viewport(case.plan, viewport, TEXTURES)
+    textures = {"color": framed(color, TEXTURES, viewport), "depth": framed(depth, TEXTURES, viewport)}
+    output = inside(driver.run(plan.passes, textures, TEXTURES)["result"], viewport).astype(float)[..., :3]
+    place = TEXTURES[0] * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8)
+    assert np.abs(output - alone).max() <= 4 * (place + 2.0**-10) * 40.0
+
+
+def test_a_size_whose_inverse_is_small(driver):
+    """1 / (1 / 122) is more than 122 in float32: rounded up without a care, half of it would be 62 texels."""
+    width = np.float32(122)
+    assert 1 / (1 / width) > width
+    within(driver, noise_case((122, 24), SETTINGS))
+
+
+def test_black_and_bright(driver):
+    """Both ends of what brightness is compared with: a black tile's level, and what a light may weigh."""
+    case = noise_case((64, 48), replace(SETTINGS, camera=FULL))
+    color = case.color.copy()
+    color[:, :32, :3] = 0.0
+    color[3::9, 36::7, :3] = 60000.0
+    within(driver, replace(case, color=color))
+
+
+def test_layers_without_jitter():
+    """BokehMakeLayers: the image fills its textures, and there is no jitter."""
+    text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehLayerTiles", "330", {}))
+    text += (
+        "void main()\n{\n    BokehPolygon polygon = BokehMakePolygon(8, 0.5, 0.75);\n"
+        "    BokehLayers layers = BokehMakeLayers(vec2(64.0, 48.0), polygon, 0.25);\n"
+        "    BokehResult = vec4(layers.jitter, layers.largest, layers.full.origin.x, layers.full.texel.y * 48.0);\n}\n"
+    )
+    item = methods.plan(SETTINGS, (8, 8)).passes[1]
+    textures = {"coc": np.zeros((8, 8, 4), np.float16)}
+    found = load("osmesa").run([replace(item, sources={"glsl": text})], textures, (8, 8), keep=item.outputs)
+    np.testing.assert_array_equal(found[item.outputs[0]][0, 0], [0.0, 12.0, 0.0, 1.0])
