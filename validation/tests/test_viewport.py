@@ -184,6 +184,8 @@ def test_debug_views(mode, driver):
 
 # What an entry may begin with, before it reads anything: BokehUseViewport, or a helper that calls it first
 BEGINNINGS = "BokehUseViewport|BokehBegin|BokehAdaptiveLine|BokehFirst|BokehSecond"
+# Those of the layers may be an argument of what they call: it is there before that begins
+LAYERS_BEGIN = "BokehBeginLayers|BokehBeginTiles|BokehLayerPolygon"
 
 
 def test_every_pass_uses_the_viewport():
@@ -194,8 +196,11 @@ def test_every_pass_uses_the_viewport():
         function = r"^[^\n/]*\b(main|\w+_PS|Bokeh[A-Z][a-z]\w+)\([^{;]*\)[^{;]*\n\{\n(.*?)^\}"
         bodies = re.findall(function, text, re.MULTILINE | re.DOTALL)
         names = [name for name, _ in bodies if name != "BokehUseViewport"]
-        assert len(names) == len(variants.ENTRIES) - 1 + 4, (language, names)
+        assert len(names) == len(variants.ENTRIES) - 1 + 7, (language, names)
         for name, body in bodies:
+            if "Layer" in name or "Layer" in body or name == "BokehBeginTiles":
+                assert re.search(rf"\b(?:{LAYERS_BEGIN}|BokehUseViewport)\(", body), (language, name)
+                continue
             first = re.search(r"\bBokeh(?!Targets|Filter|Polygon|Result)[A-Z]\w*(?=\()", body)
             assert name == "BokehUseViewport" or re.fullmatch(BEGINNINGS, first[0]), (language, name, first[0])
 

@@ -9,6 +9,7 @@ from bokeh_validation.mutants.killers import (
     LAYERED_LEVELS,
     LAYERED_MADE,
     LAYERED_MANY,
+    LAYERED_MUTANTS,
     LAYERED_ONE_TARGET,
     LAYERED_PLACE,
     PARITY,
@@ -214,7 +215,7 @@ LAYER_PASSES = (
           "vec2(BokehAxis, 1.0 - BokehAxis)"),
     _pass("pass-sides", "pass", "BokehDecagonLayerSecond", "10, 2.0", "8, 2.0"),
     _pass("pass-pick", "pass", "BokehLayerHolesOne", "BokehEdge + 0.5", "BokehEdge - 0.5", LAYERED_ONE_TARGET),
-    _pass("pass-edge", "pass", "BokehLayerEdge", "int(BokehEdge + 0.5)", "int(BokehEdge - 0.5)", LAYERED_ONE_TARGET),
+    _pass("pass-edge", "pass", "BokehLayerEdge", "int(BokehEdge + 0.5)", "int(BokehEdge - 0.5)", LAYERED),
 )
 
 LAYERS_FORGOTTEN = (
@@ -225,9 +226,9 @@ LAYERS_FORGOTTEN = (
     _forgotten("constant", "glsl", None, "#define BOKEH_PRESET_CELLS 8", "#define BOKEH_PRESET_CELLS 12", PARITY),
     _forgotten("constant", "wgsl", None, "BOKEH_LAYER_RINGS: i32 = 3;", "BOKEH_LAYER_RINGS: i32 = 2;", PARITY),
     _forgotten("gather", "hlsl", "BokehLayered", "outer * outer - inner * inner", "outer * outer",
-               on("dxc", "test_layers.py", "test_settings", "jitter")),
+               on("dxc", LAYERED_MUTANTS, "test_both_layers")),
     _forgotten("cubic", "wgsl", "BokehFetchLayer", "texel.y + 2.0", "texel.y + 1.0",
-               on("wgpu", "test_layers.py", "test_settings", "jitter")),
+               on("wgpu", LAYERED_MUTANTS, "test_both_layers")),
 )
 # fmt: on
 
