@@ -222,7 +222,8 @@ vec4 BokehLayerTiles(sampler2D MapSamp, vec2 uv, BokehLayers layers)
             found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
-    return vec4(found.r, found.g, found.b / 64.0, 1.0);
+    return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
+        1.0);
 }
 
 // Layers: what a CoC of another tile counts for here
@@ -357,8 +358,9 @@ BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
     BokehTargets targets;
     targets.T2 = near * 0.25;
     targets.T3 = far * 0.25;
-    targets.T4 = sums * 0.25;
-    targets.T5 = vec4(left, 0.0, 1.0);
+    float most = BOKEH_MAX_COLOR;
+    targets.T4 = min(sums * 0.25, vec4(most, most, most, most));
+    targets.T5 = vec4(min(left, vec2(most, most)), 0.0, 1.0);
     return targets;
 }
 

@@ -308,7 +308,7 @@ BokehLayers BokehBeginLayers(vec2 uv, int sides, float scale, float passIndex)
 {
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehMakePolygon(clamp(sides, 4, 10), BokehAngle, BokehSqueeze);
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
     layers.full = BokehMakeGrid(vec4(BokehViewportX, BokehViewportY, imageSize),
         vec2(BokehTextureWidth, BokehTextureHeight));

@@ -222,7 +222,8 @@ float4 BokehLayerTiles(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
             found = float3(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
-    return float4(found.r, found.g, found.b / 64.0, 1.0);
+    return float4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
+        1.0);
 }
 
 // Layers: what a CoC of another tile counts for here
@@ -360,8 +361,9 @@ BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
     BokehTargets targets;
     targets.T2 = near * 0.25;
     targets.T3 = far * 0.25;
-    targets.T4 = sums * 0.25;
-    targets.T5 = float4(left, 0.0, 1.0);
+    float most = BOKEH_MAX_COLOR;
+    targets.T4 = min(sums * 0.25, float4(most, most, most, most));
+    targets.T5 = float4(min(left, float2(most, most)), 0.0, 1.0);
     return targets;
 }
 

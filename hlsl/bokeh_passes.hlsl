@@ -253,7 +253,7 @@ BokehLayers BokehBeginLayers(float2 uv, int sides, float scale, float passIndex)
 {
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehMakePolygon(clamp(sides, 4, 10), BokehAngle, BokehSqueeze);
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
     layers.full = BokehMakeGrid(float4(BokehViewportX, BokehViewportY, imageSize),
         float2(BokehTextureWidth, BokehTextureHeight));

@@ -194,7 +194,8 @@ fn BokehLayerTiles(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
             found = vec3f(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
-    return vec4f(found.r, found.g, found.b / 64.0, 1.0);
+    return vec4f(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
+        1.0);
 }
 
 // Layers: what a CoC of another tile counts for here
@@ -333,8 +334,9 @@ fn BokehLayerSplit(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp:
     var targets: BokehTargets;
     targets.T2 = near * 0.25;
     targets.T3 = far * 0.25;
-    targets.T4 = sums * 0.25;
-    targets.T5 = vec4f(left, 0.0, 1.0);
+    let most: f32 = BOKEH_MAX_COLOR;
+    targets.T4 = min(sums * 0.25, vec4f(most, most, most, most));
+    targets.T5 = vec4f(min(left, vec2f(most, most)), 0.0, 1.0);
     return targets;
 }
 

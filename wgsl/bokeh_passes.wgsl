@@ -197,7 +197,7 @@ fn BokehBeginLayers(uv: vec2f, sides: i32, scale: f32, passIndex: f32) -> BokehL
 {
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
-    let polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
+    let polygon: BokehPolygon = BokehMakePolygon(clamp(sides, 4, 10), bokehParameters.BokehAngle,
         bokehParameters.BokehSqueeze);
     var layers: BokehLayers = BokehMakeLayers(imageSize, polygon, bokehParameters.BokehMaxCoC);
     layers.full = BokehMakeGrid(vec4f(bokehParameters.BokehViewportX,

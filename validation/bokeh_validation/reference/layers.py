@@ -90,6 +90,7 @@ class Run:
                     s = pixel[..., 3] * self.layers.height
                     near, far = balls.maximum(near, -s), balls.maximum(far, s)
                     level = level + balls.log2(balls.maximum(brightest(pixel), 1e-5))
+            near, far = balls.minimum(near, MAX_COLOR), balls.minimum(far, MAX_COLOR)
             return [balls.stack(near, far, level / 64.0, self.exact(np.ones_like(x)))]
 
         return self.banded(band)
@@ -163,8 +164,8 @@ class Run:
             return [
                 near * 0.25,
                 far * 0.25,
-                balls.stack(*sums) * 0.25,
-                balls.stack(left_near, left_far, zero, one),
+                balls.minimum(balls.stack(*sums) * 0.25, MAX_COLOR),
+                balls.stack(balls.minimum(left_near, MAX_COLOR), balls.minimum(left_far, MAX_COLOR), zero, one),
             ]
 
         return self.banded(band)
@@ -628,7 +629,7 @@ def run_pass(
     """What a layered entry writes to each of its targets; textures in the order of their slots."""
     width, height = round(values["BokehImageWidth"]), round(values["BokehImageHeight"])
     polygons = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon": 10}
-    sides = next((n for stem, n in polygons.items() if entry.startswith(stem)), round(values["BokehSides"]))
+    sides = next((n for stem, n in polygons.items() if entry.startswith(stem)), min(max(round(values["BokehSides"]), 4), 10))
     jitter = open_jitter = None
     if values["BokehJitter"] > 0.0:
         index = 2 if entry == "BokehLayered" else int(entry.endswith("Second"))
