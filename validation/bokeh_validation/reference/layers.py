@@ -629,7 +629,9 @@ def run_pass(
     """What a layered entry writes to each of its targets; textures in the order of their slots."""
     width, height = round(values["BokehImageWidth"]), round(values["BokehImageHeight"])
     polygons = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon": 10}
-    sides = next((n for stem, n in polygons.items() if entry.startswith(stem)), min(max(round(values["BokehSides"]), 4), 10))
+    sides = next(
+        (n for stem, n in polygons.items() if entry.startswith(stem)), min(max(round(values["BokehSides"]), 4), 10)
+    )
     jitter = open_jitter = None
     if values["BokehJitter"] > 0.0:
         index = 2 if entry == "BokehLayered" else int(entry.endswith("Second"))
