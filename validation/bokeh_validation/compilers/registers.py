@@ -1,7 +1,7 @@
 """HLSL's registers on the bindings of the WGSL file, all in set 0."""
 
-from bokeh_validation.passes import FIRST_SAMPLER, FIRST_TEXTURE, SLOTS
+from bokeh_validation import passes
 
-# Textures are on both sides of the sampler there.
-_TEXTURES = [binding for binding in range(FIRST_TEXTURE, FIRST_TEXTURE + len(SLOTS) + 1) if binding != FIRST_SAMPLER]
-BINDINGS = {"b0": 0, "s0": FIRST_SAMPLER} | {f"t{register}": _TEXTURES[register] for register in range(len(SLOTS))}
+BINDINGS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
+    f"t{register}": binding for register, binding in enumerate(passes.BINDINGS.values())
+}
