@@ -642,18 +642,18 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
     BokehPolygon polygon = layers.polygon;
     vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
     vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
-    vec4 L1 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
     BokehTargets targets;
-    targets.T2 = L1;
-    targets.T3 = L1;
-    targets.T4 = L1;
-    targets.T5 = L1;
+    targets.T2 = none;
+    targets.T3 = none;
+    targets.T4 = none;
+    targets.T5 = none;
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
         vec4 L2 = none;
         vec4 L3 = none;
-        L1 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(1, polygon, false), CoC, layers);
+        vec4 L1 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(1, polygon, false), CoC,
+            layers);
         targets.T2 = L1;
         if (polygon.sides > 4)
         {
@@ -674,6 +674,13 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
             targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
         }
     }
+    else
+    {
+        targets.T2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+        targets.T3 = targets.T2;
+        targets.T4 = targets.T2;
+        targets.T5 = targets.T2;
+    }
     return targets;
 }
 
@@ -688,7 +695,7 @@ vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
 {
     BokehPolygon polygon = layers.polygon;
     vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    vec4 result = BokehFetchGrid(T2Samp, center, BokehReducedGrid(layers.full, 2.0));
+    vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -718,6 +725,10 @@ vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
         }
         result = sum / total;
     }
+    else
+    {
+        result = BokehFetchGrid(T2Samp, center, BokehReducedGrid(layers.full, 2.0));
+    }
     return result;
 }
 
@@ -728,7 +739,7 @@ vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFa
 {
     BokehPolygon polygon = layers.polygon;
     vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    vec4 result = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+    vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -743,6 +754,10 @@ vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFa
             total += area;
         }
         result = sum / total;
+    }
+    else
+    {
+        result = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
     }
     return result;
 }

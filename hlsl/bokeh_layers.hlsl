@@ -653,20 +653,18 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
     BokehPolygon polygon = layers.polygon;
     float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
     float4 none = float4(0.0, 0.0, 0.0, 0.0);
-    float4 L1 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
-        BokehReducedGrid(layers.full, 2.0));
     BokehTargets targets;
-    targets.T2 = L1;
-    targets.T3 = L1;
-    targets.T4 = L1;
-    targets.T5 = L1;
+    targets.T2 = none;
+    targets.T3 = none;
+    targets.T4 = none;
+    targets.T5 = none;
     float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
     if (CoC > 0.5)
     {
         float4 L2 = none;
         float4 L3 = none;
-        L1 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center, BokehPolygonEdge(1, polygon, false),
-            CoC, layers);
+        float4 L1 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
+            BokehPolygonEdge(1, polygon, false), CoC, layers);
         targets.T2 = L1;
         if (polygon.sides > 4)
         {
@@ -687,6 +685,14 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
             targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
         }
     }
+    else
+    {
+        targets.T2 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
+            BokehReducedGrid(layers.full, 2.0));
+        targets.T3 = targets.T2;
+        targets.T4 = targets.T2;
+        targets.T5 = targets.T2;
+    }
     return targets;
 }
 
@@ -701,8 +707,7 @@ float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXEL
 {
     BokehPolygon polygon = layers.polygon;
     float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    float4 result = BokehFetchGrid(BOKEH_ARGUMENT(T2Samp), center,
-        BokehReducedGrid(layers.full, 2.0));
+    float4 result = float4(0.0, 0.0, 0.0, 0.0);
     float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, T2Samp), center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -732,6 +737,10 @@ float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXEL
         }
         result = sum / total;
     }
+    else
+    {
+        result = BokehFetchGrid(BOKEH_ARGUMENT(T2Samp), center, BokehReducedGrid(layers.full, 2.0));
+    }
     return result;
 }
 
@@ -742,8 +751,7 @@ float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 
 {
     BokehPolygon polygon = layers.polygon;
     float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    float4 result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
-        BokehReducedGrid(layers.full, 2.0));
+    float4 result = float4(0.0, 0.0, 0.0, 0.0);
     float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -758,6 +766,11 @@ float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 
             total += area;
         }
         result = sum / total;
+    }
+    else
+    {
+        result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
+            BokehReducedGrid(layers.full, 2.0));
     }
     return result;
 }

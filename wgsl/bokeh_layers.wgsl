@@ -627,19 +627,17 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler,
     let polygon: BokehPolygon = layers.polygon;
     let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
     let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var L1: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
-        BokehReducedGrid(layers.full, 2.0));
     var targets: BokehTargets;
-    targets.T2 = L1;
-    targets.T3 = L1;
-    targets.T4 = L1;
-    targets.T5 = L1;
+    targets.T2 = none;
+    targets.T3 = none;
+    targets.T4 = none;
+    targets.T5 = none;
     let CoC: f32 = BokehLayerCoC(SizesSamp, LayerSampSampler, center, isFar, layers);
     if (CoC > 0.5)
     {
         var L2: vec4f = none;
         var L3: vec4f = none;
-        L1 = BokehLayerLine(LayerSamp, LayerSampSampler, center,
+        let L1: vec4f = BokehLayerLine(LayerSamp, LayerSampSampler, center,
             BokehPolygonEdge(1, polygon, false), CoC, layers);
         targets.T2 = L1;
         if (polygon.sides > 4)
@@ -661,6 +659,14 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler,
             targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
         }
     }
+    else
+    {
+        targets.T2 = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
+            BokehReducedGrid(layers.full, 2.0));
+        targets.T3 = targets.T2;
+        targets.T4 = targets.T2;
+        targets.T5 = targets.T2;
+    }
     return targets;
 }
 
@@ -676,8 +682,7 @@ fn BokehLayerSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
 {
     let polygon: BokehPolygon = layers.polygon;
     let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
-    var result: vec4f = BokehFetchGrid(T2Samp, T2SampSampler, center,
-        BokehReducedGrid(layers.full, 2.0));
+    var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     let CoC: f32 = BokehLayerCoC(SizesSamp, T2SampSampler, center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -707,6 +712,10 @@ fn BokehLayerSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
         }
         result = sum / total;
     }
+    else
+    {
+        result = BokehFetchGrid(T2Samp, T2SampSampler, center, BokehReducedGrid(layers.full, 2.0));
+    }
     return result;
 }
 
@@ -717,8 +726,7 @@ fn BokehLayerEdge(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, SizesSa
 {
     let polygon: BokehPolygon = layers.polygon;
     let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
-    var result: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
-        BokehReducedGrid(layers.full, 2.0));
+    var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     let CoC: f32 = BokehLayerCoC(SizesSamp, LayerSampSampler, center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -733,6 +741,11 @@ fn BokehLayerEdge(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, SizesSa
             total += area;
         }
         result = sum / total;
+    }
+    else
+    {
+        result = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
+            BokehReducedGrid(layers.full, 2.0));
     }
     return result;
 }

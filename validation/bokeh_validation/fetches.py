@@ -64,7 +64,7 @@ def _of_layers(item: Pass, in_focus: bool) -> int:
 
     stem = item.entry.removeprefix("Bokeh").removesuffix("One")
     if stem.endswith(("LayerFirst", "LayerSecond")):
-        return 2 + (sides // 2 - 1) * cells
+        return 1 + max((sides // 2 - 1) * cells, 1)
     return {
         "LayerTiles": 8 * 8,
         "LayerReach": along,
@@ -74,6 +74,6 @@ def _of_layers(item: Pass, in_focus: bool) -> int:
         "LayerSizes": 2 + 2 * along,
         "LayerHoles": 1 + 4 * 4,
         "LayerFill": 1 + 3 * (1 + ring_samples(2)),
-        "LayerEdge": 2 + (round(values["BokehEdge"]) - 1) * cells,
+        "LayerEdge": 1 + max((round(values["BokehEdge"]) - 1) * cells, 1),
         "Layered": 2 + (0 if in_focus else 2 * (5 if cubic else 1) + ring_samples(rings) + 2),
     }[stem]
