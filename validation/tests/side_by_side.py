@@ -15,7 +15,7 @@ from bokeh_validation import drivers, locks, matrix
 from bokeh_validation.reference import gather
 
 # Tests of these files share what takes long to make: a compiled matrix, a drawn set of figures, a sample in a browser.
-WHOLE = re.compile(r"tests/test_(bench|browser|compile|compile_only|figures|guides_\w+|windows)\.py")
+WHOLE = re.compile(r"tests/\w+/test_(bench|browser|compile|compile_only|figures|guides_\w+|windows)\.py")
 DRIVER = re.compile(rf"(?<=[\[-])({'|'.join(drivers.NAMES)})(?=[\]-])")
 
 ALONE, ENTRANCE = "tests-alone", "tests-entrance"

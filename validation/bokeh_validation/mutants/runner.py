@@ -25,7 +25,7 @@ NO_PROOF = ("test_table_of_shader_model_3", "test_slots_of_the_viewport")
 
 def remaining() -> Selection:
     """The quick part of all tests."""
-    names = (path.name for path in sorted((paths.VALIDATION / "tests").glob("test_*.py")))
+    names = (path.name for path in sorted((paths.VALIDATION / "tests").rglob("test_*.py")))
     files = tuple(name for name in names if not name.removeprefix("test_").startswith(SLOW_FILES))
     return Selection(files, f"not ({' or '.join((*SLOW_NAMES, *NO_PROOF))})")
 

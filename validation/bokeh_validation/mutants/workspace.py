@@ -101,7 +101,7 @@ class Workspace:
             *("--rootdir", str(self.validation), "-p", "no:cacheprovider", "-n", "0", "-x", "--tb=short"),
             *("--timeout", str(TEST_S), "--junitxml", str(report)),
             *(("-k", selection.keywords) if selection.keywords else ()),
-            *(str(self.validation / "tests" / name) for name in selection.files),
+            *(str(path) for name in selection.files for path in (self.validation / "tests").rglob(name)),
         ]
         started = time.monotonic()
         try:

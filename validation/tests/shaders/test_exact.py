@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import compared, noise_case
 
 from bokeh_validation import apertures, exr, fetches, methods, metrics, paths, quality, suite

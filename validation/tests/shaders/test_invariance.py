@@ -10,7 +10,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import noise_case
 from test_exact import float_outputs
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_render import refused, run
 
 from bokeh_validation import apertures, frame, methods, paths, shaders

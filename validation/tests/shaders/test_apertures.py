@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from conftest import load
 from PIL import Image
+from support import load
 from test_render import refused, run
 
 from bokeh_validation import apertures, decomposition, methods, paths, sheet

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import noise_case
 from test_layers import SETTINGS, TEXTURES, VIEWPORTS, fill, within
 from test_viewport import framed, inside

@@ -11,7 +11,7 @@ import side_by_side
 
 from bokeh_validation import locks, paths
 
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 
 PROBE = """
 import time
@@ -41,8 +41,8 @@ def test_alone(n):
         ("tests/test_x.py::test_y[osmesa-paper-(1, 1)]", "tests/test_x.py::test_y[osmesa-exact-(1, 1)]", False),
         ("tests/test_x.py::test_y[paper-wgpu]", "tests/test_x.py::test_y[paper-webgpu]", True),
         ("tests/test_x.py::test_y[wgpu]", "tests/test_x.py::test_z[wgpu]", False),
-        ("tests/test_compile.py::A::test_y[a]", "tests/test_compile.py::B::test_z", True),
-        ("tests/test_compile.py::test_y", "tests/test_compile_only.py::test_y", False),
+        ("tests/harness/test_compile.py::A::test_y[a]", "tests/harness/test_compile.py::B::test_z", True),
+        ("tests/harness/test_compile.py::test_y", "tests/harness/test_compile_only.py::test_y", False),
     ],
 )
 def test_units(a, b, together):

@@ -14,7 +14,7 @@ from functools import cache
 import moderngl
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_inputs import FAR, NEAR, ROUNDINGS, slope
 
 from bokeh_validation import exr, methods, metrics, paths

@@ -1,6 +1,6 @@
 """Small steps in, small steps out: the CoC, the focus distance and the place of a small highlight, frame by frame.
 
-tests/test_exact.py shows that the result is continuous; here every pass of every frame is held against a bound that
+test_exact.py shows that the result is continuous; here every pass of every frame is held against a bound that
 follows from how far samples move (bokeh_validation/patterns/sweep.py).
 """
 
@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import noise_case
 from test_exact import float_outputs
 

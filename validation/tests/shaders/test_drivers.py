@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 
 from bokeh_validation import apertures, drivers, methods, metrics, suite
 from bokeh_validation.drivers import base

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_figures import MAX_PICTURE
 from test_render import refused, run
 

@@ -5,8 +5,8 @@ from functools import cache, lru_cache
 
 import numpy as np
 import pytest
-from conftest import load
 from hostile import COLOR, DEPTH, reach, sprinkled
+from support import load
 
 from bokeh_validation import drivers
 from bokeh_validation.methods import Camera, Settings

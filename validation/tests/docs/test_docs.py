@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 
 from bokeh_validation import methods, passes, paths
 from bokeh_validation.patterns.model import Case, depth_of, flat
@@ -107,7 +107,7 @@ def test_pitfalls_name_tests():
     named = re.findall(r"`(test_\w+\.py)(?:::(test_\w+))?`", text)
     assert len(named) > 40
     for file, name in named:
-        source = (paths.VALIDATION / "tests" / file).read_text(encoding="utf-8")
+        source = next((paths.VALIDATION / "tests").rglob(file)).read_text(encoding="utf-8")
         assert not name or re.search(rf"^(?:    )?def {name}\(", source, re.MULTILINE), f"{file}::{name}"
     for row in re.findall(r"^\| .* \|$", text, re.MULTILINE):
         assert row.count(" | ") == 3, row

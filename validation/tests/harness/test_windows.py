@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 
 from bokeh_validation import matrix, paths, shaders, sm3
 from bokeh_validation.compilers import fxc

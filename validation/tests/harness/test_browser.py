@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 
 from bokeh_validation import browser, drivers, paths, shaders
 from bokeh_validation.browser import chromium

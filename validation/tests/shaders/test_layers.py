@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import noise_case
 from test_patterns import judged
 from test_viewport import framed, inside, poisoned

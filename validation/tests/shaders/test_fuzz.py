@@ -3,7 +3,7 @@
 10,000 cases are drawn for the fast drivers. Each runs on two of them, in two languages: one half in GLSL (osmesa) and
 WGSL (wgpu), the other in GLSL (egl) and HLSL (dxc). The slow drivers get SLOW_CASES each.
 
-The seed is SEED unless `validation/test validation/tests/test_fuzz.py --hypothesis-seed N` gives another ('random' is
+The seed is SEED unless `validation/test validation/tests/shaders/test_fuzz.py --hypothesis-seed N` gives another
 not taken: a failure could not be had again). A failure names the seed and prints the smallest case that fails, as
 Python; `agrees(load(driver), Drawn(...))` runs it alone.
 """
@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 import hypothesis
 import numpy as np
 import pytest
-from conftest import load
 from hostile import COLOR, DEPTH, sprinkled
 from hypothesis import strategies as st
 from hypothesis.configuration import set_hypothesis_home_dir
+from support import load
 
 from bokeh_validation import apertures, drivers, methods, metrics, paths
 from bokeh_validation.drivers.reference import Reference

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
 from PIL import Image
+from support import load
 from test_render import refused, run
 
 from bokeh_validation import fetches, methods, shaders

@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import noise_case
 
 from bokeh_validation import methods, metrics, paths, shaders

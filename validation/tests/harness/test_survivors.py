@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import load
+from support import load
 from test_drivers import HOSTILE_COLOR, compared, noise_case
 
 from bokeh_validation import methods, metrics, parity, passes, paths, shaders
