@@ -4,8 +4,8 @@
 WGSL (wgpu), the other in GLSL (egl) and HLSL (dxc). The slow drivers get SLOW_CASES each.
 
 The seed is SEED unless `validation/test validation/tests/shaders/test_fuzz.py --hypothesis-seed N` gives another
-('random' is not taken: a failure could not be had again). A failure names the seed and prints the smallest case that fails, as
-Python; `agrees(load(driver), Drawn(...))` runs it alone.
+('random' is not taken: a failure could not be had again). A failure names the seed and prints the smallest case
+that fails, as Python; `agrees(load(driver), Drawn(...))` runs it alone.
 """
 
 from dataclasses import dataclass, field, replace
