@@ -69,6 +69,15 @@ _TARGETS = {
     "BokehLayerFill": 2,
 }
 
+# Shader text in pieces, any language: heads of functions begin in the first column, the braces of a body have lines of
+# their own, sections have a heading between two rules.
+COMMENT = re.compile(r"//[^\n]*")
+FUNCTION = re.compile(
+    r"^(?P<doc>(?://[^\n]*\n)*)(?P<head>(?:@\w+ )?\w+ (?P<name>\w+)\([^{};]*)\n(?P<body>\{\n.*?^\})$",
+    re.MULTILINE | re.DOTALL,
+)
+_HEADING = re.compile(r"^// -+\n// \[(\d+)\] .+\n// -+\n", re.MULTILINE)
+
 # GLSL kinds: profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
 
@@ -91,6 +100,12 @@ def text(language: str) -> str:
     """Library, layers and passes of a language, in that order."""
     files = (paths.library(language), paths.layers(language), paths.passes(language))
     return "".join(file.read_text(encoding="ascii") for file in files if file.exists())
+
+
+def sections(source: str) -> dict[int, str]:
+    """Number -> text of the numbered sections of a library or of the layers."""
+    parts = _HEADING.split(source)
+    return {int(number): part for number, part in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def defines(values: Mapping[str, object]) -> str:

@@ -7,7 +7,7 @@ from functools import cache
 
 from pycparser import c_ast, c_parser
 
-from bokeh_validation import listing, parity, paths, shaders
+from bokeh_validation import parity, paths, shaders
 
 TYPES = ("bool", "vec2", "vec3", "vec4", "sampler2D")
 INTEGERS = ("int", "bool")
@@ -62,10 +62,10 @@ def structs() -> Mapping[str, Mapping[str, str]]:
 def library() -> Mapping[str, Function]:
     """Every function of sections [3] to [9] of glsl/bokeh.glsl by name, in the order of the text."""
     return {
-        function.name: _parsed(function, section.number)
-        for section in listing.sections(_text("library"))
-        if section.number in FORMULAS
-        for function in listing.functions(section.text)
+        function["name"]: _parsed(function, number)
+        for number, section in shaders.sections(_text("library")).items()
+        if number in FORMULAS
+        for function in shaders.FUNCTION.finditer(section)
     }
 
 
@@ -73,8 +73,8 @@ def library() -> Mapping[str, Function]:
 def helpers() -> Mapping[str, Function]:
     """The functions of glsl/bokeh_passes.glsl that its entries call, without those of the layered method."""
     text = re.sub(r"^#ifdef BOKEH_LAYERS\n.*?^#endif\n", "", _text("passes"), flags=re.MULTILINE | re.DOTALL)
-    found = listing.functions(text)
-    return {function.name: _parsed(function, 0) for function in found if function.name != "main"}
+    found = shaders.FUNCTION.finditer(text)
+    return {function["name"]: _parsed(function, 0) for function in found if function["name"] != "main"}
 
 
 @cache
@@ -84,7 +84,7 @@ def main(entry: str) -> Function:
     branch = re.search(head, _text("passes"), re.MULTILINE)
     if branch is None:
         raise KeyError(f"glsl/bokeh_passes.glsl has no pass {entry}")
-    return _parsed(listing.functions(_text("passes")[branch.end() :])[0], 0)
+    return _parsed(shaders.FUNCTION.search(_text("passes"), branch.end()), 0)
 
 
 @cache
@@ -98,9 +98,9 @@ def _text(file: str) -> str:
     return (paths.library if file == "library" else paths.passes)("glsl").read_text(encoding="ascii")
 
 
-def _parsed(function: listing.Function, section: int) -> Function:
+def _parsed(function: re.Match, section: int) -> Function:
     """A constructor, `vec2(...)`, is a type where C wants a function: it gets another name."""
-    text = listing.code(f"{function.head}\n{function.body}")
+    text = shaders.COMMENT.sub("", f"{function['head']}\n{function['body']}")
     text = re.sub(rf"\b({'|'.join(('float', 'int', *TYPES))})\(", r"new_\1(", text)
     types = (*TYPES, *structs())
     typedefs = "".join(f"typedef float {name};\n" for name in types)

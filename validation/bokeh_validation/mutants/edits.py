@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from bokeh_validation import listing, parity, paths, shaders
+from bokeh_validation import parity, paths, shaders
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants.model import Edit, Mutant
 from bokeh_validation.passes import PARAMETERS
@@ -80,9 +80,9 @@ def functions(language: str) -> dict[str, int]:
     """Name -> section of every function of a library and of its layers."""
     text = "".join(originals()[files[language]] for files in (parity.LIBRARY, parity.LAYERS))
     return {
-        function.name: section.number
-        for section in listing.sections(text)
-        for function in listing.functions(section.text)
+        function["name"]: number
+        for number, section in shaders.sections(text).items()
+        for function in shaders.FUNCTION.finditer(section)
     }
 
 
@@ -91,6 +91,7 @@ def bodies(text: str, file: str, language: str, name: str) -> list[tuple[int, in
     names = {name, f"{name}_PS", f"{name}_VS"} if file == "passes" else {name}
     if file == "passes" and language == "glsl" and name in ("BokehFullScreen", *shaders.ENTRIES):
         branch = re.search(rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(name)}\n\n", text, re.MULTILINE)
-        start = branch.end() if branch else len(text)
-        return [(start + one.start, start + one.end) for one in listing.functions(text[start:])[:1]]
-    return [(one.start, one.end) for one in listing.functions(text) if one.name in names]
+        found = [shaders.FUNCTION.search(text, branch.end())] if branch else []
+    else:
+        found = [one for one in shaders.FUNCTION.finditer(text) if one["name"] in names]
+    return [one.span("body") for one in found]
