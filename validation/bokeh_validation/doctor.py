@@ -5,9 +5,14 @@ import platform
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
+
+import typer
+from rich.table import Table
 
 from bokeh_validation import drivers, paths
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.terminal import console
 
 
 @dataclass(frozen=True)
@@ -96,3 +101,23 @@ def environment() -> dict[str, str]:
         "checkout": str(paths.ROOT),
         "cache folder (the only place outside the checkout that is written to)": str(paths.cache_folder()),
     }
+
+
+def doctor(
+    install: Annotated[
+        bool, typer.Option("--install", help="Fetch what can be fetched into the cache folder.")
+    ] = False,
+) -> None:
+    """Every compiler and driver: version or adapter, or the command that installs it."""
+    if install:
+        for module in ("dxc", "fxc"):
+            importlib.import_module(f"bokeh_validation.compilers.{module}").fetch()
+    table = Table("", "", "", box=None, show_header=False, pad_edge=False)
+    for finding in findings():
+        state = "[green]found[/]" if finding.found else "[yellow]missing[/]"
+        table.add_row(f"{finding.kind} {finding.name}", state, finding.detail)
+    for driver, adapter in adapters():
+        table.add_row(f"adapter for {driver}", "", adapter)
+    for name, value in environment().items():
+        table.add_row(name, "", value)
+    console.print(table)

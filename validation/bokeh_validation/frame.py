@@ -5,8 +5,11 @@ It is made from the passes that the drivers run (methods.plan), and holds all th
 
 import re
 from collections.abc import Iterator
+from typing import Annotated
 
-from bokeh_validation import __version__, fetches, methods, paths, render, shaders
+import typer
+
+from bokeh_validation import __version__, exr, fetches, methods, paths, render, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.passes import (
     BINDINGS,
@@ -305,3 +308,26 @@ def _sources(inputs: list[dict]) -> Iterator[str]:
 
 def _row(*cells: object) -> str:
     return f"| {' | '.join(str(cell) for cell in cells)} |"
+
+
+def plan(
+    method: Annotated[str, typer.Option(help="exact, layered, paper or naive.")] = "exact",
+    aperture: Annotated[str, typer.Option(help="As render's.")] = "hexagon",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, pixels.")] = "1920x1080",
+    targets: Annotated[
+        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
+    ] = True,
+    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
+    json_file: terminal.JsonFile = None,
+    docs: Annotated[
+        bool, typer.Option("--docs", help="Rewrite the tables of docs/passes.md, and nothing else.")
+    ] = False,
+) -> None:
+    """Every pass of a method in order: entry, inputs, targets, sizes, formats, filters, parameters."""
+    if docs:
+        text = page(PAGE.read_text(encoding="utf-8"))
+        exr.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
+        return
+    found = frame(methods.Settings(method, aperture, targets=targets, quality=quality), parsed_size(size))
+    terminal.write_json(json_file, found)
+    terminal.tell(*lines(found))

@@ -3,11 +3,14 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 from PIL import Image
 
-from bokeh_validation import metrics, pictures, quality, suite
+from bokeh_validation import metrics, pictures, suite, terminal
+from bokeh_validation import quality as qualities
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import UserError
 from bokeh_validation.figures import panels
@@ -15,7 +18,7 @@ from bokeh_validation.methods import QUALITIES
 from bokeh_validation.scatter import scatter
 from bokeh_validation.suite import SceneFile
 
-# gather: quality.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
+# gather: qualities.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
 METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
 # What is drawn of layered where nobody says
 PRESETS = ("low", "medium")
@@ -79,7 +82,7 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
     if method == "pinhole":
         return case.color
     if method == "gather":
-        return quality.brute_force(driver, case)
+        return qualities.brute_force(driver, case)
     if method == "scatter":
         return scatter(case)
     return driver.run(case.plan.passes, case.textures(), case.size)["result"]
@@ -167,3 +170,33 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
 def _grid(parts: dict[str, np.ndarray]) -> np.ndarray:
     found = [panels.Panel(pixels, CAPTIONS[label]) for label, pixels in parts.items()]
     return panels.grid([found[:2], found[2:]])
+
+
+def truth(
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="pinhole, paper, exact, gather, scatter or layered; may be given again. Default: all."),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+    ] = None,
+    quality: Annotated[
+        list[str] | None, typer.Option(help="layered: low, medium, high or ultra. Default: low and medium.")
+    ] = None,
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+    json_file: terminal.JsonFile = None,
+    folder: Annotated[
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/likeness.md here.")
+    ] = None,
+) -> None:
+    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
+    wanted, chosen = labels(method, quality), scenes(scene)
+    terminal.check_writable(json_file)
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
+    used = terminal.pick_driver(driver, adapter)
+    with terminal.progress("truth", len(chosen) * len(wanted)) as step:
+        rows = measured(used, chosen, wanted, folder, step)
+    terminal.write_json(json_file, as_json(used, rows))
+    terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

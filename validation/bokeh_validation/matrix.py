@@ -1,5 +1,6 @@
 """The compile matrix: every row of variants.toml through every compiler that takes it."""
 
+import os
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
@@ -10,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from bokeh_validation import variants
+from bokeh_validation import terminal, variants
 from bokeh_validation.compilers import angle, chain, glslang, glslc, mesa, mojoshader, naga, spirv, tint
 from bokeh_validation.compilers.chain import FAILED, MISSING, NOT_APPLICABLE, OK, Cell, Runtimes
 from bokeh_validation.errors import Unavailable
@@ -290,3 +291,20 @@ def as_json(matrix: Matrix) -> dict[str, object]:
             for row in matrix.rows
         ],
     }
+
+
+def compile_programs(json_file: terminal.JsonFile = None) -> None:
+    """Every variant of variants.toml through every compiler."""
+    terminal.check_writable(json_file)
+    rows = load()
+    with terminal.progress("compile", count(rows)) as step:
+        matrix = run(rows, step)
+    for part in tables(matrix):
+        terminal.console.print(part)
+    terminal.write_json(json_file, as_json(matrix))
+    terminal.end(passed(matrix))
+
+
+def passed(matrix: Matrix) -> bool:
+    """Nothing failed; under CI nothing is missing either."""
+    return not matrix.counts[FAILED] and not (os.environ.get("CI") and matrix.counts[MISSING])

@@ -13,12 +13,14 @@ from difflib import SequenceMatcher
 from functools import lru_cache
 from itertools import combinations, zip_longest
 from os import PathLike, fspath
+from typing import Annotated
 
+import typer
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bokeh_validation import listing, paths, rules, shaders
+from bokeh_validation import listing, paths, rules, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.listing import Statement
 from bokeh_validation.passes import PARAMETERS
@@ -520,3 +522,15 @@ def _table(language: str, text: str) -> list[str]:
     rows = re.findall(rf"^//   ({named})  +(\S.*)$", listing.HEAD_COMMENT.match(text)[0], re.MULTILINE)
     found = [(names.get(name, name.removesuffix("_PS")), re.sub(r"  +", " | ", rest)) for name, rest in rows]
     return [" | ".join(row) for row in found if row[0] != "BOKEH_FULL_SCREEN"]
+
+
+def parity(
+    function: Annotated[str | None, typer.Argument(help="Print this function in three columns.")] = None,
+) -> None:
+    """Compare the three libraries function by function."""
+    if function is not None:
+        render_columns(function, terminal.console)
+        return
+    differences = check()
+    terminal.tell(*map(str, differences), f"{len(differences)} unmarked differences between HLSL, GLSL and WGSL")
+    terminal.end(not differences)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bokeh_validation import apertures, fetches, methods, metrics
+from bokeh_validation import apertures, fetches, methods, metrics, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case
@@ -171,3 +171,14 @@ def markdown(rows: list[Shape]) -> list[str]:
             f"{100 * row.error:.0f} % | {100 * row.sum_off:.0f} % |"
         )
     return lines
+
+
+def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:
+    """The table of docs/apertures.md: every shape by every method, measured on a driver."""
+    used = terminal.pick_driver(driver, adapter)
+    rows = []
+    with terminal.progress("shapes", len(SHAPES)) as step:
+        for method, aperture in SHAPES:
+            rows.append(shape(used, method, aperture))
+            step(f"{method} {aperture}")
+    terminal.tell(*markdown(rows), f"CoC {COC:g} pixels, {used.name} ({used.adapter})")

@@ -1,33 +1,18 @@
 """One EXR through the shaders: the work behind `validation/run render`, and the checks of what it is given."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 
-from bokeh_validation import apertures, drivers, exr, methods, pictures
+from bokeh_validation import apertures, exr, methods, pictures, terminal
 from bokeh_validation.errors import Unavailable, UserError
 
 # A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
-# Tried in this order when no driver is named: the fastest to start first.
-AUTO = ("egl", "osmesa", "wgpu", "dxc")
-
-
-@dataclass(frozen=True)
-class Request:
-    """What the user asked for, unchecked."""
-
-    source: Path
-    target: Path
-    settings: methods.Settings
-    depth_channel: str = "Z"
-    layer: str | None = None
-    driver: str | None = None
-    adapter: str | None = None
-    png: Path | None = None
 
 
 def check(settings: methods.Settings) -> None:
@@ -56,6 +41,11 @@ def check(settings: methods.Settings) -> None:
         )
     if settings.coc is not None:
         _number("--coc", settings.coc, "", lambda v: 0 <= v <= 1, "0 to 1, a fraction of the image height")
+        if settings.coc > camera.max_coc:
+            raise UserError(
+                f"--coc {settings.coc:g}: more than --max-coc {camera.max_coc:g}, which would clamp it. "
+                f"Raise --max-coc as well."
+            )
     if settings.method == "naive":
         _check_kernel(settings)
 
@@ -103,49 +93,95 @@ def _number(option: str, value: float, unit: str, allowed, text: str) -> None:
         raise UserError(f"{option} {value:g}{' ' + unit if unit else ''}: not allowed. Give {text}.")
 
 
-def pick_driver(name: str | None, adapter: str | None) -> drivers.Driver:
-    """The driver named, or the first that this machine has."""
-    if name is not None:
-        if name not in drivers.NAMES:
-            raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")
-        return _loaded(name, adapter)
-    for candidate in AUTO:
-        try:
-            return drivers.load(candidate, adapter)
-        except Unavailable:
-            continue
-    raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
-
-
-def _loaded(name: str, adapter: str | None) -> drivers.Driver:
-    try:
-        return drivers.load(name, adapter)
-    except Unavailable as error:
-        raise UserError(f"--driver {name}: not on this machine ({error}). See validation/run doctor.") from error
-
-
-def render(request: Request) -> tuple[np.ndarray, drivers.Driver]:
-    """Read, blur, write. Returns the result (H, W, 4), alpha = the CoC after the passes, and its driver.
-
-    H x W are the pixels that the file has: where its data window is not its display window, the passes see the display
-    window, and what they made of the rest is left out.
-    """
-    check(request.settings)
-    exr.check_writable(request.target)
-    if request.png is not None:
-        exr.check_writable(request.png)
-    depth_channel = None if request.settings.coc is not None else request.depth_channel
-    scene = exr.read(request.source, depth_channel, request.layer)
-    driver = pick_driver(request.driver, request.adapter)
-    plan = methods.plan(request.settings, scene.size)
+def render(
+    source: Annotated[Path, typer.Argument(metavar="IN.exr", help="R G B and planar view depth in metres.")],
+    target: Annotated[
+        Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
+    ],
+    method: Annotated[
+        str,
+        typer.Option(
+            help="exact (polygons with an even number of sides), layered (the same, and near objects spread), paper "
+            "or naive."
+        ),
+    ] = "exact",
+    aperture: Annotated[
+        str,
+        typer.Option(
+            help="square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
+        ),
+    ] = "hexagon",
+    samples: Annotated[
+        int | None, typer.Option(help="Samples on a line, 2 or more. Default: 13; exact: as close to each other.")
+    ] = None,
+    spacing: Annotated[
+        float, typer.Option(help="Pixels between samples: as many as the CoC needs. 0: a fixed number, --samples.")
+    ] = 0.0,
+    max_samples: Annotated[int, typer.Option(help="Samples on a line at most, with --spacing.")] = 65,
+    jitter: Annotated[
+        float, typer.Option(help="Noise on the samples' places, 0 to 1, where they are more than a pixel apart.")
+    ] = 0.0,
+    frame: Annotated[int, typer.Option(help="Number of the frame; the noise is another in each.")] = 0,
+    squeeze: Annotated[
+        float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")
+    ] = 1.0,
+    targets: Annotated[
+        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
+    ] = True,
+    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
+    rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
+    aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
+    focal_length: Annotated[float, typer.Option(help="Metres.")] = 0.05,
+    focus_distance: Annotated[float, typer.Option(help="Metres, more than the focal length.")] = 5.0,
+    sensor_height: Annotated[float, typer.Option(help="Metres.")] = 0.024,
+    max_coc: Annotated[float, typer.Option(help="Largest CoC, fraction of the image height.")] = 0.1,
+    coc: Annotated[float | None, typer.Option(help="The same CoC everywhere, instead of one from depth.")] = None,
+    coc_blur: Annotated[bool, typer.Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
+    leak_fix: Annotated[bool, typer.Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
+    depth_channel: Annotated[
+        str, typer.Option(help="Name of the depth channel; Z is found in the layer or part for depth too.")
+    ] = "Z",
+    layer: Annotated[
+        str | None, typer.Option(help="Layer or part with R G B, where the file has several: ViewLayer.Combined.")
+    ] = None,
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+    png: Annotated[Path | None, typer.Option(help="Write a tone-mapped picture as well.")] = None,
+) -> None:
+    """Blur an EXR with the shaders on a real driver."""
+    settings = methods.Settings(
+        method,
+        aperture,
+        samples,
+        rotation,
+        methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
+        coc,
+        coc_blur,
+        leak_fix,
+        spacing=spacing,
+        max_samples=max_samples,
+        jitter=jitter,
+        frame=frame,
+        squeeze=squeeze,
+        targets=targets,
+        quality=quality,
+    )
+    check(settings)
+    terminal.check_writable(target, png)
+    # where a file's data window is not its display window, the passes see the display window, and what they made of the
+    # rest is left out
+    scene = exr.read(source, None if coc is not None else depth_channel, layer)
+    used = terminal.pick_driver(driver, adapter)
+    made = methods.plan(settings, scene.size)
     depth = scene.depth if scene.depth is not None else np.ones((scene.size[1], scene.size[0]), np.float32)
-    textures = {"color": scene.color, "depth": depth, **plan.tables}
+    textures = {"color": scene.color, "depth": depth, **made.tables}
     try:
-        result = driver.run(plan.passes, textures, scene.size, scene.storage)["result"]
+        result = scene.with_data(used.run(made.passes, textures, scene.size, scene.storage)["result"])
     except Unavailable as error:
-        raise UserError(f"--driver {driver.name}: {error}.") from error
-    result = scene.with_data(result)
-    exr.write(request.target, result, scene.data, scene.display)
-    if request.png is not None:
-        pictures.write_png(request.png, pictures.display(result, tone_map=True))
-    return result, driver
+        raise UserError(f"--driver {used.name}: {error}.") from error
+    exr.write(target, result, scene.data, scene.display)
+    if png is not None:
+        pictures.write_png(png, pictures.display(result, tone_map=True))
+    terminal.console.print(
+        f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})"
+    )

@@ -8,7 +8,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bokeh_validation import shaders
+from bokeh_validation import shaders, terminal
 from bokeh_validation.compilers import fxc
 from bokeh_validation.compilers.result import CompileResult
 
@@ -105,3 +105,8 @@ def _cell(result: CompileResult | None) -> str:
         return f"over: {slots}"
     errors = re.findall(r"error (X\d+)", result.messages)
     return f"refused: {', '.join(dict.fromkeys(errors)) or result.messages.splitlines()[0]}"
+
+
+def sm3() -> None:
+    """Instruction slots of the naive gather under shader model 3, by how its loops are written."""
+    terminal.tell(*lines(attempts()))

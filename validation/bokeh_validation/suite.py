@@ -1,15 +1,18 @@
 """The whole validation as data: probes on drivers, scenes on drivers against the ray-traced truth."""
 
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
+from rich.table import Table
 
-from bokeh_validation import drivers, exr, methods, metrics, paths, patterns, quality
+from bokeh_validation import exr, methods, metrics, paths, patterns, quality, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.errors import Unavailable
 from bokeh_validation.patterns.model import Case, CaseResult, ProbeResult, compared
 
 Progress = Callable[[str], None]
@@ -50,18 +53,6 @@ SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
 # The small ones, that every driver draws in every method
 DRIVER_SCENES = (STREET, CANOPY)
 SCENE_METHODS = ("paper", "exact", "layered")
-
-
-def real_drivers(names: Iterable[str] | None = None, adapter: str | None = None) -> tuple[list[Driver], dict[str, str]]:
-    """The drivers asked for (all but the reference by default), and name -> reason for those that are missing."""
-    wanted = list(names) if names else [n for n in drivers.NAMES if n != "reference"]
-    found, missing = [], {}
-    for name in wanted:
-        try:
-            found.append(drivers.load(name, adapter))
-        except Unavailable as error:
-            missing[name] = str(error)
-    return found, missing
 
 
 def probes(quick: bool = False) -> tuple[patterns.Probe, ...]:
@@ -160,3 +151,96 @@ def run_scenes(
             )
             progress(f"{driver.name}: {scene.name}, {method} {aperture}")
     return results
+
+
+# ------------------------------------------------------------------------------------------------------------ commands
+
+
+def validate(adapter: str | None = None, quick: bool = False, output: Path | None = None) -> None:
+    """Everything, and the report."""
+    from bokeh_validation import doctor, matrix, report
+    from bokeh_validation.engines import engines_command
+
+    started = time.monotonic()
+    doctor.doctor()
+    rows = matrix.load(quick=quick)
+    with terminal.progress("compile", matrix.count(rows)) as step:
+        compiled = matrix.run(rows, step)
+    for part in matrix.tables(compiled):
+        terminal.console.print(part)
+    runtimes, missing = terminal.pick_drivers(None, adapter)
+    runtimes = runtimes[:1] if quick else runtimes
+    with terminal.progress("probe", len(runtimes) * len(probes(quick))) as step:
+        found = run_probes(runtimes, step, quick)
+    _print_probes(found, missing)
+    with terminal.progress("scene", len(runtimes) * len(scene_runs(quick))) as step:
+        drawn = run_scenes(runtimes, step, quick)
+    _print_scenes(drawn)
+    captures, engines_ok = ([], True) if quick else engines_command.run_all(engines_command.quick_ones())
+    path = output or report.default_path()
+    if output is None:
+        paths.ensured(path.parent)
+    report.write(path, compiled, found, drawn, missing, captures)
+    terminal.console.print(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
+    passed = matrix.passed(compiled) and engines_ok and all(p.ok for p in found)
+    terminal.end(passed and all(c.ok for s in drawn for c in s.result.comparisons.values()))
+
+
+def patterns_command(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = None) -> None:
+    """The probes on the drivers, each against the reference and against what it must show."""
+    runtimes, missing = terminal.pick_drivers(driver, adapter)
+    with terminal.progress("probe", len(runtimes) * len(probes())) as step:
+        results = run_probes(runtimes, step)
+    _print_probes(results, missing, details=True)
+    terminal.end(all(r.ok for r in results))
+
+
+def report(
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The page; in the cache folder by default.")
+    ] = None,
+    adapter: terminal.Adapter = None,
+) -> None:
+    """One self-contained HTML page with pictures."""
+    terminal.check_writable(output)
+    validate(adapter, output=output)
+
+
+def _print_probes(results, missing: dict[str, str], details: bool = False) -> None:
+    names = list(dict.fromkeys(r.driver for r in results))
+    table = Table("probe", "figure", *names, box=None, pad_edge=False)
+    for probe in dict.fromkeys(r.probe.name for r in results):
+        group = {r.driver: r for r in results if r.probe.name == probe}
+        figure = next(iter(group.values())).probe.figure
+        cells = [terminal.OK if group[n].ok else terminal.FAILED for n in names]
+        table.add_row(probe, figure, *cells)
+    terminal.console.print(table)
+    for result in results:
+        for check in result.checks:
+            if details or not check.ok:
+                state = terminal.OK if check.ok else terminal.FAILED
+                allowed = f"{check.low:.5g} .. {check.high:.5g}"
+                terminal.console.print(
+                    f"{result.driver} {result.probe.name}: {check.name} {check.value:.5g} ({allowed}) {state}"
+                )
+        for case in result.cases:
+            for name, comparison in case.comparisons.items():
+                if details or not comparison.ok:
+                    state = terminal.OK if comparison.ok else terminal.FAILED
+                    terminal.console.print(
+                        f"{result.driver} {result.probe.name}, {case.case.label}, {name}: {comparison} {state}"
+                    )
+    for name, reason in missing.items():
+        terminal.console.print(f"{terminal.NOT_RUN} {name}: {reason}")
+
+
+def _print_scenes(results) -> None:
+    for result in results:
+        comparison = result.result.comparisons["result"]
+        state = terminal.OK if comparison.ok else terminal.FAILED
+        terminal.console.print(
+            f"{result.driver} {result.scene.name}, {result.method} {result.aperture}: {comparison} {state}; "
+            f"against brute force {result.psnr_brute:.1f} dB, "
+            f"against the lens {result.psnr:.1f} dB, FLIP {result.flip:.3f} "
+            f"(untouched {result.psnr_untouched:.1f} dB, {result.flip_untouched:.3f})"
+        )

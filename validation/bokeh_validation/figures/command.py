@@ -6,11 +6,12 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 
-from bokeh_validation import exr, paths, pictures
-from bokeh_validation import render as rendering
+from bokeh_validation import exr, paths, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import diagrams, photographs, points, scenes
@@ -64,7 +65,7 @@ def pick_driver(name: str | None, adapter: str | None) -> Driver:
     """A real one. Raises UserError."""
     if name == "reference":
         raise UserError("--driver reference: figures are made by the shaders. Give a real driver; see doctor.")
-    return rendering.pick_driver(name, adapter)
+    return terminal.pick_driver(name, adapter)
 
 
 def places(output: Path | None) -> Places:
@@ -143,6 +144,30 @@ def as_json(driver: Driver, made: dict[int, Made], missing: dict[int, str]) -> d
     return {"driver": driver.name, "adapter": driver.adapter, "figures": figures, "missing": missing}
 
 
-def under_ci() -> bool:
-    """Where nothing may be missing."""
-    return bool(os.environ.get("CI"))
+def figures(
+    only: Annotated[str | None, typer.Option(metavar="1,4,9", help="These figures of the paper; else all.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FOLDER", help="One folder for all files; else docs/reproduction and the cache."
+        ),
+    ] = None,
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+) -> None:
+    """Figures 1 to 13 of the paper with our shaders, as PNG, and the EXR and numbers behind them."""
+    wanted = chosen(only)
+    used = pick_driver(driver, adapter)
+    target = places(output)
+    with terminal.progress("figures", len(wanted)) as step:
+        result = run(wanted, used, target, step)
+    for number, made in result.made.items():
+        terminal.tell(f"Figure {number}: {FIGURES[number].title}")
+        for table in made.tables:
+            terminal.tell(*table.markdown())
+    terminal.tell(*(f"Figure {number} not made: {reason}" for number, reason in result.missing.items()))
+    count = sum(len(made.pictures) for made in result.made.values())
+    terminal.tell(
+        f"{count} pictures in {target.pictures}, images and numbers in {target.images}, by {used.name} ({used.adapter})"
+    )
+    terminal.end(not (result.missing and os.environ.get("CI")))

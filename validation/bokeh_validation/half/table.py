@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from bokeh_validation import terminal
 from bokeh_validation.half import budget, frames
 from bokeh_validation.half.choice import ALLOWED, MAY_BE_HALF, WHOLE
 from bokeh_validation.half.domain import DOMAINS
@@ -102,3 +103,10 @@ def number(x: float) -> str:
 def share(x: float) -> str:
     """Percent."""
     return "0" if x == 0.0 else f"{number(100.0 * x)} %"
+
+
+def precision() -> None:
+    """What half precision does to every function and pass, emulated: the tables of docs/inputs.md."""
+    with terminal.progress("precision", steps()) as step:
+        findings = measured(step)
+    terminal.tell(*markdown(findings))

@@ -1,0 +1,107 @@
+"""What the commands of validation/run share: options, progress, output, and the drivers that --driver names."""
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from bokeh_validation import drivers, exr
+from bokeh_validation.drivers import Driver
+from bokeh_validation.errors import Unavailable, UserError
+
+EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
+OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[yellow]not run[/]"
+# Tried in this order when no driver is named: the fastest to start first.
+AUTO = ("egl", "osmesa", "wgpu", "dxc")
+
+DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, d3d11, webgl2, webgpu or reference."
+OneDriver = Annotated[str | None, typer.Option("--driver", help=DRIVER_HELP)]
+SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVER_HELP)]
+Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
+JsonFile = Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")]
+
+console = Console(soft_wrap=True)
+
+
+def tell(*lines: str) -> None:
+    """Print lines as they are."""
+    for line in lines:
+        console.print(line, markup=False, highlight=False)
+
+
+def end(ok: bool) -> None:
+    """End the command by its exit code."""
+    raise typer.Exit(0 if ok else EXIT_FAILED)
+
+
+@contextmanager
+def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
+    """A progress bar on standard error, gone when done; yields what is to be called after each step, with its name."""
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        disable=not sys.stderr.isatty(),
+    )
+    task = bar.add_task(description, total=total)
+    with bar:
+        yield lambda text: bar.update(task, advance=1, description=f"{description} {text}")
+
+
+def check_writable(*targets: Path | None) -> None:
+    """Refuse, before any work is done, files that cannot be written. Raises UserError."""
+    for path in targets:
+        if path is not None:
+            exr.check_writable(path)
+
+
+def write_json(path: Path | None, data: object) -> None:
+    """Write a file as a whole, if it was asked for."""
+    if path is not None:
+        text = json.dumps(data, indent=1) + "\n"
+        exr.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
+
+
+def pick_driver(name: str | None, adapter: str | None) -> Driver:
+    """The driver named, or the first that this machine has. Raises UserError."""
+    if name is not None:
+        _check_driver(name)
+        try:
+            return drivers.load(name, adapter)
+        except Unavailable as error:
+            raise UserError(f"--driver {name}: not on this machine ({error}). See validation/run doctor.") from error
+    for candidate in AUTO:
+        try:
+            return drivers.load(candidate, adapter)
+        except Unavailable:
+            continue
+    raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
+
+
+def pick_drivers(names: Iterable[str] | None, adapter: str | None) -> tuple[list[Driver], dict[str, str]]:
+    """The drivers named (all real ones by default), and name -> reason for those that are missing. Raises UserError."""
+    found, missing = [], {}
+    for name in names or [n for n in drivers.NAMES if n != "reference"]:
+        _check_driver(name)
+        try:
+            found.append(drivers.load(name, adapter))
+        except Unavailable as error:
+            missing[name] = str(error)
+    if not found:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
+    return found, missing
+
+
+def _check_driver(name: str) -> None:
+    if name not in drivers.NAMES:
+        raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")
