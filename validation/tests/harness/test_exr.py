@@ -13,7 +13,7 @@ import OpenEXR
 import pytest
 from test_render import refused, run
 
-from bokeh_validation import exr, exr_header, methods, paths, render
+from bokeh_validation import exr, exr_header, paths, render
 from bokeh_validation.errors import UserError
 
 LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "HTJ2K256", "HTJ2K32", "ZSTD")
@@ -359,8 +359,7 @@ def test_windows_apart(tmp_path):
 
 def blurred(source: Path, target: Path) -> dict[str, np.ndarray]:
     """`render` with the float64 reference, CoC 0.1 of the height; the channels of its file."""
-    settings = methods.Settings("exact", "hexagon", camera=methods.Camera(max_coc=0.1), coc=0.1)
-    render.render(render.Request(source, target, settings, driver="reference"))
+    render.render(source, target, coc=0.1, driver="reference")
     with OpenEXR.File(str(target), separate_channels=True) as file:
         return {**{n: np.asarray(c.pixels) for n, c in file.channels().items()}, "header": dict(file.header())}
 
