@@ -162,7 +162,8 @@ def _files(texts: Texts | None) -> dict[str, str]:
 def _read(key: str) -> str:
     try:
         # As it is: what is not UTF-8, and every kind of line end, is for the rules to see.
-        return (paths.ROOT / key).read_bytes().decode("utf-8", errors="surrogateescape")
+        folder = paths.ROOT if key == PAPER else paths.shaders()
+        return (folder / key).read_bytes().decode("utf-8", errors="surrogateescape")
     except OSError as error:
         raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
 

@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+from bokeh_validation.errors import UserError
+
 ROOT = Path(__file__).resolve().parents[2]
 VALIDATION = ROOT / "validation"
 SCENES = VALIDATION / "scenes"
@@ -25,16 +27,28 @@ def ensured(folder: Path) -> Path:
     return folder
 
 
+def shaders() -> Path:
+    """Folder that holds hlsl/, glsl/ and wgsl/: $BOKEH_SHADERS, else the checkout.
+
+    The engines' samples always take the checkout's shaders.
+    """
+    folder = Path(os.environ.get("BOKEH_SHADERS") or ROOT)
+    missing = [language for language in LANGUAGES if not (folder / language).is_dir()]
+    if missing:
+        raise UserError(f"BOKEH_SHADERS={folder}: there is no {missing[0]}/ in it.")
+    return folder
+
+
 def library(language: str) -> Path:
     """`bokeh.*` of a language."""
-    return ROOT / language / f"bokeh.{language}"
+    return shaders() / language / f"bokeh.{language}"
 
 
 def layers(language: str) -> Path:
     """`bokeh_layers.*` of a language."""
-    return ROOT / language / f"bokeh_layers.{language}"
+    return shaders() / language / f"bokeh_layers.{language}"
 
 
 def passes(language: str) -> Path:
     """`bokeh_passes.*` of a language."""
-    return ROOT / language / f"bokeh_passes.{language}"
+    return shaders() / language / f"bokeh_passes.{language}"

@@ -99,7 +99,7 @@ def glsl_pass(entry: str) -> str:
 def text(language: str) -> str:
     """Library, layers and passes of a language, in that order."""
     files = (paths.library(language), paths.layers(language), paths.passes(language))
-    return "".join(file.read_text(encoding="ascii") for file in files if file.exists())
+    return "".join(file.read_text(encoding="ascii") for file in files)
 
 
 def sections(source: str) -> dict[int, str]:

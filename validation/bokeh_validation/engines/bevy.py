@@ -50,11 +50,8 @@ def changed() -> bool:
 def sources() -> list[Path]:
     """The files that the sample is built from: the crate's and the package's."""
     crate = [SAMPLE / "Cargo.toml", *SAMPLE.rglob("*.rs")]
-    return sorted(path for path in crate if "target" not in path.relative_to(SAMPLE).parts) + [
-        paths.library("wgsl"),
-        paths.layers("wgsl"),
-        paths.passes("wgsl"),
-    ]
+    own = sorted(path for path in crate if "target" not in path.relative_to(SAMPLE).parts)
+    return own + [paths.ROOT / "wgsl" / f"{name}.wgsl" for name in ("bokeh", "bokeh_layers", "bokeh_passes")]
 
 
 def _home() -> Path:

@@ -11,7 +11,7 @@ from bokeh_validation.errors import UserError
 
 LANGUAGES = paths.LANGUAGES
 TEXTS = {
-    key: (paths.ROOT / key).read_text(encoding="ascii")
+    key: (paths.shaders() / key).read_text(encoding="ascii")
     for key in (*parity.LIBRARY.values(), *parity.LAYERS.values(), *parity.PASSES.values())
 }
 BEFORE = parity.check()
