@@ -13,8 +13,8 @@ T = TypeVar("T")
 
 
 @contextmanager
-def held(name: str, shared: bool = False) -> Iterator[None]:
-    """Wait for the lock `name` of the cache folder and hold it; `shared`: together with others that hold it so.
+def held(name: str) -> Iterator[None]:
+    """Wait for the lock `name` of the cache folder and hold it.
 
     It is gone with the process that holds it, however that ends. Not for a lock within itself. On Windows, where the
     tests run in one process, nobody waits.
@@ -25,7 +25,7 @@ def held(name: str, shared: bool = False) -> Iterator[None]:
     import fcntl
 
     with open(paths.ensured(paths.cache_folder() / "locks") / name, "w") as file:
-        fcntl.flock(file, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
+        fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
 
