@@ -8,7 +8,7 @@ from support import REAL, load
 from bokeh_validation import drivers
 
 # Tests of these files share what takes long to make: a compiled matrix, a drawn set of figures, a sample in a browser.
-WHOLE = re.compile(r"\w+/test_(browser|compile|compile_only|figures|guides_\w+|windows)\.py")
+WHOLE = re.compile(r"\w+/test_(browser|compile|compile_only|figures|threejs|windows)\.py")
 DRIVER = re.compile(rf"(?<=[\[-])({'|'.join(drivers.NAMES)})(?=[\]-])")
 
 

@@ -1,14 +1,31 @@
-"""What tests share: drivers, each made once; a missing one is a failure under CI and a skip elsewhere."""
+"""What tests share: drivers, each made once, and the command line. What is missing fails under CI, and skips elsewhere."""
 
 import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
+from unittest.mock import patch
 
 import pytest
 
-from bokeh_validation import drivers
+from bokeh_validation import cli, drivers
 from bokeh_validation.errors import Unavailable
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 _loaded: dict[str, object] = {}
+
+
+@contextmanager
+def needed(what: str) -> Iterator[None]:
+    """The end of the test where what it needs is not there."""
+    try:
+        yield
+    except Unavailable as error:
+        if os.environ.get("CI"):
+            pytest.fail(f"{what} is missing: {error}")
+        pytest.skip(f"{what}: {error}")
 
 
 def load(name: str) -> drivers.Driver:
@@ -19,8 +36,22 @@ def load(name: str) -> drivers.Driver:
         except Unavailable as error:
             _loaded[name] = error
     found = _loaded[name]
-    if isinstance(found, Unavailable):
-        if os.environ.get("CI"):
-            pytest.fail(f"driver {name} is missing: {found}")
-        pytest.skip(f"driver {name}: {found}")
+    with needed(f"driver {name}"):
+        if isinstance(found, Unavailable):
+            raise found
     return found
+
+
+def called(*arguments: object) -> subprocess.CompletedProcess:
+    """A command in this process, which saves the second that a start takes. Programs of other tests go on."""
+    said, told = StringIO(), StringIO()
+    with (
+        redirect_stdout(said),
+        redirect_stderr(told),
+        patch.object(sys, "argv", ["run", *map(str, arguments)]),
+        patch.object(cli.signal, "signal"),
+        patch.object(cli, "_end_programs"),
+        patch.object(cli.os, "_exit") as ended,
+    ):
+        cli.main()
+    return subprocess.CompletedProcess(arguments, *ended.call_args.args, said.getvalue(), told.getvalue())

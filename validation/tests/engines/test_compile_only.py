@@ -11,7 +11,6 @@ import struct
 from functools import cache
 from pathlib import Path
 
-import guides
 import pytest
 
 from bokeh_validation import paths
@@ -401,18 +400,6 @@ def test_targets(path):
     for name, count in PASSES.items():
         (signature,) = re.findall(rf"\b\w+ {name}(?:Fragment|PS)\((.*?)\n\s*\{{", text(path), re.DOTALL)
         assert len(re.findall(r"SV_Target", signature)) == count, name
-
-
-@pytest.mark.parametrize("name", ["unity", "unreal"])
-def test_guide(name):
-    """The nine headings, links that lead somewhere, code that is the sample's, and no claim that it ran."""
-    folder = paths.ROOT / "integration" / name
-    readme = folder / "README.md"
-    guides.assert_headings(readme)
-    guides.assert_links(readme)
-    sources = [path for path in folder.rglob("*") if path.is_file() and path != readme]
-    guides.assert_quoted(readme, sources)
-    assert "ompile-checked, never run" in readme.read_text(encoding="utf-8")
 
 
 def test_stubs_are_all_used():

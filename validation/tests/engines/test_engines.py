@@ -1,11 +1,9 @@
 """Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
-import os
-
 import pytest
+from support import needed
 
 from bokeh_validation import engines
-from bokeh_validation.errors import Unavailable
 
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
 # Their default is layered
@@ -23,12 +21,8 @@ def test_sample(name, request):
     engine = engines.ENGINES[name]
     if engine.slow and not request.config.getoption("--all") and not engine.changed():
         pytest.skip(f"{name}: not built here yet, or as it last passed; --all runs it")
-    try:
+    with needed(name):
         capture = engines.run(name)
-    except Unavailable as error:
-        if os.environ.get("CI"):
-            pytest.fail(f"{name} is missing: {error}")
-        pytest.skip(f"{name}: {error}")
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= WANTED
     assert name not in LAYERED or shown[0] == ("layered", "hexagon")

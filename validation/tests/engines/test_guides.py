@@ -1,83 +1,112 @@
-"""The checks of guides.py themselves, on guides made for it."""
+"""The guides of integration/ against their samples: the code that they show, their tables, their pictures drawn again."""
 
-import guides
+import re
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
 import pytest
+from PIL import Image
+from support import needed
 
-README = """# Engine
+from bokeh_validation import passes, paths, shaders
+from bokeh_validation.engines import direct3d, opengl, panda3d, process
 
-## Inputs
-
-```sh
-## not a heading
-```
-
-## Code
-
-```python
-if found:
-    use(found)
-```
-"""
+INTEGRATION = paths.ROOT / "integration"
+NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
+# Languages of fenced blocks that are commands and their output, not code
+COMMANDS = ("sh", "console")
+FENCE = re.compile(r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.fixture
-def readme(tmp_path):
-    """A guide with one command and one block of code."""
-    path = tmp_path / "README.md"
-    path.write_text(README, encoding="utf-8")
-    return path
+def blocks(name: str) -> list[tuple[str, str]]:
+    """(language, text) of every fenced block of a guide."""
+    text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
+    assert len(re.findall(r"^ *```", text, re.MULTILINE)) % 2 == 0, f"{name}: a code block is not closed"
+    return [(found["language"].strip(), found["text"]) for found in FENCE.finditer(text)]
 
 
-def test_blocks(readme):
-    """Language, text and line."""
-    assert [(block.language, block.line) for block in guides.blocks(readme)] == [("sh", 6), ("python", 12)]
-    assert guides.blocks(readme)[1].text == "if found:\n    use(found)"
+def lines(text: str) -> list[str]:
+    """Without the indentation that they share, and without empty ones around them."""
+    return [line.rstrip() for line in textwrap.dedent(text).strip("\n").rstrip().splitlines()]
+
+
+def is_quoted(block: str, text: str) -> bool:
+    """Whether lines that follow each other in `text` are the block's, at any indentation."""
+    wanted, whole = lines(block), text.splitlines()
+    windows = (whole[start : start + len(wanted)] for start in range(len(whole) - len(wanted) + 1))
+    return any(lines("\n".join(window)) == wanted for window in windows)
+
+
+def sources(name: str) -> list[Path]:
+    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the package's."""
+    folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
+    own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    package = [find(language) for find in (paths.library, paths.layers, paths.passes) for language in paths.LANGUAGES]
+    return [path for path in own + package if path.suffix not in (".md", ".png")]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_code_is_the_samples(name):
+    """Every block but commands is a verbatim piece of a file that the sample is built from."""
+    texts = [path.read_text(encoding="utf-8") for path in sources(name)]
+    code = [text for language, text in blocks(name) if language not in COMMANDS]
+    assert code
+    for block in code:
+        assert any(is_quoted(block, text) for text in texts), block
+
+
+@pytest.mark.parametrize("name", direct3d.BUILDS)
+def test_build_command(name):
+    """The guide builds as the tests do."""
+    assert any(f"{direct3d.BUILDS[name].command} -o {name}.exe" in text for _, text in blocks(name))
+
+
+def test_panda3d_version():
+    """The guide's is the locked one."""
+    (version,) = re.findall(r"^panda3d==(\S+)", panda3d.REQUIREMENTS.read_text(encoding="utf-8"), re.MULTILINE)
+    shown = (INTEGRATION / "panda3d/README.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"panda3d==(\d[\d.]*\d)", shown)) == {version}
 
 
 @pytest.mark.parametrize(
-    ("text", "quoted"),
+    ("file", "struct", "field"),
     [
-        ("if found:\n    use(found)\n", True),
-        ("def f():\n    if found:\n        use(found)\n    return\n", True),
-        ("if found:\n    use(found, 1)\n", False),
-        ("if found:\n    log()\n    use(found)\n", False),
-        ("if found:\nuse(found)\n", False),
+        ("bevy/src/lib.rs", r"^struct BokehParameters \{\n(.*?)^\}", r"(\w+): f32,"),
+        ("direct3d9/main.c", r"(    float apertureDiameter.*?)\}", r"(\w+)(?: = [^,;]+)?[,;]"),
+        ("direct3d11/main.cpp", r"(    float apertureDiameter.*?)\}", r"(\w+)(?: = [^,;]+)?[,;]"),
     ],
 )
-def test_quoted(readme, tmp_path, text, quoted):
-    """A block must be in the file as it is, at any indentation; commands need not."""
-    source = tmp_path / "sample.py"
-    source.write_text(text, encoding="utf-8")
-    if quoted:
-        guides.assert_quoted(readme, [source])
-    else:
-        with pytest.raises(AssertionError, match="README.md:12"):
-            guides.assert_quoted(readme, [source])
+def test_parameters_are_in_order(file, struct, field):
+    """The samples' structs have the parameters of docs/inputs.md in its order."""
+    text = re.sub(r"//.*", "", (INTEGRATION / file).read_text(encoding="utf-8"))
+    fields = re.findall(field, re.search(struct, text, re.MULTILINE | re.DOTALL)[1])
+    # near and far are macros of Windows' headers
+    found = [re.sub("^z(near|far)$", r"\1", name.replace("_", "").lower()) for name in fields]
+    assert found == [name.removeprefix("Bokeh").lower() for name in passes.PARAMETERS]
 
 
-def test_unclosed_block(readme):
-    """Such a block would be no block, and would not be checked."""
-    readme.write_text(README + "\n```python\nuse()\n", encoding="utf-8")
-    with pytest.raises(AssertionError, match="not closed"):
-        guides.blocks(readme)
+def test_bevy_passes():
+    """Every entry that the plugin names is there and writes as many targets as it says; the samples' line is there."""
+    plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
+    found = re.findall(r'pass\("(\w+)_PS", &\[[^\]]*\], &\[([^\]]*)\]', plugin)
+    assert len(found) > 10
+    for entry, writes in found:
+        assert len(writes.split(",")) == shaders.targets(entry), entry
+    (line,) = re.findall(r'^const SAMPLES: &str = "(.*)";$', plugin, re.MULTILINE)
+    assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
-def test_headings(readme):
-    """All of them, in order, and a comment in a command is none."""
-    with pytest.raises(AssertionError):
-        guides.assert_headings(readme)
-    readme.write_text("".join(f"## {name}\n\n```sh\n## no\n```\n" for name in guides.HEADINGS), encoding="utf-8")
-    guides.assert_headings(readme)
-
-
-def test_section(readme):
-    """Up to the next heading of the same level."""
-    assert "not a heading" in guides.section(readme, "Inputs") and "use" not in guides.section(readme, "Inputs")
-    assert len(guides.blocks(guides.section(readme, "Engine"))) == 2
-
-
-def test_code_lines():
-    """No empty lines, comments or docstrings; strings that are no docstrings count."""
-    text = '"""Docstring\n\nof two."""\n\n# comment\nx = """a\nb\n"""\n\ndef f():\n    """Doc."""\n    return x\n'
-    assert guides.code_lines(text, "#") == ['x = """a', "b", '"""', "def f():", "return x"]
-    assert guides.code_lines("// no\n\nlet x;\n") == ["let x;"]
+@pytest.mark.parametrize("name", ["opengl", "panda3d"])
+def test_picture(name, tmp_path):
+    """The sample draws the picture of the guide, but for what another device rounds: half a step of 255 on average."""
+    with needed(name):
+        opengl.require()
+        python = sys.executable if name == "opengl" else panda3d.python()
+    drawn = tmp_path / "picture.png"
+    process.run([python, INTEGRATION / name / "sample.py", drawn], opengl.SECONDS)
+    with Image.open(drawn) as a, Image.open(INTEGRATION / name / "picture.png") as b:
+        assert a.size == b.size
+        off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()
+    assert off < 0.5, f"{off:.2f} of 255 off on average"

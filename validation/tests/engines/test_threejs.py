@@ -1,18 +1,13 @@
-"""integration/threejs: the guide quotes what runs, and what it says of depth, focus and debug views is so."""
+"""integration/threejs: what its guide says of depth, focus and debug views is so."""
 
 import base64
-import os
-import re
 
-import guides
 import numpy as np
 import pytest
+from support import needed
 
 from bokeh_validation.engines import threejs
-from bokeh_validation.errors import Unavailable
 
-README = threejs.FOLDER / "README.md"
-FILES = [threejs.FOLDER / name for name in ("webgl.js", "webgpu.js", "PolygonBokehPass.js", "PolygonBokehNode.js")]
 SIZE = (240, 320)
 
 
@@ -23,31 +18,8 @@ def kind(request) -> str:
 
 @pytest.fixture(scope="module")
 def sample(kind):
-    try:
-        with threejs.opened(kind) as opened:
-            yield opened
-    except Unavailable as error:
-        if os.environ.get("CI"):
-            pytest.fail(str(error))
-        pytest.skip(str(error))
-
-
-def test_guide():
-    """Headings, links, picture; every block is in a file that runs."""
-    guides.assert_guide(threejs.FOLDER)
-    guides.assert_quoted(README, FILES)
-
-
-@pytest.mark.parametrize("sort", ["WebGLRenderer", "WebGPURenderer"])
-def test_pasting_is_short(sort):
-    """At most three files to copy and 30 lines to write, and as many as the guide says."""
-    text = README.read_text(encoding="utf-8")
-    section = re.search(rf"^### {sort}$(.*?)^##", text, re.MULTILINE | re.DOTALL)[1]
-    copied = re.findall(r"^\d\. \[", section, re.MULTILINE)
-    shown = "".join(re.findall(r"^```js\n(.*?)^```", section, re.MULTILINE | re.DOTALL))
-    lines = [line for line in shown.splitlines() if line.strip() and not line.strip().startswith("//")]
-    assert len(copied) == 3 and len(lines) <= 30
-    assert f"{len(lines)} lines" in section, len(lines)
+    with needed("three.js"), threejs.opened(kind) as opened:
+        yield opened
 
 
 def test_click_and_key(sample, kind):
