@@ -1,4 +1,4 @@
-"""What tests share: drivers, each made once, and the command line. What is missing fails under CI, and skips elsewhere."""
+"""What tests share: drivers, each made once, and the command line. What is missing fails under CI only."""
 
 import os
 import subprocess

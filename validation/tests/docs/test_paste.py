@@ -209,7 +209,9 @@ def on_webgpu(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
             fragment={"module": module, "entry_point": block.entry, "targets": [{"format": kind} for _ in writes]},
             primitive={"topology": "triangle-list"},
         )
-        fields = re.findall(r"(\w+): (?:f32|vec2f)\b", re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1])
+        fields = re.findall(
+            r"(\w+): (?:f32|vec2f)\b", re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
+        )
         members = np.float32([*(number for name in fields for number in values()[name]), 0, 0, 0, 0])[:4]
         buffer = device.create_buffer_with_data(data=members.tobytes(), usage=wgpu.BufferUsage.UNIFORM)
         entries = []

@@ -1,4 +1,4 @@
-"""The guides of integration/ against their samples: the code that they show, their tables, their pictures drawn again."""
+"""The guides of integration/ against their samples: the code that they show, tables, pictures drawn again."""
 
 import re
 import sys
@@ -17,7 +17,9 @@ INTEGRATION = paths.ROOT / "integration"
 NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
-FENCE = re.compile(r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(
+    r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL
+)
 
 
 def blocks(name: str) -> list[tuple[str, str]]:

