@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from bokeh_validation import methods
-from bokeh_validation.passes import COPYING_ENTRIES, Pass
+from bokeh_validation.entries import COPY, EDGE, FIRST, SECOND
+from bokeh_validation.passes import Pass
+from bokeh_validation.reference.lines import lines
 
 KINDS = ("color", "depth", "table")
 
@@ -13,12 +14,13 @@ def of_pass(item: Pass, in_focus: bool = False) -> dict[str, int]:
 
     in_focus  of the layers: where nothing around is out of focus
     """
-    if is_layers(item):
+    if item.spec.layers:
         return {"color": _of_layers(item, in_focus), "depth": 0, "table": 0}
-    color = 1 if item.entry in COPYING_ENTRIES else _of_filter(item)
-    # depth is fetched beside each colour but that of the other parallelogram
-    depth = color - item.entry.endswith("Final") if "DepthSamp" in item.inputs else 0
-    return {"color": color, "depth": depth, "table": item.samples if "KernelSamp" in item.inputs else 0}
+    # the other parallelogram of a final pass, whose depth is not looked at
+    others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
+    samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
+    depth = 1 + samples if "DepthSamp" in item.inputs else 0
+    return {"color": 1 + others + samples, "depth": depth, "table": item.samples if "KernelSamp" in item.inputs else 0}
 
 
 def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:
@@ -29,22 +31,7 @@ def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:
 
 def of_filters(passes: tuple[Pass, ...]) -> float:
     """Colour fetches a pixel of all filter passes: samples of every line, the pixel itself, other textures read."""
-    return of_frame(tuple(item for item in passes if item.entry not in COPYING_ENTRIES))["color"]
-
-
-def is_layers(item: Pass) -> bool:
-    """Whether a pass is one of bokeh_layers.*."""
-    return "BOKEH_LAYER_RINGS" in item.defines and item.entry not in COPYING_ENTRIES
-
-
-def _of_filter(item: Pass) -> int:
-    stem = item.entry.removeprefix("Bokeh")
-    sides = methods.EXACT.get(stem.removesuffix("First").removesuffix("Second").lower())
-    lines = sides // 2 - 1 if sides else 1
-    if stem == "ExactEdge":
-        lines = round(item.values()["BokehEdge"]) - 1
-    others = 1 if stem.endswith("Final") else 0
-    return 1 + others + lines * (item.samples**2 if stem == "NaiveGrid" else item.samples)
+    return of_frame(tuple(item for item in passes if item.spec.role != COPY))["color"]
 
 
 def _of_layers(item: Pass, in_focus: bool) -> int:
@@ -62,9 +49,9 @@ def _of_layers(item: Pass, in_focus: bool) -> int:
     def ring_samples(count: int) -> int:
         return 0 if in_focus else sum(sides * max(int(6 * ring / sides + 0.5), 1) for ring in range(1, count + 1))
 
-    stem = item.entry.removeprefix("Bokeh").removesuffix("One")
-    if stem.endswith(("LayerFirst", "LayerSecond")):
-        return 1 + max((sides // 2 - 1) * cells, 1)
+    if item.spec.role in (FIRST, SECOND, EDGE):
+        edges = round(values["BokehEdge"]) - 1 if item.spec.role == EDGE else sides // 2 - 1
+        return 1 + max(edges * cells, 1)
     return {
         "LayerTiles": 8 * 8,
         "LayerReach": along,
@@ -74,6 +61,5 @@ def _of_layers(item: Pass, in_focus: bool) -> int:
         "LayerSizes": 2 + 2 * along,
         "LayerHoles": 1 + 4 * 4,
         "LayerFill": 1 + 3 * (1 + ring_samples(2)),
-        "LayerEdge": 1 + max((round(values["BokehEdge"]) - 1) * cells, 1),
         "Layered": 2 + (0 if in_focus else 2 * (5 if cubic else 1) + ring_samples(rings) + 2),
-    }[stem]
+    }[(item.spec.whole or item.entry).removeprefix("Bokeh")]

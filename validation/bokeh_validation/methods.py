@@ -6,6 +6,7 @@ from math import radians
 import numpy as np
 
 from bokeh_validation import apertures, decomposition
+from bokeh_validation.entries import COLORS, EXACT
 from bokeh_validation.passes import Pass
 
 
@@ -73,8 +74,6 @@ class Settings:
 
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
 QUALITIES = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
-# Sides of the polygons that are exact, with the name that their entries begin with
-EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
 PAPER_SAMPLES = 13
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
@@ -206,12 +205,9 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
         for k, name in enumerate(names, 2):
             edge = {**common, "BokehSides": float(sides), "BokehEdge": float(k)}
             passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count))
-    read = dict(zip(("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD"), names, strict=False))
+    read = dict(zip(COLORS, names, strict=False))
     passes.append(Pass(stem + "Second", read, "result", common, settings.count))
     return Plan(tuple(passes), {})
-
-
-SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
 
 
 def layered(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -232,7 +228,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
 
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
         values = {**common, **changed}
-        read = dict(zip(SLOTS, inputs, strict=False))
+        read = dict(zip(COLORS, inputs, strict=False))
         if len(outputs) == 1 or settings.targets:
             passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
             return
@@ -254,7 +250,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
         names = tuple(f"{layer} target {k}" for k in range(2, sides // 2 + 1))
         add(2, stem + "First", (layer, "sizes"), names, BokehLayer=float(index))
         # the CoC are in the fifth slot, whatever the number of targets
-        read = dict(zip(SLOTS, names, strict=False)) | {"ColorSampE": "sizes"}
+        read = dict(zip(COLORS, names, strict=False)) | {"ColorSampE": "sizes"}
         values = {**common, "BokehLayer": float(index)}
         passes.append(Pass(stem + "Second", read, f"{layer} blurred", values, settings.count, defines, scale=2))
     add(1, "BokehLayered", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))

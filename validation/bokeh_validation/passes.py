@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bokeh_validation import shaders
+from bokeh_validation.entries import COLORS, COPYING_ENTRIES, ENTRIES, Entry
 
 # Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/inputs.md).
 # The values are used where a pass does not say otherwise.
@@ -58,17 +58,12 @@ SLOTS = (
     "ColorSampE",
     "ColorSampF",
 )
-# Slots that the filter passes sample with a linear filter; all else is fetched texel by texel, and needs a nearest
-# filter in Direct3D 9 only. So is the colour that the first pass copies.
-LINEAR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
-COPYING_ENTRIES = ("BokehCoCMap", "BokehSignedCoCMap", "BokehConstantCoC")
-
 # Set 0 in Vulkan and WebGPU: the parameters at binding 0, the linear sampler, the textures at what is left.
 FIRST_TEXTURE = 1
 FIRST_SAMPLER = 7
 BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 # Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
-SAMPLE_TYPES = {slot: "float" if slot in LINEAR_SLOTS else "unfilterable-float" for slot in SLOTS}
+SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
 
 
 # What Pass.scale and Pass.channels may be
@@ -77,8 +72,12 @@ CHANNELS = (2, 4)
 
 
 def is_linear(entry: str, slot: str) -> bool:
-    """Whether a pass samples a slot with the linear filter."""
-    return slot in LINEAR_SLOTS and entry not in COPYING_ENTRIES
+    """Whether a pass samples a slot with the linear filter.
+
+    Filter passes do with their colours. All else is fetched texel by texel, and needs a nearest filter in Direct3D 9
+    only; so is the colour that the first pass copies.
+    """
+    return slot in COLORS and entry not in COPYING_ENTRIES
 
 
 def target_size(scale: int, size: tuple[int, int]) -> tuple[int, int]:
@@ -101,7 +100,7 @@ def target_area(scale: int, viewport: tuple[int, int, int, int]) -> tuple[int, i
 class Pass:
     """One full-screen pass.
 
-    entry       one of shaders.ENTRIES
+    entry       one of entries.ENTRIES
     inputs      slot -> name of a texture: one that was handed in, or the output of an earlier pass
     output      name of the texture it writes; a tuple of names where it writes several targets at once
     parameters  those that differ from PARAMETERS
@@ -134,8 +133,13 @@ class Pass:
         for name, value, allowed in (("scale", self.scale, SCALES), ("channels", self.channels, CHANNELS)):
             if value not in allowed:
                 raise ValueError(f"{self.entry}: {name} is one of {', '.join(map(str, allowed))}, not {value}")
-        if self.sources is None and len(self.outputs) != shaders.targets(self.entry):
-            raise ValueError(f"{self.entry} writes {shaders.targets(self.entry)} targets, not {self.outputs}")
+        if self.sources is None and len(self.outputs) != self.spec.targets:
+            raise ValueError(f"{self.entry} writes {self.spec.targets} targets, not {self.outputs}")
+
+    @property
+    def spec(self) -> Entry:
+        """What its entry is."""
+        return ENTRIES[self.entry]
 
     @property
     def outputs(self) -> tuple[str, ...]:

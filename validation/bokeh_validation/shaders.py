@@ -6,71 +6,6 @@ from functools import cache
 
 from bokeh_validation import paths
 
-# Entry points by their stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
-ENTRIES = (
-    "BokehLinearDepth",
-    "BokehCoCMap",
-    "BokehSignedCoCMap",
-    "BokehConstantCoC",
-    "BokehDepthOfField",
-    "BokehDepthOfFieldFinal",
-    "BokehAdaptive",
-    "BokehAdaptiveFinal",
-    "BokehNaiveGather",
-    "BokehNaiveGrid",
-    "BokehSquareFirst",
-    "BokehSquareSecond",
-    "BokehHexagonFirst",
-    "BokehHexagonSecond",
-    "BokehOctagonFirst",
-    "BokehOctagonSecond",
-    "BokehDecagonFirst",
-    "BokehDecagonSecond",
-    "BokehExactEdge",
-    "BokehDebug",
-    "BokehLayerTiles",
-    "BokehLayerReach",
-    "BokehLayerSplit",
-    "BokehLayerKernels",
-    "BokehLayerSpread",
-    "BokehLayerSizes",
-    "BokehLayerHoles",
-    "BokehLayerFill",
-    "BokehSquareLayerFirst",
-    "BokehSquareLayerSecond",
-    "BokehHexagonLayerFirst",
-    "BokehHexagonLayerSecond",
-    "BokehOctagonLayerFirst",
-    "BokehOctagonLayerSecond",
-    "BokehDecagonLayerFirst",
-    "BokehDecagonLayerSecond",
-    "BokehLayered",
-    "BokehLayerSplitOne",
-    "BokehLayerKernelsOne",
-    "BokehLayerSpreadOne",
-    "BokehLayerSizesOne",
-    "BokehLayerHolesOne",
-    "BokehLayerFillOne",
-    "BokehLayerEdge",
-)
-# Render targets of the entries that write more than one
-_TARGETS = {
-    "BokehHexagonFirst": 2,
-    "BokehOctagonFirst": 3,
-    "BokehDecagonFirst": 4,
-    "BokehHexagonLayerFirst": 2,
-    "BokehOctagonLayerFirst": 3,
-    "BokehDecagonLayerFirst": 4,
-    "BokehLayerSplit": 4,
-    "BokehLayerKernels": 2,
-    "BokehLayerSpread": 2,
-    "BokehLayerSizes": 2,
-    "BokehLayerHoles": 3,
-    "BokehLayerFill": 2,
-}
-
-# Shader text in pieces, any language: heads of functions begin in the first column, the braces of a body have lines of
-# their own, sections have a heading between two rules.
 COMMENT = re.compile(r"//[^\n]*")
 FUNCTION = re.compile(
     r"^(?P<doc>(?://[^\n]*\n)*)(?P<head>(?:@\w+ )?\w+ (?P<name>\w+)\([^{};]*)\n(?P<body>\{\n.*?^\})$",
@@ -80,11 +15,6 @@ _HEADING = re.compile(r"^// -+\n// \[(\d+)\] .+\n// -+\n", re.MULTILINE)
 
 # GLSL kinds: profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
-
-
-def targets(entry: str) -> int:
-    """How many render targets an entry writes."""
-    return _TARGETS.get(entry, 1)
 
 
 def glsl_pass(entry: str) -> str:
@@ -114,7 +44,7 @@ def defines(values: Mapping[str, object]) -> str:
 
 
 def glsl(entry: str, profile: str = "330", values: Mapping[str, object] | None = None) -> str:
-    """A complete GLSL shader: `entry` is one of ENTRIES or BokehFullScreen, `profile` one of GLSL_VERSIONS."""
+    """A complete GLSL shader: `entry` is one of entries.ENTRIES or BokehFullScreen, `profile` one of GLSL_VERSIONS."""
     head = GLSL_VERSIONS[profile] + "\n" + defines({"BOKEH_PASS": glsl_pass(entry), **(values or {})})
     return head + text("glsl")
 

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from bokeh_validation import paths, shaders
+from bokeh_validation import entries, paths, shaders
 from bokeh_validation.errors import UserError
 
 VERTEX = "BokehFullScreen"
-ENTRIES = (VERTEX, *shaders.ENTRIES)
+ENTRIES = (VERTEX, *entries.ENTRIES)
 
 PAPER_SAMPLES = 13  # on a line, section 4.3
 
@@ -77,7 +77,7 @@ class Variant:
     @property
     def targets(self) -> int:
         """How many render targets it writes; of a vertex shader, what it is linked with does."""
-        return shaders.targets(self.entry)
+        return entries.ENTRIES[self.entry].targets
 
     @property
     def function(self) -> str:

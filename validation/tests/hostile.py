@@ -1,13 +1,14 @@
 """Colour and depth that no renderer should hand over, what docs/inputs.md says that each counts as, and its reach."""
 
-from collections.abc import Iterator, Mapping
-from math import cos, sin
+from collections.abc import Mapping
 
 import numpy as np
 
 from bokeh_validation import methods
+from bokeh_validation.entries import GRID, LINE, TABLE
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference import sampling, segments
+from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
 
 # A half-float channel and what it counts as; 6e-8 is the smallest denormal half float
@@ -77,7 +78,7 @@ def _grown(mask: np.ndarray) -> np.ndarray:
 def _used(item: Pass, coc: np.ndarray) -> np.ndarray:
     """The CoC that a pass scales its lines by, texels."""
     values = item.values()
-    fixed = item.entry.startswith(("BokehDepthOfField", "BokehNaive"))
+    fixed = item.spec.role in (LINE, GRID, TABLE)
     return coc.shape[0] * segments.filter_coc(np.abs(coc), coc.shape[0], 0.0 if fixed else values["BokehSpacing"])
 
 
@@ -93,43 +94,12 @@ def _on_line(mask: np.ndarray, coc: np.ndarray, middle: np.ndarray, half: np.nda
     return found
 
 
-def _lines(item: Pass, plan: methods.Plan) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+def _lines(item: Pass, plan: methods.Plan) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """(slot, middle, half) of every line that a pass samples, units of the CoC, x right, y down."""
-    values = item.values()
-    angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
-    stem = item.entry.removeprefix("Bokeh")
-    slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
-    nothing = np.zeros(2)
-
-    def half(angle: float) -> np.ndarray:
-        return 0.5 * np.array([squeeze * cos(angle), sin(angle)])
-
-    def edges(sides: int, ks: range, second: bool) -> Iterator[segments.Segment]:
-        return (segments.polygon_edge(k, sides, angle, squeeze, second) for k in ks)
-
-    if stem.startswith("DepthOfField"):
-        yield "ColorSamp", nothing, half(angle)
-    elif stem.startswith("Adaptive"):
-        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
-        line = segments.line_segment(angle, values["BokehLineLength"], middle, squeeze)
-        yield "ColorSamp", line.middle, line.half
-    elif stem == "NaiveGather":
-        for x, y in plan.tables["kernel"][0, :, :2].astype(np.float64):
-            yield "ColorSamp", np.array([squeeze * x, y]), nothing
-    elif stem == "NaiveGrid":
-        for t in np.linspace(-1.0, 1.0, item.samples):
-            yield "ColorSamp", t * half(values["BokehAngleB"]), half(angle)
-    elif stem == "ExactEdge":
-        k = round(values["BokehEdge"])
-        for line in edges(round(values["BokehSides"]), range(1, k), False):
-            yield "ColorSamp", line.middle, line.half
-    else:
-        second = stem.endswith("Second")
-        sides = methods.EXACT[stem.removesuffix("First").removesuffix("Second").lower()]
-        first_edge = 2 if second else 1
-        ks = range(first_edge, sides // 2 + first_edge - 1)
-        for k, line in zip(ks, edges(sides, ks, second), strict=True):
-            yield slots[k - 2] if second else "ColorSamp", line.middle, line.half
+    if item.spec.role != TABLE:
+        return [(line.slot, line.segment.middle, line.segment.half) for line in lines(item)]
+    table = plan.tables["kernel"][0, :, :2].astype(np.float64) * [item.values()["BokehSqueeze"], 1.0]
+    return [("ColorSamp", offset, np.zeros(2)) for offset in table]
 
 
 def sprinkled(random: np.random.Generator, pixels: np.ndarray, pairs, share: float) -> np.ndarray:

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.bench.reads import COPIES, Line, Reads, reads
+from bokeh_validation.bench.reads import Line, Reads, reads
+from bokeh_validation.entries import COPYING_ENTRIES
 from bokeh_validation.passes import Pass
 
 ENTRY = "BokehFloor"
@@ -170,9 +171,9 @@ def _replaced(item: Pass, found: Reads) -> Pass:
 
 def floor(passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
     """A plan's passes with every filter pass replaced by its floor; names of textures and targets stay."""
-    return tuple(item if item.entry in COPIES else _replaced(item, reads(item)) for item in passes)
+    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, reads(item)) for item in passes)
 
 
 def one_fetch(passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
     """The same with one colour fetch a pass, at the pixel, and no depth: a pass in focus cannot cost less."""
-    return tuple(item if item.entry in COPIES else _replaced(item, Reads(())) for item in passes)
+    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, Reads(())) for item in passes)

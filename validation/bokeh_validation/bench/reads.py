@@ -1,15 +1,16 @@
 """What a filter pass fetches, and where: for its floor, and for the table of costs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bokeh_validation import apertures, fetches, methods
-from bokeh_validation.passes import COPYING_ENTRIES, Pass
+from bokeh_validation import fetches
+from bokeh_validation.entries import ADAPTIVE, COPYING_ENTRIES, GRID, LINE
+from bokeh_validation.passes import Pass
 from bokeh_validation.reference import listings, segments
+from bokeh_validation.reference.lines import lines
+from bokeh_validation.reference.segments import Segment
 
-COPIES = COPYING_ENTRIES
-COLOR_SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
 TARGET_BYTES = 8  # RGBA16F
 
 
@@ -66,30 +67,20 @@ class Reads:
 
 def reads(item: Pass) -> Reads:
     """The fetches of a filter pass. Raises KeyError for another one."""
-    values = item.values()
-    stem = item.entry.removeprefix("Bokeh")
-    others = ("ColorSampB",) if stem.endswith("Final") else ()
-    angles = [apertures.direction(values[name]) for name in ("BokehAngle", "BokehAngleB")]
-    squeeze, spacing = np.array([values["BokehSqueeze"], 1.0]), values["BokehSpacing"]
-    zero = np.zeros(2)
-    if stem in ("DepthOfField", "DepthOfFieldFinal"):
-        return Reads((Line("ColorSamp", zero, 0.5 * angles[0] * squeeze, item.samples, ends=True),), others)
-    if stem == "NaiveGrid":
-        u, v = (0.5 * angle * squeeze for angle in angles)
-        return Reads((Line("ColorSamp", zero, u, item.samples, ends=True, side=v),))
-    if stem in ("Adaptive", "AdaptiveFinal"):
-        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
-        found = segments.line_segment(values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"])
-        line = Line("ColorSamp", found.middle, found.half, item.samples, spacing=spacing)
-        return Reads((line,), others, skips=True)
-    second = stem.endswith("Second")
-    sides = methods.EXACT[stem.removesuffix("First").removesuffix("Second").lower()]
-    lines = []
-    for k in range(1, sides // 2):
-        edge = segments.polygon_edge(k + second, sides, values["BokehAngle"], values["BokehSqueeze"], second)
-        slot = COLOR_SLOTS[k - 1] if second else "ColorSamp"
-        lines.append(Line(slot, edge.middle, edge.half, item.samples, spacing=spacing))
-    return Reads(tuple(lines), skips=True, depth=False)
+    role, along = item.spec.role, lines(item)
+    if not along:
+        raise KeyError(item.entry)
+    side, spacing = None, 0.0 if role == LINE else item.values()["BokehSpacing"]
+    if role == GRID:
+        # its first line is one side away from the middle
+        side, spacing = -along[0].segment.middle, 0.0
+        along = (replace(along[0], segment=Segment(np.zeros(2), along[0].segment.half)),)
+    found = tuple(
+        Line(line.slot, line.segment.middle, line.segment.half, item.samples, role in (LINE, GRID), spacing, side)
+        for line in along
+    )
+    others = ("ColorSampB",) if role in (LINE, ADAPTIVE) and "ColorSampB" in item.inputs else ()
+    return Reads(found, others, role not in (LINE, GRID), "DepthSamp" in item.inputs)
 
 
 @dataclass(frozen=True)
@@ -129,10 +120,10 @@ def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
     coc = stored_coc(passes[0], depth)
     for item in passes:
         written += TARGET_BYTES * len(item.outputs) / item.scale**2
-        if fetches.is_layers(item):
+        if item.spec.layers:
             color += fetches.of_pass(item, not coc.any())["color"] / item.scale**2
             continue
-        if item.entry in COPIES:
+        if item.entry in COPYING_ENTRIES:
             color += 1
             of_depth += item.entry != "BokehConstantCoC"
             continue

@@ -25,7 +25,7 @@ def load(name: str, adapter: str | None = None) -> Driver:
 
         return {"webgl2": browser.WebGL2, "webgpu": browser.WebGPU}[name](adapter)
     if name == "reference":
-        from bokeh_validation.drivers.reference import Reference
+        from bokeh_validation.reference.device import Reference
 
         return Reference(adapter)
     raise UserError(f"no driver {name!r}: one of {', '.join(NAMES)}")

@@ -27,10 +27,10 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import methods, metrics
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import target_size
 from bokeh_validation.patterns.model import Case, expected
 from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 
 # Devices whose texture filter is float32-exact and whose sin and cos are too; all others are judged as GPUs.

@@ -79,7 +79,7 @@ def helpers() -> Mapping[str, Function]:
 
 @cache
 def main(entry: str) -> Function:
-    """main() of one of shaders.ENTRIES, from glsl/bokeh_passes.glsl."""
+    """main() of one of entries.ENTRIES, from glsl/bokeh_passes.glsl."""
     head = rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(entry)}\n\n"
     branch = re.search(head, _text("passes"), re.MULTILINE)
     if branch is None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from bokeh_validation import parity, paths, shaders
+from bokeh_validation.entries import ENTRIES
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants.model import Edit, Mutant
 from bokeh_validation.passes import PARAMETERS
@@ -89,7 +90,7 @@ def functions(language: str) -> dict[str, int]:
 def bodies(text: str, file: str, language: str, name: str) -> list[tuple[int, int]]:
     """(start, end) of the bodies of a function or entry; in HLSL two of one name stand in two branches of an #if."""
     names = {name, f"{name}_PS", f"{name}_VS"} if file == "passes" else {name}
-    if file == "passes" and language == "glsl" and name in ("BokehFullScreen", *shaders.ENTRIES):
+    if file == "passes" and language == "glsl" and name in ("BokehFullScreen", *ENTRIES):
         branch = re.search(rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(name)}\n\n", text, re.MULTILINE)
         found = [shaders.FUNCTION.search(text, branch.end())] if branch else []
     else:

@@ -7,6 +7,7 @@ from threading import Lock
 from bokeh_validation import parity, rules, shaders
 from bokeh_validation.compilers import dxc, glslang, naga
 from bokeh_validation.drivers.webgpu import WGPU
+from bokeh_validation.entries import ENTRIES
 from bokeh_validation.mutants.edits import originals
 from bokeh_validation.mutants.model import Mutant
 
@@ -39,7 +40,7 @@ def seen_by_parity(texts: Mapping[str, str]) -> bool:
 def _glsl(library: str, whole: str, passes: bool) -> str:
     """The library is the same text in every pass: one shows whether it compiles."""
     head = shaders.GLSL_VERSIONS["330"] + "\n"
-    for entry in ("BokehFullScreen", *shaders.ENTRIES) if passes else ("BokehCoCMap",):
+    for entry in ("BokehFullScreen", *ENTRIES) if passes else ("BokehCoCMap",):
         stage = "vert" if entry == "BokehFullScreen" else "frag"
         result = glslang.parse(f"{head}#define BOKEH_PASS {shaders.glsl_pass(entry)}\n{whole}", stage)
         if not result.ok:

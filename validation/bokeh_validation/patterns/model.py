@@ -9,9 +9,9 @@ import numpy as np
 
 from bokeh_validation import methods, metrics
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 
 Outputs = Mapping[str, np.ndarray]

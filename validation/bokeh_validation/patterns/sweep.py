@@ -14,47 +14,19 @@ Slope, contrast and change are the largest within the line's reach. Of pictures 
 max, the result changes by no more than the one that changes most.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
 
-from bokeh_validation.drivers.reference import SIDES
+from bokeh_validation.entries import ADAPTIVE, LINE
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference import precision, segments
+from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.segments import Segment
 
 Outputs = Mapping[str, np.ndarray]
 # one store cuts off a step at most, of 2^-10; two frames' stores differ by as much
 STORE_STEP = 2.0**-10
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of a pass: where it is, and the texture that is averaged along it."""
-
-    segment: Segment
-    texture: str
-
-
-def lines(item: Pass) -> Iterator[Line]:
-    """All lines of a filter pass. Raises ValueError for an entry that has none."""
-    values = item.values()
-    angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
-    if item.entry.startswith(("BokehDepthOfField", "BokehAdaptive")):
-        length, middle = 1.0, (0.0, 0.0)
-        if item.entry.startswith("BokehAdaptive"):
-            length, middle = values["BokehLineLength"], (values["BokehLineCenterX"], values["BokehLineCenterY"])
-        yield Line(segments.line_segment(angle, length, middle, squeeze), item.inputs["ColorSamp"])
-        return
-    stem = item.entry.removesuffix("First").removesuffix("Second")
-    if stem not in SIDES:
-        raise ValueError(f"{item.entry} filters along no line")
-    sides, second = SIDES[stem], item.entry.endswith("Second")
-    slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
-    for k in range(2 if second else 1, sides // 2 + (1 if second else 0)):
-        texture = item.inputs[slots[k - 2] if second else "ColorSamp"]
-        yield Line(segments.polygon_edge(k, sides, angle, squeeze, second), texture)
 
 
 def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
@@ -65,25 +37,28 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     center = item.inputs["ColorSamp"]
     # its size: it is signed in the passes of exact
     coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
-    found = [_line_change(line, item, before[line.texture], after[line.texture], coc) for line in lines(item)]
-    if "ColorSampB" in item.inputs and not item.entry.endswith("Second"):
+    found = [
+        _line_change(line.segment, item, *(images[item.inputs[line.slot]] for images in (before, after)), coc)
+        for line in lines(item)
+    ]
+    if "ColorSampB" in item.inputs and item.spec.role in (LINE, ADAPTIVE):
         other = item.inputs["ColorSampB"]
         found.append(np.abs(after[other] - before[other])[..., :-1])
     return np.max(found, axis=0)
 
 
-def _line_change(line: Line, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
+def _line_change(segment: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
     """The sum in the module's text, for one line."""
     values, (height, width) = item.values(), before.shape[:2]
     spacing = values["BokehSpacing"]
     used = [segments.filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
-    reach = np.abs(line.segment.middle) + np.abs(line.segment.half)
+    reach = np.abs(segment.middle) + np.abs(segment.half)
     # a sample reads the texels around it
     radius = [int(np.ceil(r * max(u.max() for u in used))) + 1 for r in reach]
     cells = [np.full(moved.shape, float(item.samples))] * 2
     if spacing > 0.0:
-        cells = [np.clip(2 * line.segment.half_length * u / spacing, 1.0, item.samples) for u in used]
+        cells = [np.clip(2 * segment.half_length * u / spacing, 1.0, item.samples) for u in used]
     change = largest_within(np.abs(after - before), radius)
     across, down = _slopes(after, radius)
     place = 2 * precision.SOFTWARE.place(max(width, height))

@@ -12,6 +12,7 @@ from math import ceil, cos, floor, pi, sin
 
 import numpy as np
 
+from bokeh_validation.entries import FIRST, SECOND, Entry
 from bokeh_validation.reference import balls, segments
 from bokeh_validation.reference.balls import Ball, Texture
 from bokeh_validation.reference.gather import BAND_ROWS, THREADS
@@ -619,7 +620,7 @@ def outline(ring: int, layers: Layers) -> list[Sample]:
 
 
 def run_pass(
-    entry: str,
+    entry: Entry,
     textures: Sequence[Image],
     size: tuple[int, int],
     values: Mapping[str, float],
@@ -628,13 +629,10 @@ def run_pass(
 ) -> list[Image]:
     """What a layered entry writes to each of its targets; textures in the order of their slots."""
     width, height = round(values["BokehImageWidth"]), round(values["BokehImageHeight"])
-    polygons = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon": 10}
-    sides = next(
-        (n for stem, n in polygons.items() if entry.startswith(stem)), min(max(round(values["BokehSides"]), 4), 10)
-    )
+    sides = entry.sides or min(max(round(values["BokehSides"]), 4), 10)
     jitter = open_jitter = None
     if values["BokehJitter"] > 0.0:
-        index = 2 if entry == "BokehLayered" else int(entry.endswith("Second"))
+        index = 2 if entry.name == "BokehLayered" else int(entry.role == SECOND)
         quality = segments.quality(size, 1.0, 2, values["BokehJitter"], values["BokehFrame"], index)
         jitter, open_jitter = quality.jitter, quality.open
     layers = Layers(
@@ -665,10 +663,10 @@ def run_pass(
         "BokehLayerEdge": lambda: run.first(is_far, [edge]),
         "BokehLayered": run.layered,
     }
-    if entry.endswith("One"):
-        return [calls[entry.removesuffix("One")]()[edge - 2]]
-    if entry.endswith("LayerFirst"):
+    if entry.whole:
+        return [calls[entry.whole]()[edge - 2]]
+    if entry.role == FIRST:
         return run.first(is_far, range(2, sides // 2 + 1))
-    if entry.endswith("LayerSecond"):
+    if entry.role == SECOND:
         return run.second(is_far)
-    return calls[entry]()
+    return calls[entry.name]()

@@ -230,8 +230,8 @@ def adaptive(
 
 
 def parallelogram(k: int, i: int, sides: int) -> float:
-    """Area of the parallelogram of edges i < k, in units of a rhombus with a right angle."""
-    return sin((k - i) * 2.0 * pi / sides)
+    """Area of the parallelogram of edges i < k, in units of a rhombus with a right angle; 0 for other edges."""
+    return sin((k - i) * 2.0 * pi / sides) if i < k else 0.0
 
 
 def weight(k: int, sides: int) -> float:

@@ -11,6 +11,7 @@ from PIL import Image
 from support import needed
 
 from bokeh_validation import passes, paths, shaders
+from bokeh_validation.entries import ENTRIES
 from bokeh_validation.engines import direct3d, opengl, panda3d, process
 
 INTEGRATION = paths.ROOT / "integration"
@@ -95,7 +96,7 @@ def test_bevy_passes():
     found = re.findall(r'pass\("(\w+)_PS", &\[[^\]]*\], &\[([^\]]*)\]', plugin)
     assert len(found) > 10
     for entry, writes in found:
-        assert len(writes.split(",")) == shaders.targets(entry), entry
+        assert len(writes.split(",")) == ENTRIES[entry].targets, entry
     (line,) = re.findall(r'^const SAMPLES: &str = "(.*)";$', plugin, re.MULTILINE)
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 

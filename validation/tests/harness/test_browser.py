@@ -17,6 +17,7 @@ from bokeh_validation import browser, drivers, paths, shaders
 from bokeh_validation.browser import chromium
 from bokeh_validation.compilers import angle, naga, tint
 from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.entries import ENTRIES
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
 
@@ -187,10 +188,10 @@ class TestCompilers:
         result = wgsl("BokehFullScreen_VS", "BokehNone_PS")
         assert not result.ok and "BokehNone_PS" in result.messages
 
-    @pytest.mark.parametrize("entry", shaders.ENTRIES)
+    @pytest.mark.parametrize("entry", ENTRIES)
     def test_depth_and_kernel_need_no_filtering_sampler(self, entry, session):
         """The layout has them unfilterable, as the documents say that they may be."""
-        result = wgsl("BokehFullScreen_VS", entry + "_PS", targets=shaders.targets(entry))
+        result = wgsl("BokehFullScreen_VS", entry + "_PS", targets=ENTRIES[entry].targets)
         assert result.ok, result.messages
 
     def test_tint_misses_a_target(self, session):

@@ -11,7 +11,7 @@ import OpenEXR
 import pytest
 
 from bokeh_validation import exr, methods, paths, suite
-from bokeh_validation.drivers.reference import Reference
+from bokeh_validation.reference.device import Reference
 
 STREET = paths.SCENES / "street_11_pin.exr"
 CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-distance", "5", "--max-coc", "0.15"]

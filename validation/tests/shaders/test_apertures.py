@@ -13,11 +13,11 @@ from test_render import refused, run
 
 from bokeh_validation import apertures, decomposition, methods, paths, sheet
 from bokeh_validation.decomposition import Decomposition, decompose
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.errors import UserError
 from bokeh_validation.patterns import impulse
 from bokeh_validation.patterns.model import depth_of, pixel_center
 from bokeh_validation.reference import polygons
+from bokeh_validation.reference.device import Reference
 
 REGULAR = range(3, 13)
 # No two sides parallel, and parallel sides of several kinds

@@ -8,12 +8,12 @@ from support import load
 
 from bokeh_validation import apertures, drivers, methods, metrics, suite
 from bokeh_validation.drivers import base
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass, target_area, target_size
 from bokeh_validation.patterns import model
 from bokeh_validation.patterns.model import Case, expected
 from bokeh_validation.reference import images, listings, precision
+from bokeh_validation.reference.device import Reference
 
 METHODS = [*apertures.METHODS, "naive-grid"]
 

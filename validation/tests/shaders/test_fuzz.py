@@ -19,9 +19,9 @@ from hypothesis.configuration import set_hypothesis_home_dir
 from support import load
 
 from bokeh_validation import apertures, drivers, methods, metrics, paths
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.patterns.model import Case
 from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.listings import MAX_COLOR
 

@@ -16,11 +16,11 @@ from test_exact import float_outputs
 
 from bokeh_validation import apertures, methods, metrics, moments, paths
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns import layers, sweep
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import precision, segments
+from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 
 DOCUMENT = (paths.ROOT / "docs/invariances.md").read_text(encoding="utf-8")

@@ -13,10 +13,10 @@ from test_patterns import judged
 from test_viewport import framed, inside, poisoned
 
 from bokeh_validation import drivers, methods, metrics
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.patterns import layers, model
 from bokeh_validation.patterns.model import Case
 from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
 
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
 SETTINGS = methods.Settings("layered", "hexagon", camera=CAMERA)

@@ -7,8 +7,8 @@ import pytest
 from support import load
 
 from bokeh_validation import methods, patterns
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.patterns import impulse, model
+from bokeh_validation.reference.device import Reference
 
 
 @pytest.mark.parametrize("probe", patterns.PROBES, ids=lambda p: p.name)

@@ -10,14 +10,14 @@ from test_drivers import noise_case
 
 from bokeh_validation import methods, metrics, paths, shaders
 from bokeh_validation.compilers import fxc, glslang
-from bokeh_validation.drivers import reference
+from bokeh_validation.entries import ENTRIES
 from bokeh_validation.half import budget, domain, frames, program, table
 from bokeh_validation.half.choice import ALLOWED, LIMITS, MAY_BE_HALF, WHOLE
 from bokeh_validation.half.emulator import Emulator, stored
 from bokeh_validation.half.evaluate import ALL_FLOAT, ALL_HALF, FETCHES, RETURNED, Choice, Evaluator
 from bokeh_validation.half.numbers import HALF, Rounded
 from bokeh_validation.patterns.model import Case, expected
-from bokeh_validation.reference import listings, segments
+from bokeh_validation.reference import device, listings, segments
 
 EXACT = 1e-12
 SIZE = (53, 41)
@@ -167,9 +167,9 @@ def test_float64_passes_are_the_reference(name, monkeypatch):
     off by 3.6e-9 of the CoC (0.1 of 41 rows), times 3 edges and 2 passes: 1e-7. The reference counts in pixels, the
     shaders in uv with an aspect ratio given in float32: 2^-24 of half a CoC, 2 pixels: 2.4e-7.
     """
-    monkeypatch.setattr(reference, "stored", lambda image, dtype, rounding: image)
+    monkeypatch.setattr(device, "stored", lambda image, dtype, rounding: image)
     case = noise_case(SIZE, PLANS[name])
-    wanted = reference.Reference().images(case.plan.passes, case.textures(), case.size)["result"].value
+    wanted = device.Reference().images(case.plan.passes, case.textures(), case.size)["result"].value
     found = Emulator(Rounded(np.float64), ALL_FLOAT).run(case.plan.passes, case.textures(), case.size)["result"]
     tolerance = 3.4e-7 if any("BokehImageWidth" in item.parameters for item in case.plan.passes) else EXACT
     assert np.abs(found - wanted).max() <= tolerance * np.abs(wanted).max()
@@ -382,7 +382,7 @@ def test_libraries_have_no_half():
             assert not found, f"{file.name}: {found}"
 
 
-@pytest.mark.parametrize("entry", shaders.ENTRIES)
+@pytest.mark.parametrize("entry", ENTRIES)
 def test_highp_wins_over_mediump(entry):
     """`precision mediump float` in front of the library relaxes nothing; without the library's own line it would."""
     head = f"#version 310 es\nprecision mediump float;\n#define BOKEH_PASS {shaders.glsl_pass(entry)}\n"

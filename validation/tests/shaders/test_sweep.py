@@ -16,11 +16,11 @@ from test_exact import float_outputs
 
 from bokeh_validation import methods, paths, suite
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns import sweep
 from bokeh_validation.patterns.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
+from bokeh_validation.reference.device import Reference
 
 DOCUMENT = (paths.ROOT / "docs/invariances.md").read_text(encoding="utf-8")
 PROSE = " ".join(DOCUMENT.split())  # without its line ends

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bokeh_validation import methods, metrics, paths, variants
-from bokeh_validation.drivers.reference import Reference
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference import images, listings, precision
+from bokeh_validation.reference.device import Reference
 
 SIZE = (90, 70)
 # not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows

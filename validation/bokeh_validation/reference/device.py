@@ -7,10 +7,12 @@ import numpy as np
 
 from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
+from bokeh_validation.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LINE, SECOND, VIEW
 from bokeh_validation.passes import SLOTS, Pass, target_area, target_size
 from bokeh_validation.reference import layers, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
+from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.precision import Precision
 
 
@@ -145,48 +147,35 @@ def _drawn(image: Image, viewport: tuple[int, int, int, int], over: Image | None
 def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, precision) -> list[Image]:
     """What a pass writes to each of its targets."""
     values = item.given()
-    if "Layer" in item.entry:
+    if item.spec.layers:
         inputs = [live[item.inputs[slot]] for slot in SLOTS if slot in item.inputs]
-        return layers.run_pass(item.entry, inputs, size, values, item.defines, precision)
-    if item.entry in ("BokehCoCMap", "BokehSignedCoCMap"):
-        depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
-        coc = listings.circle_of_confusion(
-            depth,
-            values["BokehApertureDiameter"],
-            values["BokehFocalLength"],
-            values["BokehFocusDistance"],
-            values["BokehSensorHeight"],
-            values["BokehMaxCoC"],
-        )
-        if item.entry == "BokehSignedCoCMap":
-            coc = listings.signed_coc(depth, coc, values["BokehFocusDistance"])
-        return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
-    if item.entry == "BokehLinearDepth":
+        return layers.run_pass(item.spec, inputs, size, values, item.defines, precision)
+    role = item.spec.role
+    if role == DEPTH:
         depth = textures[item.inputs["DepthSamp"]].astype(np.float64)
         metres = listings.linear_depth(depth, round(values["BokehDepthKind"]), values["BokehNear"], values["BokehFar"])
         return [Image(np.stack([metres, metres, metres, np.ones_like(metres)], axis=-1))]
-    if item.entry == "BokehConstantCoC":
-        coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
+    if role == COPY:
+        coc = _coc(item, values, textures)
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
-    if item.entry == "BokehDebug":
+    if role == VIEW:
         return [_debug(live[item.inputs["ColorSamp"]], textures[item.inputs["DepthSamp"]], values)]
     filters = _Filters(item, values, live, textures, size, precision)
-    if item.entry in ("BokehAdaptive", "BokehAdaptiveFinal"):
-        return [filters.combined(filters.adaptive())]
-    if item.entry == "BokehExactEdge":
-        return [filters.exact_target(round(values["BokehEdge"]), round(values["BokehSides"]))]
-    if item.entry.endswith("First"):
-        sides = SIDES[item.entry.removesuffix("First")]
-        return [filters.exact_target(k, sides) for k in range(2, sides // 2 + 1)]
-    if item.entry.endswith("Second"):
-        return [filters.exact_second(SIDES[item.entry.removesuffix("Second")])]
+    if role in (ADAPTIVE, FIRST, SECOND, EDGE):
+        return filters.along_lines()
     table = Table(_offsets(item, values, textures, size), size[1])
     filtered = gather(filters.color, filters.depth, table, filters.leakage, values["BokehBlurCoC"] > 0.5, precision)
     return [filters.combined(filtered)]
 
 
-# Polygons of the exact method, by the stem of their entries
-SIDES = {"BokehSquare": 4, "BokehHexagon": 6, "BokehOctagon": 8, "BokehDecagon": 10}
+def _coc(item: Pass, values: Mapping[str, float], textures: Textures) -> np.ndarray | float:
+    """What a CoC map stores beside the colour."""
+    if item.entry == "BokehConstantCoC":
+        return np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
+    depth = listings.safe_depth(textures[item.inputs["DepthSamp"]].astype(np.float64))
+    camera = ("ApertureDiameter", "FocalLength", "FocusDistance", "SensorHeight", "MaxCoC")
+    coc = listings.circle_of_confusion(depth, *(values[f"Bokeh{name}"] for name in camera))
+    return listings.signed_coc(depth, coc, values["BokehFocusDistance"]) if "Signed" in item.entry else coc
 
 
 class _Filters:
@@ -198,7 +187,7 @@ class _Filters:
         self.color = live[item.inputs["ColorSamp"]]
         self.leakage = Leakage(values["BokehBleedingBias"], values["BokehBleedingMult"])
         # the exact passes know which they are
-        index = values["BokehPassIndex"] if "Adaptive" in item.entry else float(item.entry.endswith("Second"))
+        index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
         self.quality = segments.quality(
             size, values["BokehSpacing"], item.samples, values["BokehJitter"], values["BokehFrame"], index
         )
@@ -211,50 +200,31 @@ class _Filters:
         """The texture in a slot, read at each pixel's centre."""
         return at_center(self.slot(name), self.precision)
 
-    def line(self, segment: segments.Segment) -> segments.Line:
-        """The samples along a segment."""
-        return segments.Line(segment, self.quality, self.color.size[1])
-
-    def edge(self, k: int, sides: int, second_pass: bool) -> segments.Line:
-        """The samples along edge k of the polygon."""
-        values = self.values
-        return self.line(segments.polygon_edge(k, sides, values["BokehAngle"], values["BokehSqueeze"], second_pass))
-
-    def adaptive(self) -> Image:
-        """`BokehAdaptive`."""
-        values = self.values
-        middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
-        segment = segments.line_segment(values["BokehAngle"], values["BokehLineLength"], middle, values["BokehSqueeze"])
-        blur_coc = values["BokehBlurCoC"] > 0.5
-        return segments.adaptive(self.color, self.depth, self.line(segment), self.leakage, blur_coc, self.precision)
+    def along_lines(self) -> list[Image]:
+        """`BokehAdaptive` and the passes of exact polygons: for each target the lines that have a share in it."""
+        found, height = lines(self.item), self.color.size[1]
+        slots = list(dict.fromkeys(line.slot for line in found))
+        sources = [self.slot(name) for name in slots]
+        images = []
+        for target in range(len(found[0].shares)):
+            used = [line for line in found if line.shares[target] > 0.0]
+            pattern = segments.Lines(
+                tuple(segments.Line(line.segment, self.quality, height) for line in used),
+                tuple(line.shares[target] for line in used),
+                tuple(slots.index(line.slot) for line in used),
+            )
+            if self.item.spec.role == ADAPTIVE:
+                pattern = pattern.lines[0]
+            blur_coc = self.item.spec.role == ADAPTIVE and self.values["BokehBlurCoC"] > 0.5
+            filtered = segments.adaptive(sources, self.depth, pattern, self.leakage, blur_coc, self.precision)
+            images.append(self.combined(filtered))
+        return images
 
     def combined(self, image: Image) -> Image:
         """Listing 4, where the pass has a second image."""
-        if "ColorSampB" not in self.item.inputs:
+        if self.item.spec.role not in (LINE, ADAPTIVE) or "ColorSampB" not in self.item.inputs:
             return image
         return listings.combine(image, self.center("ColorSampB"), self.values["BokehUseMax"] > 0.5)
-
-    def exact_target(self, k: int, sides: int) -> Image:
-        """T_k of the first pass: the lines along the edges before k, in one weighted mean."""
-        edges = range(1, k)
-        lines = segments.Lines(
-            tuple(self.edge(i, sides, False) for i in edges),
-            tuple(segments.parallelogram(k, i, sides) for i in edges),
-            tuple(0 for _ in edges),
-        )
-        return segments.adaptive(self.color, None, lines, self.leakage, False, self.precision)
-
-    def exact_second(self, sides: int) -> Image:
-        """Second pass: ColorSamp, ColorSampB and so on hold the targets of the first."""
-        slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD")
-        edges = range(2, sides // 2 + 1)
-        lines = segments.Lines(
-            tuple(self.edge(k, sides, True) for k in edges),
-            tuple(segments.weight(k, sides) for k in edges),
-            tuple(range(len(edges))),
-        )
-        targets = [self.slot(slots[k - 2]) for k in edges]
-        return segments.adaptive(targets, None, lines, self.leakage, False, self.precision)
 
 
 def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: tuple[int, int]) -> np.ndarray:
@@ -264,16 +234,14 @@ def _offsets(item: Pass, values: Mapping[str, float], textures: Textures, size: 
     """
     aspect = values["BokehAspectRatio"] / values["BokehSqueeze"]
     to_heights = np.array([size[0] / size[1], 1.0])
-    if item.entry in ("BokehDepthOfField", "BokehDepthOfFieldFinal"):
+    if item.spec.role == LINE:
         return apertures.make_offsets(values["BokehAngle"], aspect, item.samples) * to_heights
-    if item.entry == "BokehNaiveGrid":
+    if item.spec.role == GRID:
         u = apertures.make_offsets(values["BokehAngle"], aspect, item.samples)
         v = apertures.make_offsets(values["BokehAngleB"], aspect, item.samples)
         return (v[:, None] + u[None, :]).reshape(-1, 2) * to_heights
-    if item.entry == "BokehNaiveGather":
-        table = textures[item.inputs["KernelSamp"]][0, :, :2].astype(np.float64)
-        return table / np.array([aspect, 1.0]) * to_heights
-    raise KeyError(f"the reference has no pass {item.entry!r}")
+    table = textures[item.inputs["KernelSamp"]][0, :, :2].astype(np.float64)
+    return table / np.array([aspect, 1.0]) * to_heights
 
 
 def _debug(image: Image, depth: np.ndarray, values: Mapping[str, float]) -> Image:

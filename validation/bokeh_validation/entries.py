@@ -1,0 +1,93 @@
+"""The entry points of bokeh_passes.*: what each reads, how many targets it writes, and what it is."""
+
+from dataclasses import dataclass
+
+COPY, DEPTH, VIEW = "copy", "depth", "view"
+LINE, ADAPTIVE, GRID, TABLE = "line", "adaptive", "grid", "table"
+FIRST, SECOND, EDGE, LAYERS = "first", "second", "edge", "layers"
+
+# Sides of the polygons that are exact, with the name that their entries begin with
+EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
+COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An entry point by its stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
+
+    role      COPY makes the CoC map of a colour; DEPTH linear depth, VIEW the debug view. LINE blurs along one line of
+              a fixed number of samples, ADAPTIVE along one of any length and spacing; GRID and TABLE gather in two
+              dimensions. FIRST and SECOND are the passes of an exact polygon, EDGE one target of the first; with
+              `layers`, of a polygon of layers. LAYERS is the rest of bokeh_layers.*
+    textures  slots that it reads
+    targets   how many it writes
+    sides     of its polygon; 0 where a parameter says it, or there is none
+    layers    whether it is one of bokeh_layers.*
+    whole     name of the entry of whose targets it writes one, chosen by BokehEdge
+    """
+
+    name: str
+    role: str
+    textures: tuple[str, ...]
+    targets: int = 1
+    sides: int = 0
+    layers: bool = False
+    whole: str = ""
+
+
+def _polygon(word: str, sides: int) -> tuple[Entry, Entry]:
+    """The two passes of an exact polygon."""
+    between = sides // 2 - 1
+    return (
+        Entry(f"Bokeh{word}First", FIRST, COLORS[:1], between, sides),
+        Entry(f"Bokeh{word}Second", SECOND, COLORS[:between], 1, sides),
+    )
+
+
+def _layer(word: str, sides: int) -> tuple[Entry, Entry]:
+    """The same on a layer, whose second pass has the CoC in the fifth slot."""
+    between = sides // 2 - 1
+    return (
+        Entry(f"Bokeh{word}LayerFirst", FIRST, COLORS[:2], between, sides, True),
+        Entry(f"Bokeh{word}LayerSecond", SECOND, (*COLORS[:between], COLORS[4]), 1, sides, True),
+    )
+
+
+def _layers(name: str, textures: int, targets: int = 1) -> Entry:
+    return Entry(f"BokehLayer{name}", LAYERS, COLORS[:textures], targets, layers=True)
+
+
+_SEVERAL = (
+    _layers("Split", 2, 4),
+    _layers("Kernels", 2, 2),
+    _layers("Spread", 3, 2),
+    _layers("Sizes", 3, 2),
+    _layers("Holes", 2, 3),
+    _layers("Fill", 4, 2),
+)
+_COLOR_DEPTH = ("ColorSamp", "DepthSamp")
+_ALL = (
+    Entry("BokehLinearDepth", DEPTH, ("DepthSamp",)),
+    Entry("BokehCoCMap", COPY, _COLOR_DEPTH),
+    Entry("BokehSignedCoCMap", COPY, _COLOR_DEPTH),
+    Entry("BokehConstantCoC", COPY, ("ColorSamp",)),
+    Entry("BokehDepthOfField", LINE, _COLOR_DEPTH),
+    Entry("BokehDepthOfFieldFinal", LINE, (*_COLOR_DEPTH, "ColorSampB")),
+    Entry("BokehAdaptive", ADAPTIVE, _COLOR_DEPTH),
+    Entry("BokehAdaptiveFinal", ADAPTIVE, (*_COLOR_DEPTH, "ColorSampB")),
+    Entry("BokehNaiveGather", TABLE, (*_COLOR_DEPTH, "KernelSamp")),
+    Entry("BokehNaiveGrid", GRID, _COLOR_DEPTH),
+    *(entry for word, sides in EXACT.items() for entry in _polygon(word.capitalize(), sides)),
+    Entry("BokehExactEdge", EDGE, COLORS[:1]),
+    Entry("BokehDebug", VIEW, _COLOR_DEPTH),
+    _layers("Tiles", 1),
+    _layers("Reach", 1),
+    *_SEVERAL,
+    *(entry for word, sides in EXACT.items() for entry in _layer(word.capitalize(), sides)),
+    Entry("BokehLayered", LAYERS, COLORS, layers=True),
+    # one target at a time
+    *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
+    Entry("BokehLayerEdge", EDGE, COLORS[:2], layers=True),
+)
+ENTRIES = {entry.name: entry for entry in _ALL}
+COPYING_ENTRIES = tuple(entry.name for entry in _ALL if entry.role == COPY)
