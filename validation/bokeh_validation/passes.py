@@ -115,7 +115,8 @@ class Pass:
     channels    one of CHANNELS: 2 has targets of red and green only. A shader reads blue 0 and alpha 1 from them, in
                 Direct3D 9 blue 1; Job.read returns blue 0 and alpha 1 everywhere
 
-    Raises ValueError where the entry writes another number of targets, and for other scales and channels.
+    Raises ValueError where the entry writes another number of targets or does not read a slot, and for other scales and
+    channels.
     """
 
     entry: str
@@ -135,6 +136,9 @@ class Pass:
                 raise ValueError(f"{self.entry}: {name} is one of {', '.join(map(str, allowed))}, not {value}")
         if self.sources is None and len(self.outputs) != self.spec.targets:
             raise ValueError(f"{self.entry} writes {self.spec.targets} targets, not {self.outputs}")
+        unread = set(self.inputs) - set(SLOTS if self.sources else self.spec.textures)
+        if unread:
+            raise ValueError(f"{self.entry} does not read {', '.join(sorted(unread))}")
 
     @property
     def spec(self) -> Entry:
