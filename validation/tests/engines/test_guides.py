@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 from support import needed
 
-from bokeh_validation import passes, paths, shaders
-from bokeh_validation.entries import ENTRIES
+from bokeh_validation import passes, paths
 from bokeh_validation.engines import direct3d, opengl, panda3d, process
+from bokeh_validation.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
 NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
