@@ -9,7 +9,7 @@ from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
 from bokeh_validation.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LINE, SECOND, VIEW
 from bokeh_validation.passes import SLOTS, Pass, target_area, target_size
-from bokeh_validation.reference import layers, listings, segments
+from bokeh_validation.reference import layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.lines import lines
@@ -149,7 +149,7 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
     values = item.given()
     if item.spec.layers:
         inputs = [live[item.inputs[slot]] for slot in SLOTS if slot in item.inputs]
-        return layers.run_pass(item.spec, inputs, size, values, item.defines, precision)
+        return layered.run_pass(item.spec, inputs, size, values, item.defines, precision)
     role = item.spec.role
     if role == DEPTH:
         depth = textures[item.inputs["DepthSamp"]].astype(np.float64)
