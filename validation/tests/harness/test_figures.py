@@ -11,7 +11,7 @@ from test_render import refused
 
 from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.figures import command, diagrams, photographs, points
+from bokeh_validation.figures import command, diagrams, photographs
 from bokeh_validation.figures.model import Table
 
 DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
@@ -115,29 +115,6 @@ def test_diagrams_are_not_stale():
     for make, name in ((diagrams.kernels, "figure_04"), (diagrams.booleans, "figure_08")):
         with Image.open(PICTURES / f"{name}.png") as kept:
             assert np.array_equal(np.asarray(kept), make().pictures[name]), name
-
-
-@pytest.mark.parametrize(
-    ("method", "aperture", "wanted"),
-    [
-        ("paper", "hexagon", {
-            "coc": [], "line 1": ["coc"], "line 2": ["line 1"], "alone": ["line 1"], "result": ["line 2", "alone"],
-        }),
-        ("paper", "octagon", {
-            "coc": [], "line 1": ["coc"], "line 2": ["line 1"], "line 3": ["coc"], "alone": ["line 3"],
-            "result": ["line 2", "alone"],
-        }),
-        ("exact", "octagon", {
-            "coc": [], "target 2": ["coc"], "target 3": ["coc"], "target 4": ["coc"],
-            "result": ["target 2", "target 3", "target 4"],
-        }),
-    ],
-)  # fmt: skip
-def test_workflow(method, aperture, wanted):
-    """Figure 10: the boxes, and what each is made of."""
-    case = points.case(method, aperture, ((4, 4),), (9, 9))
-    nodes = diagrams.workflow(diagrams.separated(case.plan), case.settings)
-    assert {node.name: list(node.sources) for node in nodes} == wanted
 
 
 # -------------------------------------------------------------------------------------------------------- photographs
