@@ -7,6 +7,7 @@ result is held against the float64 reference.
 import hashlib
 import re
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 
@@ -16,7 +17,7 @@ import pytest
 from support import load
 from test_inputs import FAR, NEAR, ROUNDINGS, slope
 
-from bokeh_validation import exr, methods, metrics, paths
+from bokeh_validation import exr, methods, metrics, paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang
 from bokeh_validation.patterns.model import Case, expected
 from bokeh_validation.reference import listings
@@ -166,8 +167,7 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
         for name in set(values()) & set(program):
             found = values()[name]
             program[name] = found if len(found) > 1 else found[0]
-        channels, kind = (1, "f4") if "metres" in writes else (4, "f2")
-        targets = [context.texture(size(), channels, dtype=kind) for _ in writes]
+        targets = [driver.target(size(), *(("float", 1) if "metres" in writes else ("half", 4))) for _ in writes]
         context.framebuffer(targets).use()
         context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
         live.update(zip(writes, targets, strict=True))
@@ -180,40 +180,26 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
 
 def on_webgpu(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
     """WGSL with the layout 'auto', on a device that cannot filter 32-bit textures."""
-    driver = load("wgpu")
-    wgpu, device = driver.wgpu, driver.device.adapter.request_device_sync(required_features=[])
+    driver = copy(load("wgpu"))
+    device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
     assert "float32-filterable" not in device.features
-    usage = wgpu.TextureUsage
-    vertex = device.create_shader_module(
-        code="""struct Varying { @builtin(position) position: vec4f, @location(0) uv: vec2f }
-        @vertex fn corner(@builtin(vertex_index) i: u32) -> Varying
-        {
-            let uv = vec2f(select(0.0, 2.0, i == 1), select(0.0, 2.0, i == 2));
-            return Varying(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
-        }"""
-    )
-    everywhere = usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC | usage.COPY_DST
-    live = {}
-    for name, pixels in scene().items():
-        kind = "r32float" if pixels.ndim == 2 else "rgba16float"
-        live[name] = device.create_texture(size=(*size(), 1), format=kind, usage=everywhere)
-        layout = {"bytes_per_row": pixels.nbytes // len(pixels), "rows_per_image": len(pixels)}
-        device.queue.write_texture({"texture": live[name]}, pixels.tobytes(), layout, (*size(), 1))
+    vertex = device.create_shader_module(code=shaders.wgsl())
+    live = {name: driver.upload(pixels) for name, pixels in scene().items()}
     linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        kind = "r32float" if "metres" in writes else "rgba16float"
+        targets = [driver.target(size(), *(("float", 1) if "metres" in writes else ("half", 4))) for _ in writes]
         module = device.create_shader_module(code=library("wgsl") + block.code)
         pipeline = device.create_render_pipeline(
             layout="auto",
-            vertex={"module": vertex, "entry_point": "corner"},
-            fragment={"module": module, "entry_point": block.entry, "targets": [{"format": kind} for _ in writes]},
+            vertex={"module": vertex, "entry_point": "BokehFullScreen_VS"},
+            fragment={"module": module, "entry_point": block.entry, "targets": [{"format": t.format} for t in targets]},
             primitive={"topology": "triangle-list"},
         )
         fields = re.findall(
             r"(\w+): (?:f32|vec2f)\b", re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
         )
         members = np.float32([*(number for name in fields for number in values()[name]), 0, 0, 0, 0])[:4]
-        buffer = device.create_buffer_with_data(data=members.tobytes(), usage=wgpu.BufferUsage.UNIFORM)
+        buffer = device.create_buffer_with_data(data=members.tobytes(), usage=driver.wgpu.BufferUsage.UNIFORM)
         entries = []
         for name, binding in block.named("wgsl").items():
             resource = {"buffer": buffer, "offset": 0, "size": members.nbytes}
@@ -223,7 +209,6 @@ def on_webgpu(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
                 resource = linear
             entries.append({"binding": binding, "resource": resource})
         bindings = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
-        targets = [device.create_texture(size=(*size(), 1), format=kind, usage=everywhere) for _ in writes]
         encoder = device.create_command_encoder()
         written = [{"view": target.create_view(), "load_op": "clear", "store_op": "store"} for target in targets]
         render = encoder.begin_render_pass(color_attachments=written)
