@@ -17,7 +17,6 @@ from bokeh_validation import browser, drivers, paths, shaders
 from bokeh_validation.browser import chromium
 from bokeh_validation.compilers import angle, naga, tint
 from bokeh_validation.compilers.result import CompileResult
-from bokeh_validation.entries import ENTRIES
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
 
