@@ -134,10 +134,7 @@ def test_unreal_shader(target):
 def test_shader_mistakes_are_seen(target, source):
     """A name that is misspelled, an argument too few."""
     entry = "LineFragment" if source is unity_source else "LinePS"
-    for right, wrong in (
-        (r"BokehSegment\(_?BokehAngle, ", "BokehSegment("),
-        (r"([Ss]ettings), true", r"\1s, true"),
-    ):
+    for right, wrong in ((r"BokehSegment\(_?BokehAngle, ", "BokehSegment("), (r"([Ss]ettings), true", r"\1s, true")):
         broken, changes = re.subn(right, wrong, source())
         assert changes
         assert not compiled(broken, target, entry).ok

@@ -361,8 +361,7 @@ class TestConfiguration:
         assert says(result, "BOKEH_HLSL_SM must be 3, 4, 5 or 6")
 
     @pytest.mark.parametrize(
-        ("version", "text"),
-        [("120", "needs GLSL 3.30 or later"), ("100", "needs GLSL ES 3.00 or later")],
+        ("version", "text"), [("120", "needs GLSL 3.30 or later"), ("100", "needs GLSL ES 3.00 or later")]
     )
     def test_old_glsl(self, glsl, version, text):
         result = glsl(shaders.glsl("BokehDebug").replace("#version 330", f"#version {version}", 1))

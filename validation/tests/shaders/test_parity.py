@@ -103,10 +103,7 @@ EVERYWHERE = {
     "a block comment": ("    return lineEnd * t;", "    /* why */ return lineEnd * t;"),
     "a misspelt call": ("BokehResolve(color,", "BokehResolved(color,"),
     "an unmarked deviation": ("float(last)", "max(float(last), 1.0)"),
-    "a mark with nothing on its line": (
-        "    return lineEnd * t;",
-        "    // differs: because\n    return lineEnd + t;",
-    ),
+    "a mark with nothing on its line": ("    return lineEnd * t;", "    // differs: because\n    return lineEnd + t;"),
     "a mark without a reason": ("    return lineEnd * t;", "    return lineEnd + t; // differs:"),
     "a mark that no paper tells of": ("    return lineEnd * t;", "    return lineEnd + t; // differs: no such reason"),
     "a mark on a brace": ("    return lineEnd * t;\n}", "    return lineEnd + t;\n} // differs: because"),
