@@ -55,8 +55,8 @@
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
-//   buffer in SM4 and up; the buffer has 144 bytes (docs/inputs.md has the table with units, and
-//   the buffer as a struct for C++, C#, Rust and JavaScript).
+//   buffer in SM4 and up; the buffer has 144 bytes (docs/parameters.md has the table with units,
+//   and the buffer as a struct for C++, C#, Rust and JavaScript).
 //   Unused slots: a pass reads only what its row names; bind nothing for the rest, or anything.
 
 #ifdef BOKEH_INCLUDE

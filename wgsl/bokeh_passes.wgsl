@@ -53,8 +53,8 @@
 //   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
-//   Parameters: number i of the struct below is at byte offset 4 i; bind 144 bytes (docs/inputs.md
-//   has the table with units, and the struct for C++, C#, Rust and JavaScript).
+//   Parameters: number i of the struct below is at byte offset 4 i; bind 144 bytes
+//   (docs/parameters.md has the table with units, and the struct for C++, C#, Rust and JavaScript).
 //   Unused slots: the layout 'auto' has only what a pass reads. With one layout for all passes,
 //   bind any texture to the rest; DepthSamp and KernelSamp may be unfilterable-float there.
 

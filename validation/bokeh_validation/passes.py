@@ -7,7 +7,7 @@ import numpy as np
 
 from bokeh_validation.entries import COLORS, COPYING_ENTRIES, ENTRIES, Entry
 
-# Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/inputs.md).
+# Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/parameters.md).
 # The values are used where a pass does not say otherwise.
 PARAMETERS: dict[str, float] = {
     "BokehApertureDiameter": 0.05,

@@ -273,7 +273,7 @@ impl Bokeh {
     }
 }
 
-/// The struct of the same name in `bokeh_passes.wgsl`; docs/inputs.md has the units.
+/// The struct of the same name in `bokeh_passes.wgsl`; docs/parameters.md has the units.
 #[derive(ShaderType, Default)]
 struct BokehParameters {
     aperture_diameter: f32,

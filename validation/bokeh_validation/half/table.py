@@ -1,4 +1,4 @@
-"""What `validation/run precision` prints and docs/inputs.md shows."""
+"""What `validation/run precision` prints and validation/precision.md shows."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -106,7 +106,7 @@ def share(x: float) -> str:
 
 
 def precision() -> None:
-    """What half precision does to every function and pass, emulated: the tables of docs/inputs.md."""
+    """What half precision does to every function and pass, emulated: the tables of validation/precision.md."""
     with terminal.progress("precision", steps()) as step:
         findings = measured(step)
     terminal.tell(*markdown(findings))

@@ -14,7 +14,7 @@ from bokeh_validation import methods, passes, paths
 from bokeh_validation.patterns.model import Case, depth_of, flat
 from bokeh_validation.reference import listings
 
-INPUTS = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
+PARAMETERS_PAGE = (paths.ROOT / "docs/parameters.md").read_text(encoding="utf-8")
 
 
 def library(language: str) -> str:
@@ -32,22 +32,22 @@ def test_links_exist():
 
 
 def test_parameter_table():
-    """docs/inputs.md lists the parameters with the indices and offsets that the drivers use."""
-    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", INPUTS, re.MULTILINE)
+    """docs/parameters.md lists the parameters with the indices and offsets that the drivers use."""
+    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", PARAMETERS_PAGE, re.MULTILINE)
     assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
 
 
 def test_texture_table():
-    """docs/inputs.md lists the textures with the bindings and registers that the drivers use."""
-    rows = re.findall(r"^\| Bokeh(\w+Samp\w?) \| uniform \| (\d+) \| s(\d+) / t(\d+) \|", INPUTS, re.MULTILINE)
+    """docs/parameters.md lists the textures with the bindings and registers that the drivers use."""
+    rows = re.findall(r"^\| Bokeh(\w+Samp\w?) \| uniform \| (\d+) \| s(\d+) / t(\d+) \|", PARAMETERS_PAGE, re.MULTILINE)
     assert rows == [(slot, str(passes.BINDINGS[slot]), str(i), str(i)) for i, slot in enumerate(passes.SLOTS)]
-    assert f"the linear sampler at {passes.FIRST_SAMPLER}." in INPUTS
+    assert f"the linear sampler at {passes.FIRST_SAMPLER}." in PARAMETERS_PAGE
 
 
 @pytest.mark.parametrize("language", ["cpp", "csharp", "rust", "js"])
 def test_parameter_structs(language):
-    """The structs of docs/inputs.md have the fields of the block in its order, and nothing but padding after them."""
-    (shown,) = re.findall(rf"^```{language}\n(.*?)^```", INPUTS, re.MULTILINE | re.DOTALL)
+    """The structs of docs/parameters.md have the fields of the block in its order, and nothing but padding after them."""
+    (shown,) = re.findall(rf"^```{language}\n(.*?)^```", PARAMETERS_PAGE, re.MULTILINE | re.DOTALL)
     if language == "rust":
         fields = re.findall(r"pub (\w+): f32,", shown)
     elif language == "js":
@@ -64,11 +64,11 @@ def test_parameter_structs(language):
 
 
 def test_parameter_buffer(monkeypatch):
-    """A buffer as large as docs/inputs.md says holds all parameters, and is a whole number of 16 bytes.
+    """A buffer as large as docs/parameters.md says holds all parameters, and is a whole number of 16 bytes.
 
     wgpu refuses one that ends before the last parameter, and says so.
     """
-    size = int(re.search(r"The buffer is (\d+) bytes", INPUTS)[1])
+    size = int(re.search(r"The buffer is (\d+) bytes", PARAMETERS_PAGE)[1])
     driver = load("wgpu")
     case = Case("", methods.Settings("exact"), flat((8, 6), 1.0), depth_of((8, 6), 5.0))
     whole = driver.device.create_bind_group
@@ -110,9 +110,9 @@ def test_pitfalls_name_tests():
 
 
 def test_jitter_as_stated():
-    """docs/inputs.md: how the mean of n frames comes near to a sample a pixel, within one of its figures."""
+    """docs/parameters.md: how the mean of n frames comes near to a sample a pixel, within one of its figures."""
     frames, errors = (
-        [float(cell) for cell in re.search(rf"^\| {row} \| (.*) \|$", INPUTS, re.MULTILINE)[1].split(" | ")]
+        [float(cell) for cell in re.search(rf"^\| {row} \| (.*) \|$", PARAMETERS_PAGE, re.MULTILINE)[1].split(" | ")]
         for row in ("frames", r"error \(%\)")
     )
     assert frames == [1, 4, 16, 64]

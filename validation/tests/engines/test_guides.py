@@ -82,7 +82,7 @@ def test_panda3d_version():
     ],
 )
 def test_parameters_are_in_order(file, struct, field):
-    """The samples' structs have the parameters of docs/inputs.md in its order."""
+    """The samples' structs have the parameters of docs/parameters.md in its order."""
     text = re.sub(r"//.*", "", (INTEGRATION / file).read_text(encoding="utf-8"))
     fields = re.findall(field, re.search(struct, text, re.MULTILINE | re.DOTALL)[1])
     # near and far are macros of Windows' headers

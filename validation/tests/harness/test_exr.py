@@ -673,8 +673,8 @@ def test_names_stay_in_one_line(tmp_path):
 
 
 def test_limits():
-    """The limits that docs/inputs.md states."""
-    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
+    """The limits that validation/precision.md states."""
+    text = (paths.ROOT / "validation/precision.md").read_text(encoding="utf-8")
     assert exr_header.MAX_PIXELS == 16384**2 and "16384 x 16384 pixels" in text
     assert exr_header.MAX_BYTES == 4 * 2**30 and "4 GiB" in text
     assert (exr_header.ROOM, exr_header.SMALL) == (4, 1024**2) and "4 times the image's pixels, or 4 x 1024" in text

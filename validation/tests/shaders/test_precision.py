@@ -1,4 +1,4 @@
-"""Half precision: the evaluator against the reference and a device, the error budget, docs/inputs.md, compilers."""
+"""Half precision: the evaluator against the reference and a device, the error budget, validation/precision.md, compilers."""
 
 import re
 import struct
@@ -325,7 +325,7 @@ def test_flushing_changes_no_frame():
 
 
 def test_step_of_a_stored_coc():
-    """docs/inputs.md: a half step of the CoC is 2^-10 of it at most, and moves the farthest sample by less than 1/1200
+    """validation/precision.md: a half step of the CoC is 2^-10 of it at most, and moves the farthest sample by less than 1/1200
     of the CoC; the farthest samples are where it says.
     """
     coc = np.arange(2.0**-10, 1.0, 1e-5)
@@ -358,7 +358,7 @@ def test_document_says_what_is_measured(findings):
     """Every table of the section is what the command prints: words alike, numbers to 10 %: two digits are rounded by
     up to 5 %, and sin and cos of another processor may differ in a last bit.
     """
-    text = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8")
+    text = (paths.ROOT / "validation/precision.md").read_text(encoding="utf-8")
     section = text[text.index("## Precision") :]
     shown = [line for line in section.splitlines() if line.startswith("|")]
     printed = [line for line in table.markdown(findings) if line]
