@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-from bokeh_validation import exr_header, exr_layers
+from bokeh_validation import exr_header, exr_layers, files
 from bokeh_validation.errors import UserError
-from bokeh_validation.exr_header import Part, Window
+from bokeh_validation.exr_header import Part, Window, printable
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,7 @@ class Scene:
 
     def with_data(self, pixels: np.ndarray) -> np.ndarray:
         """Those of (H, W, ...) pixels that the file has data for, as a view."""
-        rows, columns = _slices(self.data, self.display)
-        return pixels[rows, columns]
+        return pixels[_slices(self.data, self.display)]
 
 
 def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) -> Scene:
@@ -63,44 +62,28 @@ def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) 
 
 def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
     parts = exr_header.read(path)
-    choice = exr_layers.pick(path, parts, layer, depth_channel)
-    part = parts[choice.part]
-    data = part.data.within(part.display)
+    entries = exr_layers.pick(path, parts, layer, depth_channel)
+    part = parts[entries[0].part]
+    display, data = part.display, part.data.within(part.display)
     if data.width <= 0 or data.height <= 0:
         raise UserError(
-            f"{path}: the data window ({part.data}) lies outside of the display window ({part.display}). "
+            f"{path}: the data window ({part.data}) lies outside of the display window ({display}). "
             "Save it with pixels in the display window."
         )
-    wanted = [(choice.part, name) for name in choice.color]
-    if choice.depth is not None:
-        wanted.append((choice.depth_part, choice.depth))
     # overscan is cut off; what lies there is no part of the image, whatever it holds
-    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, wanted)]
-    for name, plane in zip(choice.color, planes, strict=False):
-        _refuse(
-            path,
-            name,
-            ~np.isfinite(plane),
-            data,
-            "NaN or infinite",
-            "Clean it, for example by clamping, before it is blurred.",
-        )
-    dtype = np.float16 if all(plane.dtype == np.float16 for plane in planes[:3]) else np.float32
-    color = np.ones((part.display.height, part.display.width, 4), dtype)
+    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, entries)]
+    for entry, plane in zip(entries[:3], planes, strict=False):
+        advice = "NaN or infinite", "Clean it, for example by clamping, before it is blurred."
+        _refuse(path, entry, ~np.isfinite(plane), data, *advice)
+    for entry, plane in zip(entries[3:], planes[3:], strict=True):
+        advice = "NaN", "Give every pixel a depth in metres; the sky may be infinite."
+        _refuse(path, entry, np.isnan(plane), data, *advice)
+    half = all(plane.dtype == np.float16 for plane in planes[:3])
+    color = np.ones((display.height, display.width, 4), np.float16 if half else np.float32)
     for k in range(3):
-        color[..., k] = _extended(planes[k], data, part.display)
-    depth = None
-    if choice.depth is not None:
-        _refuse(
-            path,
-            choice.depth,
-            np.isnan(planes[3]),
-            data,
-            "NaN",
-            "Give every pixel a depth in metres; the sky may be infinite.",
-        )
-        depth = _extended(planes[3].astype(np.float32), data, part.display)
-    return Scene(color, depth, part.display, data)
+        color[..., k] = _extended(planes[k], data, display)
+    depth = _extended(planes[3].astype(np.float32), data, display) if planes[3:] else None
+    return Scene(color, depth, display, data)
 
 
 def _slices(inner: Window, outer: Window) -> tuple[slice, slice]:
@@ -118,27 +101,28 @@ def _extended(plane: np.ndarray, data: Window, display: Window) -> np.ndarray:
     return np.pad(plane, around, mode="edge")
 
 
-def _planes(path: Path, parts: tuple[Part, ...], wanted: list[tuple[int, str]]) -> list[np.ndarray]:
-    """(H, W) pixels of channels, each given by its part's number and its name."""
+def _planes(path: Path, parts: tuple[Part, ...], entries: list[exr_layers.Entry]) -> list[np.ndarray]:
+    """(H, W) pixels of channels."""
     said: list[str] = []
     try:
         with _overheard(said), OpenEXR.File(str(path), separate_channels=True) as file:
             # the library leaves out the parts that it could not read
             if len(file.parts) != len(parts):
                 raise ValueError("not all of its pixels can be decoded")
-            planes = [np.asarray(file.channels(number)[name].pixels) for number, name in wanted]
+            planes = [np.asarray(file.channels(entry.part)[entry.channel.name].pixels) for entry in entries]
     except MemoryError:
         raise
     except Exception as error:
-        # the library's own words come before those of the call that then finds nothing: "... part 0 - words"
-        reason = exr_header.printable(said[0].rpartition(" - ")[2] if said else str(error))
-        if "MemoryError" in reason or "bad_alloc" in reason:
-            raise MemoryError(reason) from error
+        # the library's own words come before those of the call that then finds nothing
+        said.append(str(error))
+        if any("MemoryError" in line or "bad_alloc" in line for line in said):
+            raise MemoryError from error
+        reason = printable(said[0].removeprefix(f"{path}: "))
         raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again.") from error
-    for (number, name), plane in zip(wanted, planes, strict=True):
-        window = parts[number].data
+    for entry, plane in zip(entries, planes, strict=True):
+        window = parts[entry.part].data
         if plane.shape != (window.height, window.width):
-            raise UserError(f"{path}: channel {exr_header.printable(name)} is not of its window's size. Save it again.")
+            raise UserError(f"{path}: channel {printable(entry.full)} is not of its window's size. Save it again.")
     return planes
 
 
@@ -146,7 +130,8 @@ def _planes(path: Path, parts: tuple[Part, ...], wanted: list[tuple[int, str]]) 
 def _overheard(said: list[str]):
     """Collect what the library prints on its own, in C to descriptors 1 and 2 and in Python: a refusal is one line."""
     python_text = io.StringIO()
-    flush = _flush()
+    # fflush() of the C library that the process has; on Windows each extension may have its own
+    flush = (lambda stream: None) if sys.platform == "win32" else ctypes.CDLL(None).fflush
     with tempfile.TemporaryFile() as c_text:
         kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
         flush(None)
@@ -161,21 +146,16 @@ def _overheard(said: list[str]):
                 os.dup2(copy, descriptor)
                 os.close(copy)
             c_text.seek(0)
-            text = python_text.getvalue() + c_text.read().decode(errors="replace")
+            text = c_text.read().decode(errors="replace") + python_text.getvalue()
             said += [line for line in text.splitlines() if line.strip()]
 
 
-def _flush():
-    """fflush() of the C library that the process has. On Windows each extension may have its own: nothing is done."""
-    return (lambda stream: None) if sys.platform == "win32" else ctypes.CDLL(None).fflush
-
-
-def _refuse(path: Path, name: str, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
+def _refuse(path: Path, entry: exr_layers.Entry, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
     """Where any pixel of the window is bad: the first, in the file's coordinates."""
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
         raise UserError(
-            f"{path}: {int(bad.sum())} pixels of channel {exr_header.printable(name)} are {what}, "
+            f"{path}: {int(bad.sum())} pixels of channel {printable(entry.channel.name)} are {what}, "
             f"the first at column {window.left + column}, row {window.top + row}. {advice}"
         )
 
@@ -194,30 +174,4 @@ def write(path: Path, pixels: np.ndarray, data: Window | None = None, display: W
         with OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels)}) as file:
             file.write(str(partial))
 
-    whole(path, save)
-
-
-def whole(path: Path, save) -> None:
-    """Call `save` with a temporary path beside `path`, then put it in its place."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        check_writable(path)
-        save(partial)
-        os.replace(partial, path)
-    except UserError:
-        raise
-    except Exception as error:
-        raise UserError(f"{path}: cannot be written ({' '.join(str(error).split())}). Name another place.") from error
-    finally:
-        partial.unlink(missing_ok=True)
-
-
-def check_writable(path: Path) -> None:
-    """Refuse a place that cannot be written before any work is done."""
-    folder = path.parent
-    if path.is_dir():
-        raise UserError(f"{path}: is a folder. Name a file in it.")
-    if not folder.is_dir():
-        raise UserError(f"{path}: there is no folder {folder}. Make it first.")
-    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise UserError(f"{path}: may not be written. Check the permissions, or name another place.")
+    files.whole(path, save)

@@ -159,6 +159,8 @@ def _parts(path: Path, data: bytes) -> tuple[Part, ...]:
         for channel in part.channels:
             across, down = channel.sampled
             total += math.ceil(columns / across) * math.ceil(rows / down) * SIZES[channel.kind]
+    if cursor.at == len(data):
+        raise _Broken("it is cut off behind its header")
     if total > MAX_BYTES:
         size = f"{total / 2**30:.1f} GiB unpacked, more than {MAX_BYTES >> 30}"
         raise UserError(f"{path}: its channels are {size}. Save only R G B and depth, or scale it.")

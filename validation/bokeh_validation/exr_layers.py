@@ -1,6 +1,6 @@
 """Which channels of an OpenEXR file are the colour and the depth: layers and parts as renderers name them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,18 +16,8 @@ MAX_LISTED = 12
 
 
 @dataclass(frozen=True)
-class Choice:
-    """Where colour and depth are: the numbers of their parts and the full names of their channels."""
-
-    part: int
-    color: tuple[str, str, str]
-    depth_part: int
-    depth: str | None
-
-
-@dataclass(frozen=True)
-class _Entry:
-    """A channel `Layer.Name`: `layer` as the file has it, `path` with the part's name before it."""
+class Entry:
+    """A channel `layer.last` of a part: `layer` as the file has it, `path` with the part's name before it."""
 
     part: int
     channel: Channel
@@ -37,26 +27,35 @@ class _Entry:
 
     @property
     def full(self) -> str:
+        """The name that a user may give."""
         return f"{self.path}.{self.last}" if self.path else self.last
 
+    @property
+    def words(self) -> list[str]:
+        """Those of the path."""
+        return [word.casefold() for word in self.path.split(".") if word]
 
-def pick(path: Path, parts: tuple[Part, ...], layer: str | None, depth: str | None) -> Choice:
-    """Colour of `layer`, or of the layer that is the picture; its depth channel, `depth=None` for none.
+
+def pick(path: Path, parts: tuple[Part, ...], layer: str | None, depth: str | None) -> list[Entry]:
+    """R, G and B of `layer`, or of the layer that is the picture, and its depth channel; `depth=None` for none.
 
     Raises UserError where there is none, where there are several, and where the channels cannot be used: subsampled,
     whole numbers, another window.
     """
     entries = list(_entries(parts))
-    names = _names(entries)
-    group = _colour(path, parts, entries, layer)
-    colour = tuple(_only(group, name) for name in "RGB")
-    _usable(path, colour)
-    found = None if depth is None else _depth(path, parts, entries, group[0], depth, names)
-    part, name = (group[0].part, None) if found is None else (found.part, found.channel.name)
-    return Choice(group[0].part, tuple(entry.channel.name for entry in colour), part, name)
+    try:
+        group = _colour(entries, layer)
+        colour = [next(entry for entry in group if entry.last == name) for name in "RGB"]
+        if any(entry.channel.sampled != (1, 1) for entry in colour):
+            raise UserError("R, G and B differ in size. Save it without chroma subsampling.")
+        for entry in colour:
+            _not_whole(entry, "channel", "which are no light. Save it as half or float.")
+        return colour if depth is None else [*colour, _depth(parts, entries, group[0], depth)]
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
 
 
-def _entries(parts: tuple[Part, ...]) -> Iterator[_Entry]:
+def _entries(parts: tuple[Part, ...]) -> Iterator[Entry]:
     for number, part in enumerate(parts):
         for channel in part.channels:
             layer, _, last = channel.name.rpartition(".")
@@ -64,131 +63,104 @@ def _entries(parts: tuple[Part, ...]) -> Iterator[_Entry]:
             # a file of several parts may name the layer twice
             if len(parts) > 1 and part.name and layer != part.name and not layer.startswith(part.name + "."):
                 path = f"{part.name}.{layer}".rstrip(".")
-            yield _Entry(number, channel, layer, last, path)
+            yield Entry(number, channel, layer, last, path)
 
 
-def _colour(path: Path, parts: tuple[Part, ...], entries: list[_Entry], wanted: str | None) -> list[_Entry]:
+def _colour(entries: list[Entry], wanted: str | None) -> list[Entry]:
     """The entries of one layer that has R, G and B."""
-    groups: dict[tuple[int, str], list[_Entry]] = {}
+    groups: dict[tuple[int, str], list[Entry]] = {}
     for entry in entries:
         groups.setdefault((entry.part, entry.layer), []).append(entry)
-    full = [group for group in groups.values() if {"R", "G", "B"} <= {entry.last for entry in group}]
+    full = [group for group in groups.values() if not _missing(group)]
     if wanted is not None:
-        return _named(path, list(groups.values()), full, wanted)
+        return _named(list(groups.values()), full, wanted)
     plain = [group for group in full if not group[0].layer]
-    marked = [group for group in plain or full if any(word in MAIN for word in _words(group[0].path))]
+    marked = [group for group in plain or full if any(word in MAIN for word in group[0].words)]
     if len(marked) == 1:
         return marked[0]
     # the first part is what a reader that knows nothing of parts shows
     if plain or len(full) == 1:
         return (plain or full)[0]
     if full:
-        listed = _listed([group[0].path for group in full], ", ")
-        raise UserError(f"{path}: several layers have R, G and B ({listed}). Name one with --layer.")
+        raise UserError(f"several layers have R, G and B ({_paths(full)}). Name one with --layer.")
+    missing = _missing(entry for entry in entries if not entry.layer)
     have = {entry.last for entry in entries if not entry.layer}
-    missing = [name for name in "RGB" if name not in have]
-    luminance = ": luminance without colour" if "Y" in have and "RY" not in have else ""
-    chroma = ": luminance and chroma" if {"Y", "RY"} <= have else ""
-    raise UserError(
-        f"{path}: no channel {', '.join(missing)} (it has {_names(entries)}{luminance}{chroma}). Save it as R G B."
-    )
+    kind = ": luminance and chroma" if {"Y", "RY"} <= have else ": luminance without colour" if "Y" in have else ""
+    raise UserError(f"no channel {missing} (it has {_names(entries)}{kind}). Save it as R G B.")
 
 
-def _named(path: Path, groups: list[list[_Entry]], full: list[list[_Entry]], wanted: str) -> list[_Entry]:
+def _missing(group: Iterable[Entry]) -> str:
+    have = {entry.last for entry in group}
+    return ", ".join(name for name in "RGB" if name not in have)
+
+
+def _named(groups: list[list[Entry]], full: list[list[Entry]], wanted: str) -> list[Entry]:
     """The layer that --layer names: by the file's own name, or with the part's before it."""
     exact = [group for group in groups if group[0].path == wanted]
     found = exact or [group for group in groups if group[0].layer == wanted]
     if len(found) == 1 and found[0] in full:
         return found[0]
+    shown = printable(wanted)
     if len(found) > 1:
-        listed = _listed([group[0].path for group in found], ", ")
-        raise UserError(
-            f"{path}: several layers are called {printable(wanted)!r} ({listed}). Give --layer one of them."
-        )
+        raise UserError(f"several layers are called {shown!r} ({_paths(found)}). Give --layer one of them.")
     if found:
-        have = {entry.last for entry in found[0]}
-        missing = ", ".join(name for name in "RGB" if name not in have)
-        raise UserError(f"{path}: layer {printable(wanted)!r} has no channel {missing}. Give --layer one with R G B.")
-    listed = _listed([group[0].path for group in full if group[0].path], ", ")
-    raise UserError(f"{path}: no layer {printable(wanted)!r} (with R G B it has {listed}). Give --layer one of them.")
+        raise UserError(f"layer {shown!r} has no channel {_missing(found[0])}. Give --layer one with R G B.")
+    listed = _paths([group for group in full if group[0].path])
+    raise UserError(f"no layer {shown!r} (with R G B it has {listed}). Give --layer one of them.")
 
 
-def _depth(
-    path: Path, parts: tuple[Part, ...], entries: list[_Entry], colour: _Entry, wanted: str, names: str
-) -> _Entry:
+def _depth(parts: tuple[Part, ...], entries: list[Entry], colour: Entry, wanted: str) -> Entry:
     """The depth channel that is closest to the colour's layer."""
-    window = parts[colour.part].data, parts[colour.part].display
-    for tier in _tiers(entries, colour, wanted):
-        if not tier:
-            continue
-        fitting = [entry for entry in tier if (parts[entry.part].data, parts[entry.part].display) == window]
-        if not fitting:
-            raise UserError(
-                f"{path}: depth channel {printable(tier[0].full)!r} differs in size from the colour "
-                f"({parts[tier[0].part].data}, not {window[0]}). Save both at one size."
-            )
-        if len(fitting) > 1:
-            listed = _listed([entry.full for entry in fitting], ", ")
-            raise UserError(f"{path}: several depth channels ({listed}). Name one with --depth-channel.")
-        _usable_depth(path, fitting[0])
-        return fitting[0]
-    raise UserError(
-        f"{path}: no depth channel {wanted!r} (it has {names}). Name one with --depth-channel, or give --coc."
-    )
+
+    def windows(entry: Entry):
+        return parts[entry.part].data, parts[entry.part].display
+
+    tier = next((tier for tier in _tiers(entries, colour, wanted) if tier), None)
+    if tier is None:
+        names = _names(entries)
+        raise UserError(f"no depth channel {wanted!r} (it has {names}). Name one with --depth-channel, or give --coc.")
+    differs = f"depth channel {printable(tier[0].full)!r} differs in size from the colour"
+    fitting = [entry for entry in tier if windows(entry) == windows(colour)]
+    if not fitting:
+        raise UserError(f"{differs} ({windows(tier[0])[0]}, not {windows(colour)[0]}). Save both at one size.")
+    if len(fitting) > 1:
+        listed = _listed((entry.full for entry in fitting), ", ")
+        raise UserError(f"several depth channels ({listed}). Name one with --depth-channel.")
+    if fitting[0].channel.sampled != (1, 1):
+        raise UserError(f"{differs}. Save both at one size.")
+    _not_whole(fitting[0], "depth channel", "whose unit the file does not say. Save it as float, in metres.")
+    return fitting[0]
 
 
-def _tiers(entries: list[_Entry], colour: _Entry, wanted: str) -> Iterator[list[_Entry]]:
+def _tiers(entries: list[Entry], colour: Entry, wanted: str) -> Iterator[list[Entry]]:
     """Candidates, the closest first."""
     lasts = {wanted, BLENDER_VALUE} if wanted == DEFAULT_DEPTH else {wanted}
     # a Z beside X and Y is a direction or a place
-    vectors = {(e.part, e.layer) for e in entries if e.last == "X"} & {
-        (e.part, e.layer) for e in entries if e.last == "Y"
-    }
-    scalars = [entry for entry in entries if "." in wanted or (entry.part, entry.layer) not in vectors]
-    words = _words(colour.path) or [""]
+    with_x, with_y = ({(e.part, e.layer) for e in entries if e.last == name} for name in "XY")
+    scalars = [e for e in entries if "." in wanted or (e.part, e.layer) not in with_x & with_y]
+    words = colour.words or [""]
     beside = [[*words[:k], "depth", *words[k + 1 :]] for k in range(len(words))]
     yield [e for e in entries if (e.part, e.layer, e.last) == (colour.part, colour.layer, wanted)]
-    yield [e for e in scalars if e.last in lasts and _words(e.path) in beside]
+    yield [e for e in scalars if e.last in lasts and e.words in beside]
     yield [e for e in scalars if e.part == colour.part and e.channel.name == wanted]
     yield [e for e in scalars if wanted in (e.channel.name, e.full)]
-    yield [e for e in scalars if e.last in lasts and any(word in DEPTH for word in _words(e.path))]
+    yield [e for e in scalars if e.last in lasts and any(word in DEPTH for word in e.words)]
 
 
-def _words(name: str) -> list[str]:
-    return [word.casefold() for word in name.split(".") if word]
-
-
-def _only(group: list[_Entry], name: str) -> _Entry:
-    return next(entry for entry in group if entry.last == name)
-
-
-def _usable(path: Path, colour: tuple[_Entry, ...]) -> None:
-    if any(entry.channel.sampled != (1, 1) for entry in colour):
-        raise UserError(f"{path}: R, G and B differ in size. Save it without chroma subsampling.")
-    for entry in colour:
-        if entry.channel.kind == "uint":
-            raise UserError(
-                f"{path}: channel {printable(entry.full)} holds whole numbers (uint), which are no light. "
-                "Save it as half or float."
-            )
-
-
-def _usable_depth(path: Path, entry: _Entry) -> None:
-    name = printable(entry.full)
-    if entry.channel.sampled != (1, 1):
-        raise UserError(f"{path}: depth channel {name!r} differs in size from the colour. Save both at one size.")
+def _not_whole(entry: Entry, what: str, advice: str) -> None:
     if entry.channel.kind == "uint":
-        raise UserError(
-            f"{path}: depth channel {name!r} holds whole numbers (uint), whose unit the file does not say. "
-            "Save it as float, in metres."
-        )
+        raise UserError(f"{what} {printable(entry.full)!r} holds whole numbers (uint), {advice}")
 
 
-def _names(entries: list[_Entry]) -> str:
-    return _listed([entry.full for entry in entries], " ")
+def _names(entries: list[Entry]) -> str:
+    return _listed((entry.full for entry in entries), " ")
 
 
-def _listed(names: list[str], between: str) -> str:
+def _paths(groups: list[list[Entry]]) -> str:
+    return _listed((group[0].path for group in groups), ", ")
+
+
+def _listed(names: Iterable[str], between: str) -> str:
     """Names in a message: printable, and not a page of them."""
     shown = [printable(name) for name in dict.fromkeys(names)]
     more = f"{between}and {len(shown) - MAX_LISTED} more" if len(shown) > MAX_LISTED else ""

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, exr, fetches, methods, paths, render, shaders, terminal
+from bokeh_validation import __version__, fetches, files, methods, paths, render, shaders, terminal
 from bokeh_validation.entries import COLORS, COPYING_ENTRIES
 from bokeh_validation.errors import UserError
 from bokeh_validation.passes import (
@@ -325,7 +325,7 @@ def plan(
     """Every pass of a method in order: entry, inputs, targets, sizes, formats, filters, parameters."""
     if docs:
         text = page(PAGE.read_text(encoding="utf-8"))
-        exr.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
+        files.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
         return
     found = frame(methods.Settings(method, aperture, targets=targets, quality=quality), parsed_size(size))
     terminal.write_json(json_file, found)

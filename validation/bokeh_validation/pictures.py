@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from bokeh_validation import exr, metrics
+from bokeh_validation import files, metrics
 
 
 def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) -> np.ndarray:
@@ -61,4 +61,4 @@ def data_uri(pixels: np.ndarray) -> str:
 def write_png(path: Path, pixels: np.ndarray) -> None:
     """Write 8-bit rgb; the file appears complete or not at all."""
     data = png_bytes(pixels)
-    exr.whole(path, lambda partial: partial.write_bytes(data))
+    files.whole(path, lambda partial: partial.write_bytes(data))

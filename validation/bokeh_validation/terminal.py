@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bokeh_validation import drivers, exr
+from bokeh_validation import drivers, files
 from bokeh_validation.drivers import Driver
 from bokeh_validation.errors import Unavailable, UserError
 
@@ -61,14 +61,14 @@ def check_writable(*targets: Path | None) -> None:
     """Refuse, before any work is done, files that cannot be written. Raises UserError."""
     for path in targets:
         if path is not None:
-            exr.check_writable(path)
+            files.check_writable(path)
 
 
 def write_json(path: Path | None, data: object) -> None:
     """Write a file as a whole, if it was asked for."""
     if path is not None:
         text = json.dumps(data, indent=1) + "\n"
-        exr.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
+        files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 
 def pick_driver(name: str | None, adapter: str | None) -> Driver:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bokeh_validation import exr, terminal
+from bokeh_validation import files, terminal
 from bokeh_validation.bench import output, request, session
 
 
@@ -37,7 +37,7 @@ def bench(
     terminal.write_json(json_file, session.as_json(results, missing))
     if plot is not None:
         picture = output.plot(results)
-        exr.whole(plot, lambda partial: partial.write_bytes(picture))
+        files.whole(plot, lambda partial: partial.write_bytes(picture))
     # a table in a file or a pipe needs a width of its own
     wide = terminal.console if terminal.console.is_terminal else Console(width=120)
     for result in results:

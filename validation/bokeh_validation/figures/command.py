@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from bokeh_validation import exr, paths, pictures, terminal
+from bokeh_validation import exr, files, paths, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import diagrams, photographs, points, scenes
@@ -112,7 +112,7 @@ def run(figures: list[Figure], driver: Driver, target: Places, progress: Callabl
             _write(made[figure.number], target)
         progress(f"figure {figure.number}")
     text = json.dumps(as_json(driver, made, missing), indent=1)
-    exr.whole(target.images / NUMBERS_FILE, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    files.whole(target.images / NUMBERS_FILE, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
     return Result(made, missing)
 
 

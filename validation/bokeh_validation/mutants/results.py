@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from bokeh_validation import exr, paths
+from bokeh_validation import files, paths
 from bokeh_validation.mutants.edits import originals
 from bokeh_validation.mutants.model import Result
 
@@ -34,7 +34,7 @@ def as_json(results: list[Result], seconds: float) -> dict:
 def write(path: Path, results: list[Result], seconds: float) -> None:
     """Write the file, whole or not at all."""
     text = json.dumps(as_json(results, seconds), indent=1)
-    exr.whole(path, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    files.whole(path, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
 
 
 def read(path: Path | None = None) -> dict | None:

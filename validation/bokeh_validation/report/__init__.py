@@ -8,7 +8,7 @@ from pathlib import Path
 import jinja2
 import numpy as np
 
-from bokeh_validation import __version__, doctor, exr, metrics, paths, pictures
+from bokeh_validation import __version__, doctor, files, metrics, paths, pictures
 from bokeh_validation.engines.capture import Capture
 from bokeh_validation.mutants import results as mutant_results
 from bokeh_validation.patterns.model import CaseResult, Check, ProbeResult
@@ -86,7 +86,7 @@ def write(
         difference_steps=DIFFERENCE_STEPS,
         counts=_counts(probes, scenes),
     )
-    exr.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
+    files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
 
 
 def _counts(probes: list[ProbeResult], scenes: list[SceneResult]) -> dict[str, int]:

@@ -11,22 +11,16 @@ import exr_bytes
 import numpy as np
 import OpenEXR
 import pytest
-from test_render import refused, run
+from exr_bytes import RGBZ
+from test_render import run
 
-from bokeh_validation import exr, exr_header, paths, render
+from bokeh_validation import exr, paths, render
 from bokeh_validation.errors import UserError
 
 LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "HTJ2K256", "HTJ2K32", "ZSTD")
 LOSSY = ("B44", "B44A", "DWAA", "DWAB", "LJ2K")
 SCAN, TILED = OpenEXR.scanlineimage, OpenEXR.tiledimage
 MEMORY = 2 << 30
-
-
-def tile_description(width: int = 32, height: int = 16) -> OpenEXR.TileDescription:
-    """Tiles of one level."""
-    tiles = OpenEXR.TileDescription()
-    tiles.xSize, tiles.ySize = width, height
-    return tiles
 
 
 def scene(size: tuple[int, int] = (70, 41), dtype=np.float16) -> dict[str, np.ndarray]:
@@ -44,6 +38,9 @@ def windows(left: int, top: int, width: int, height: int) -> tuple[tuple[int, in
 def save(path: Path, channels: dict[str, np.ndarray], **header) -> Path:
     """One part, zipped scan lines unless the header says otherwise."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": SCAN, **header}
+    if header["type"] == TILED:
+        header["tiles"] = OpenEXR.TileDescription()
+        header["tiles"].xSize, header["tiles"].ySize = 32, 16
     with OpenEXR.File(header, {name: plane.copy() for name, plane in channels.items()}) as file:
         file.write(str(path))
     return path
@@ -66,185 +63,136 @@ def same(got: exr.Scene, channels: dict[str, np.ndarray]) -> None:
     assert (got.color[..., 3] == 1).all() and got.depth.dtype == np.float32
 
 
-def refusal(path: Path, *words: str, **options) -> str:
-    """The one line with which a file is refused; it names the file and has these words."""
+def refusal(path: Path, *words: str, **options) -> None:
+    """A file is refused in one line that names it and has these words."""
     with pytest.raises(UserError) as caught:
         exr.read(path, **options)
     line = str(caught.value)
     assert line.startswith(str(path)) and line.isprintable() and len(line) < 1500
-    for word in words:
-        assert word in line, line
-    return line
+    assert [word for word in words if word not in line] == [], line
+
+
+# ------------------------------------------------------------------------------------------------------------- formats
 
 
 @pytest.mark.parametrize("kind", (SCAN, TILED), ids=("scan lines", "tiles"))
-@pytest.mark.parametrize("compression", LOSSLESS)
-def test_lossless(compression, kind, tmp_path):
-    """Every pixel as it was, R as R: 70 rows and 41 columns fill no block, tile or chunk of any compression."""
+@pytest.mark.parametrize("compression", LOSSLESS + LOSSY)
+def test_compressions(compression, kind, tmp_path):
+    """Every pixel as it was, R as R: 70 rows and 41 columns fill no block, tile or chunk of any compression.
+
+    Lossy ones get R, G, B of 0.25, 0.5 and 1: within 1/8, half of their least distance, none is taken for another.
+    """
     channels = scene()
+    if compression in LOSSY:
+        channels |= {n: np.full((70, 41), v, np.float16) for n, v in {"R": 0.25, "G": 0.5, "B": 1.0}.items()}
     header = {"compression": getattr(OpenEXR, f"{compression}_COMPRESSION"), "type": kind}
-    path = save(tmp_path / "in.exr", channels, **header, **({"tiles": tile_description()} if kind == TILED else {}))
-    same(exr.read(path), channels)
-
-
-@pytest.mark.parametrize("kind", (SCAN, TILED), ids=("scan lines", "tiles"))
-@pytest.mark.parametrize("compression", LOSSY)
-def test_lossy(compression, kind, tmp_path):
-    """R, G, B are 0.25, 0.5 and 1: within 1/8, half of their least distance, none is taken for another; Z is whole."""
-    levels = {"R": 0.25, "G": 0.5, "B": 1.0}
-    channels = {**{n: np.full((70, 41), v, np.float16) for n, v in levels.items()}, "Z": scene()["Z"]}
-    header = {"compression": getattr(OpenEXR, f"{compression}_COMPRESSION"), "type": kind}
-    path = save(tmp_path / "in.exr", channels, **header, **({"tiles": tile_description()} if kind == TILED else {}))
-    got = exr.read(path)
-    for k, level in enumerate(levels.values()):
-        assert np.abs(got.color[..., k].astype(float) - level).max() < 0.125
+    got = exr.read(save(tmp_path / "in.exr", channels, **header))
+    if compression in LOSSLESS:
+        same(got, channels)
+        return
+    for k, name in enumerate("RGB"):
+        assert np.abs(got.color[..., k].astype(float) - channels[name]).max() < 0.125
     assert got.depth.shape == (70, 41) and np.isfinite(got.depth).all()
 
 
-@pytest.mark.parametrize("compression", LOSSLESS + LOSSY)
-def test_chunks_of_parts(compression, tmp_path):
-    """As many rows in a chunk as the library makes: with parts it writes how many chunks there are."""
-    tall = {name: np.zeros((600, 3), np.float16) for name in "RGBZ"}
-    header = {"compression": getattr(OpenEXR, f"{compression}_COMPRESSION"), "displayWindow": windows(0, 0, 3, 600)}
-    assert exr.read(save_parts(tmp_path / "in.exr", {"a": tall, "b": tall}, a=header, b=header)).size == (3, 600)
-
-
-@pytest.mark.parametrize("mode", (0, 1, 2, 17, 18), ids=("one", "mipmaps", "ripmaps", "mipmaps up", "ripmaps up"))
-@pytest.mark.parametrize("side", ((5, 7), (128, 128), (2048, 2048)), ids=str)
-def test_levels_of_tiles(mode, side, tmp_path):
-    """Level 0 of tiles with every kind of levels, rounded down and up, and of tiles larger than the image.
+def test_tiles_and_line_order(tmp_path):
+    """Level 0 of tiles with every kind of levels, of tiles larger than the image; the last row first in the file.
 
     2048 x 2048 is exactly the most that tiles of an image as small as this may cover.
     """
-    channels = scene()
-    same(exr.read(exr_bytes.tiled(tmp_path / "in.exr", channels, side, mode)), channels)
-
-
-def test_decreasing_line_order(tmp_path):
-    """The last row first in the file is the last row all the same."""
-    channels = scene()
-    same(exr.read(save(tmp_path / "in.exr", channels, lineOrder=OpenEXR.DECREASING_Y)), channels)
+    channels, path = scene(), tmp_path / "in.exr"
+    for mode in (0, 1, 2):
+        for side in ((5, 7), (2048, 2048)):
+            same(exr.read(exr_bytes.tiled(path, channels, side, mode)), channels)
+    same(exr.read(save(path, channels, lineOrder=OpenEXR.DECREASING_Y)), channels)
 
 
 def test_kinds(tmp_path):
     """Half stays half; float, or half mixed with float, is float; half depth; uint beside them is let lie."""
     channels = scene()
     ids = np.arange(70 * 41, dtype=np.uint32).reshape(70, 41)
-    path = save(tmp_path / "half.exr", {**channels, "id": ids, "Z": channels["Z"].astype(np.float16)})
-    assert exr.read(path).storage == "half"
-    same(exr.read(path), channels)
+    got = exr.read(save(tmp_path / "half.exr", {**channels, "id": ids, "Z": channels["Z"].astype(np.float16)}))
+    assert got.storage == "half"
+    same(got, channels)
     mixed = {**channels, "G": channels["G"].astype(np.float32) / 3}
     got = exr.read(save(tmp_path / "mixed.exr", mixed))
     assert got.storage == "float"
     same(got, mixed)
-    refusal(save(tmp_path / "uint.exr", {**channels, "G": ids}), "channel G", "whole numbers", "half or float")
+    refusal(save(tmp_path / "uint.exr", {**channels, "G": ids}), "channel 'G'", "whole numbers", "half or float")
     refusal(save(tmp_path / "uintz.exr", {**channels, "Z": ids}), "depth channel 'Z'", "whole numbers", "in metres")
     assert exr.read(tmp_path / "uintz.exr", None).depth is None
 
 
-# channels of the file -> where colour and depth are; each channel holds its own number
+def test_aces_container(tmp_path):
+    """An ACES container is an uncompressed half image with a flag: read as any other."""
+    flag = exr_bytes.attribute("acesImageContainerFlag", "int", struct.pack("<i", 1))
+    head = exr_bytes.header(dict.fromkeys("BGR", "float16"), (0, 0, 3, 1), more=flag)
+    rows = [struct.pack("<ii", y, 24) + np.repeat([3, 2, 1], 4).astype("<f2").tobytes() for y in range(2)]
+    (tmp_path / "aces.exr").write_bytes(exr_bytes.with_table(head, rows))
+    assert (exr.read(tmp_path / "aces.exr", None).color == np.array([1, 2, 3, 1], np.float16)).all()
+
+
+# ---------------------------------------------------------------------------------------------------- layers and parts
+
+# channels of the file, "layer:NAMES layer" (RGB where none are given) -> where colour and depth are
 LAYERS = {
-    "blender": (
-        "ViewLayer.Combined ViewLayer.Depth:Z ViewLayer.Mist:Z",
-        None,
-        "ViewLayer.Combined",
-        "ViewLayer.Depth.Z",
-    ),
-    "blender, old": ("RenderLayer.Combined RenderLayer.Depth:Z", None, "RenderLayer.Combined", "RenderLayer.Depth.Z"),
-    "blender, a space": ("View Layer.Combined View Layer.Depth:Z", None, "View Layer.Combined", "View Layer.Depth.Z"),
-    "blender, V": ("ViewLayer.Combined ViewLayer.Depth:V", None, "ViewLayer.Combined", "ViewLayer.Depth.V"),
-    "blender, passes": (
-        "ViewLayer.DiffCol ViewLayer.Combined ViewLayer.Emit ViewLayer.Normal:XYZ ViewLayer.Position:XYZ "
-        "ViewLayer.Depth:Z ViewLayer.Vector:XYZW",
-        None,
-        "ViewLayer.Combined",
-        "ViewLayer.Depth.Z",
-    ),
-    "blender, composited": (
-        "Composite.Combined V.Combined V.Depth:Z",
-        "Composite.Combined",
-        "Composite.Combined",
-        "V.Depth.Z",
-    ),
-    "view layers": ("A.Combined A.Depth:Z B.Combined B.Depth:Z", "B.Combined", "B.Combined", "B.Depth.Z"),
-    "views": (
-        "V.Combined.left V.Combined.right V.Depth.left:Z V.Depth.right:Z",
-        "V.Combined.right",
-        "V.Combined.right",
-        "V.Depth.right.Z",
-    ),
-    "beauty": ("beauty depth:Z", None, "beauty", "depth.Z"),
-    "beauty among others": ("albedo beauty :Z", None, "beauty", "Z"),
-    "rgba": ("diffuse rgba rgba:Z depth:Z", None, "rgba", "rgba.Z"),
-    "plain first": (":RGBA beauty beauty:Z :Z", None, "", "Z"),
-    "plain, layer asked": (":RGBA beauty beauty:Z :Z", "beauty", "beauty", "beauty.Z"),
-    "plain with a depth layer": (":RGB depth:Z N:XYZ", None, "", "depth.Z"),
-    "only one": ("shot7.light depth:Z", None, "shot7.light", "depth.Z"),
+    "ViewLayer.Combined ViewLayer.Depth:Z ViewLayer.Mist:Z": ("ViewLayer.Combined", "ViewLayer.Depth.Z"),
+    "View_Layer.Combined View_Layer.Depth:Z": ("View Layer.Combined", "View Layer.Depth.Z"),
+    "ViewLayer.Combined ViewLayer.Depth:V": ("ViewLayer.Combined", "ViewLayer.Depth.V"),
+    "V.DiffCol V.Combined V.Emit V.Normal:XYZ V.Position:XYZ V.Depth:Z V.Vector:XYZW": ("V.Combined", "V.Depth.Z"),
+    "beauty depth:Z": ("beauty", "depth.Z"),
+    "albedo beauty :Z": ("beauty", "Z"),
+    "diffuse rgba rgba:Z depth:Z": ("rgba", "rgba.Z"),
+    ":RGBA beauty beauty:Z :Z": ("", "Z"),
+    ":RGB depth:Z N:XYZ": ("", "depth.Z"),
+    "shot7.light depth:Z": ("shot7.light", "depth.Z"),
+}
+LAYERS_ASKED = {
+    "Composite.Combined V.Combined V.Depth:Z": ("Composite.Combined", "V.Depth.Z"),
+    "A.Combined A.Depth:Z B.Combined B.Depth:Z": ("B.Combined", "B.Depth.Z"),
+    "V.Combined.left V.Combined.right V.Depth.left:Z V.Depth.right:Z": ("V.Combined.right", "V.Depth.right.Z"),
+    ":RGBA beauty beauty:Z :Z": ("beauty", "beauty.Z"),
 }
 
 
 def numbered(spec: str) -> dict[str, np.ndarray]:
-    """ "layer:NAMES layer" (names RGB where none are given) to channels that hold 1, 2, 3 ..."""
-    layers = [item for item in spec.replace("View Layer", "View_Layer").split()]
-    names = []
-    for item in layers:
-        layer, _, lasts = item.replace("View_Layer", "View Layer").partition(":")
-        names += [f"{layer}.{last}" if layer else last for last in lasts or "RGB"]
+    """Channels of a text as in LAYERS, each holding its own number; _ is a space."""
+    items = [item.replace("_", " ").partition(":") for item in spec.split()]
+    names = [f"{layer}.{last}" if layer else last for layer, _, lasts in items for last in lasts or "RGB"]
     return {name: np.full((3, 4), number + 1, np.float32) for number, name in enumerate(names)}
 
 
-@pytest.mark.parametrize("case", LAYERS)
-def test_layers(case, tmp_path):
+def test_layers(tmp_path):
     """Colour and depth from the layers that are meant, told by the numbers in them."""
-    spec, asked, layer, depth = LAYERS[case]
-    channels = numbered(spec)
-    got = exr.read(save(tmp_path / "in.exr", channels), layer=asked)
-    wanted = {name: channels[f"{layer}.{name}" if layer else name] for name in "RGB"}
-    same(got, {**wanted, "Z": channels[depth]})
-
-
-@pytest.mark.parametrize(
-    ("spec", "options", "words"),
-    [
-        ("A.Combined B.Combined :Z", {}, ["several layers", "A.Combined, B.Combined", "--layer"]),
-        ("albedo light :Z", {}, ["several layers", "albedo, light", "--layer"]),
-        ("albedo light :Z", {"layer": "lights"}, ["no layer 'lights'", "albedo, light", "--layer"]),
-        ("albedo depth:Z", {"layer": "depth"}, ["layer 'depth' has no channel R, G, B"]),
-        ("beauty N:XYZ", {}, ["no depth channel 'Z'", "N.X N.Y N.Z", "--depth-channel", "--coc"]),
-        ("beauty a.depth:Z b.depth:Z", {}, ["several depth channels", "a.depth.Z, b.depth.Z", "--depth-channel"]),
-        (":RG depth:Z", {}, ["no channel B", "it has G R depth.Z"]),
-        ("depth:Z", {}, ["no channel R, G, B", "it has depth.Z"]),
-        (":Y :Z", {}, ["no channel R, G, B", "luminance without colour"]),
-        (":RGB", {"depth_channel": "Z\n\x1b"}, ["no depth channel 'Z\\n\\x1b'"]),
-        (" ".join(f"layer{k}" for k in range(99)), {}, ["several layers", "and 87 more"]),
-    ],
-    ids=lambda value: value if isinstance(value, str) and len(value) < 40 else "",
-)
-def test_layers_refused(spec, options, words, tmp_path):
-    """Nothing there, or several: one line that says what there is and which option chooses."""
-    refusal(save(tmp_path / "in.exr", numbered(spec)), *words, **options)
-
-
-def test_depth_channel_by_its_full_name(tmp_path):
-    """--depth-channel takes any channel by its full name, a vector's too."""
+    cases = [(spec, False, *found) for spec, found in LAYERS.items()]
+    for spec, asked, layer, depth in cases + [(spec, True, *found) for spec, found in LAYERS_ASKED.items()]:
+        channels = numbered(spec)
+        got = exr.read(save(tmp_path / "in.exr", channels), layer=layer if asked else None)
+        wanted = {name: channels[f"{layer}.{name}" if layer else name] for name in "RGB"}
+        same(got, {**wanted, "Z": channels[depth]})
     channels = numbered("beauty depth:Z N:XYZ")
-    path = save(tmp_path / "in.exr", channels)
-    assert (exr.read(path, "N.Z").depth == channels["N.Z"]).all()
+    assert (exr.read(save(tmp_path / "in.exr", channels), "N.Z").depth == channels["N.Z"]).all()
 
 
-def test_chroma_subsampling(tmp_path):
-    """Y RY BY has no R G B; R and B at half the columns, or depth, are refused as well."""
-    halves = {
-        "BY RY Y": ({"BY": (2, 2), "RY": (2, 2)}, ["no channel R, G, B", "BY RY Y: luminance and chroma"]),
-        "B G R": ({"B": (2, 1), "R": (2, 1)}, ["R, G and B differ in size", "subsampling"]),
-        "B G R Z": ({"Z": (2, 2)}, ["depth channel 'Z' differs in size", "Save both at one size"]),
-    }
-    for names, (sampled, words) in halves.items():
-        kinds = dict.fromkeys(names.split(), "float16")
-        channels = exr_bytes.attribute("channels", "chlist", exr_bytes.channel_list(kinds, sampled))
-        head = exr_bytes.header(kinds, (0, 0, 5, 3), channels=channels)
-        (tmp_path / "in.exr").write_bytes(exr_bytes.with_table(head, [bytes(64)] * 4))
-        refusal(tmp_path / "in.exr", *words)
+LAYERS_REFUSED = [
+    ("A.Combined B.Combined :Z", {}, ["several layers", "A.Combined, B.Combined", "--layer"]),
+    ("albedo light :Z", {}, ["several layers", "albedo, light", "--layer"]),
+    ("albedo light :Z", {"layer": "lights"}, ["no layer 'lights'", "albedo, light", "--layer"]),
+    ("albedo depth:Z", {"layer": "depth"}, ["layer 'depth' has no channel R, G, B"]),
+    ("beauty N:XYZ", {}, ["no depth channel 'Z'", "N.X N.Y N.Z", "--depth-channel", "--coc"]),
+    ("beauty a.depth:Z b.depth:Z", {}, ["several depth channels", "a.depth.Z, b.depth.Z", "--depth-channel"]),
+    (":RG depth:Z", {}, ["no channel B", "it has G R depth.Z"]),
+    ("depth:Z", {}, ["no channel R, G, B", "it has depth.Z"]),
+    (":Y :Z", {}, ["no channel R, G, B", "luminance without colour"]),
+    (":RGB", {"depth_channel": "Z\n\x1b"}, ["no depth channel 'Z\\n\\x1b'"]),
+    (" ".join(f"layer{k}" for k in range(99)), {}, ["several layers", "and 87 more"]),
+]
+
+
+def test_layers_refused(tmp_path):
+    """Nothing there, or several: one line that says what there is and which option chooses."""
+    for spec, options, words in LAYERS_REFUSED:
+        refusal(save(tmp_path / "in.exr", numbered(spec)), *words, **options)
 
 
 def test_parts(tmp_path):
@@ -267,10 +215,8 @@ def test_parts(tmp_path):
     second = {"W.Combined": {f"W.Combined.{n}": p for n, p in alien.items()}, "W.Depth": {"W.Depth.Z": other["Z"]}}
     same(exr.read(save_parts(path, named | second), layer="W.Combined"), other)
     # Z in the colour's part comes before another part's
-    save_parts(
-        path, {"all": {**{f"beauty.{n}": p for n, p in colour.items()}, "Z": channels["Z"]}, "b": {"Z": other["Z"]}}
-    )
-    same(exr.read(path), channels)
+    first = {**{f"beauty.{n}": p for n, p in colour.items()}, "Z": channels["Z"]}
+    same(exr.read(save_parts(path, {"all": first, "b": {"Z": other["Z"]}})), channels)
     # two that may be meant, and each by its name
     save_parts(path, {"rgba": colour, "front": {"Z": channels["Z"]}, "back": {"Z": other["Z"]}})
     refusal(path, "several depth channels", "front.Z, back.Z", "--depth-channel")
@@ -280,64 +226,6 @@ def test_parts(tmp_path):
     assert exr.read(path, None).size == (41, 70)
     save_parts(path, {"rgba": colour, "depth": {"Z": channels["Z"]}}, depth={"dataWindow": windows(1, 0, 41, 70)})
     refusal(path, "'depth.Z' differs in size", "at 1,0")
-
-
-@pytest.mark.parametrize(
-    ("data", "display"),
-    [
-        ((10, 20), (0, 0, 100, 120)),
-        ((-5, -7), (0, 0, 20, 30)),
-        ((-5, 9), (0, 0, 30, 60)),
-        ((100, 200), (100, 200, 41, 70)),
-        ((-41, 0), (-41, 0, 60, 70)),
-    ],
-    ids=("crop", "overscan", "both", "moved", "negative"),
-)
-def test_windows(data, display, tmp_path):
-    """The scene covers the display window: the file's pixels where it has any, else the nearest; the rest is cut off.
-
-    NaN in the overscan, which is cut off, is let pass; a NaN that is seen is not.
-    """
-    channels = scene()
-    left, top, width, height = display
-    columns, rows = np.arange(width) + left - data[0], np.arange(height) + top - data[1]
-    for plane in channels.values():
-        plane[~np.isin(np.arange(70), rows)] = np.nan
-        plane[:, ~np.isin(np.arange(41), columns)] = np.nan
-    header = {"dataWindow": windows(*data, 41, 70), "displayWindow": windows(*display)}
-    got = exr.read(save(tmp_path / "in.exr", channels, **header))
-    assert got.size == (width, height)
-    inside = np.flatnonzero((columns >= 0) & (columns < 41)), np.flatnonzero((rows >= 0) & (rows < 70))
-    near = (
-        np.clip(np.arange(width), inside[0][0], inside[0][-1]),
-        np.clip(np.arange(height), inside[1][0], inside[1][-1]),
-    )
-    same(got, {name: plane[rows[near[1]]][:, columns[near[0]]] for name, plane in channels.items()})
-    assert got.with_data(got.depth).shape == (len(inside[1]), len(inside[0]))
-    channels["G"][rows[inside[1][0]], columns[inside[0][0]]] = np.nan
-    place = f"column {max(data[0], left)}, row {max(data[1], top)}. "
-    refusal(save(tmp_path / "nan.exr", channels, **header), "1 pixels of channel G", place)
-
-
-def test_the_first_bad_pixel(tmp_path):
-    """By rows, in the file's coordinates, which begin at the corner of its data window."""
-    channels = scene()
-    channels["Z"][[5, 4, 4], [1, 30, 31]] = np.nan
-    header = {"dataWindow": windows(100, -200, 41, 70), "displayWindow": windows(90, -199, 60, 80)}
-    refusal(save(tmp_path / "in.exr", channels, **header), "3 pixels of channel Z", "column 130, row -196. ")
-
-
-def test_without_a_c_library_to_ask(tmp_path, monkeypatch):
-    """On Windows, where ctypes takes no None for the process itself, what C prints is let be."""
-
-    def refused_none(name):
-        raise TypeError(name)
-
-    channels = scene()
-    path = save(tmp_path / "in.exr", channels)
-    monkeypatch.setattr(exr.ctypes, "CDLL", refused_none)
-    monkeypatch.setattr(sys, "platform", "win32")
-    same(exr.read(path), channels)
 
 
 def test_a_broken_part_is_not_skipped(tmp_path):
@@ -351,10 +239,34 @@ def test_a_broken_part_is_not_skipped(tmp_path):
     refusal(tmp_path / "in.exr", "cannot be read as OpenEXR")
 
 
-def test_windows_apart(tmp_path):
-    """Data beside the display window are no image."""
-    header = {"dataWindow": windows(50, 0, 41, 70), "displayWindow": windows(0, 0, 50, 70)}
-    refusal(save(tmp_path / "in.exr", scene(), **header), "41 x 70 at 50,0", "outside of the display window", "50 x 70")
+# ------------------------------------------------------------------------------------------------------------- windows
+
+
+@pytest.mark.parametrize(
+    ("data", "display"),
+    [((10, 20), (0, 0, 100, 120)), ((-5, -7), (0, 0, 20, 30)), ((-5, 9), (0, 0, 30, 60)), ((-41, 0), (-41, 0, 60, 70))],
+    ids=("crop", "overscan", "both", "negative"),
+)
+def test_windows(data, display, tmp_path):
+    """The scene covers the display window: the file's pixels where it has any, else the nearest; the rest is cut off.
+
+    NaN in the overscan, which is cut off, is let pass; one that is seen is not, and its place is the file's.
+    """
+    channels = scene()
+    left, top, width, height = display
+    columns, rows = np.arange(width) + left - data[0], np.arange(height) + top - data[1]
+    for plane in channels.values():
+        plane[~np.isin(np.arange(70), rows)] = np.nan
+        plane[:, ~np.isin(np.arange(41), columns)] = np.nan
+    header = {"dataWindow": windows(*data, 41, 70), "displayWindow": windows(*display)}
+    got = exr.read(save(tmp_path / "in.exr", channels, **header))
+    inside = rows[(rows >= 0) & (rows < 70)], columns[(columns >= 0) & (columns < 41)]
+    near = np.clip(rows, inside[0][0], inside[0][-1]), np.clip(columns, inside[1][0], inside[1][-1])
+    same(got, {name: plane[near[0]][:, near[1]] for name, plane in channels.items()})
+    assert got.size == (width, height) and got.with_data(got.depth).shape == (len(inside[0]), len(inside[1]))
+    channels["G"][inside[0][0], inside[1][0]] = np.nan
+    place = f"column {max(data[0], left)}, row {max(data[1], top)}. "
+    refusal(save(tmp_path / "nan.exr", channels, **header), "1 pixels of channel G", place)
 
 
 def blurred(source: Path, target: Path) -> dict[str, np.ndarray]:
@@ -392,49 +304,26 @@ def test_a_crop_is_blurred_as_the_whole(tmp_path):
         np.testing.assert_array_equal(over[name], alone[name])
 
 
-def test_aces_container(tmp_path):
-    """An ACES container is an uncompressed half image with a flag: read as any other."""
-    flag = exr_bytes.attribute("acesImageContainerFlag", "int", struct.pack("<i", 1))
-    head = exr_bytes.header(exr_bytes.rgbz("BGR"), (0, 0, 3, 1), more=flag)
-    rows = [struct.pack("<ii", y, 24) + np.repeat([3, 2, 1], 4).astype("<f2").tobytes() for y in range(2)]
-    (tmp_path / "aces.exr").write_bytes(exr_bytes.with_table(head, rows))
-    assert (exr.read(tmp_path / "aces.exr", None).color == np.array([1, 2, 3, 1], np.float16)).all()
-
-
-@pytest.mark.parametrize("how", ("flag", "type"))
-def test_deep(how, tmp_path):
-    """Deep images, told by the flag or by the part's type."""
-    kind = exr_bytes.attribute("type", "string", b"deepscanline")
-    flags = exr_bytes.DEEP if how == "flag" else exr_bytes.MULTI_PART
-    head = exr_bytes.header(exr_bytes.rgbz(), (0, 0, 3, 1), flags=flags, more=kind if how == "type" else b"")
-    (tmp_path / "deep.exr").write_bytes(head + bytes(200))
-    refusal(tmp_path / "deep.exr", "deep image", "Save it flattened")
+# ----------------------------------------------------------------------------------------------------------- bad files
 
 
 @pytest.mark.timeout(20)
 def test_no_file(tmp_path):
     """What is no readable file: at once, without waiting for a pipe's writer or reading a device to its end."""
-    refusal(tmp_path / "missing.exr", "no such file", "Check the path")
-    refusal(tmp_path / "missing" / "in.exr", "no such file")
-    refusal(tmp_path, "is a folder", "Name an EXR file")
     os.mkfifo(tmp_path / "pipe.exr")
+    (tmp_path / "loop.exr").symlink_to(tmp_path / "loop.exr")
+    (tmp_path / "closed.exr").write_bytes(b"")
+    (tmp_path / "closed.exr").chmod(0)
+    refusal(tmp_path / "missing" / "in.exr", "no such file", "Check the path")
+    refusal(tmp_path, "is a folder", "Name an EXR file")
     refusal(tmp_path / "pipe.exr", "a pipe or a device")
     refusal(Path("/dev/zero"), "a pipe or a device")
-    (tmp_path / "loop.exr").symlink_to(tmp_path / "loop.exr")
     refusal(tmp_path / "loop.exr", "cannot be read")
-    for content, word in (
-        (b"", "it is empty"),
-        (b"\x89PNG\r\n\x1a\n" * 9, "does not begin"),
-        (b"v/1", "does not begin"),
-    ):
-        (tmp_path / "in.exr").write_bytes(content)
-        refusal(tmp_path / "in.exr", "cannot be read as OpenEXR", word)
-    (tmp_path / "in.exr").chmod(0)
     user = os.geteuid()
     # root may read everything: be nobody for as long as it takes
     os.seteuid(user or 65534)
     try:
-        refusal(tmp_path / "in.exr", "may not be read", "permissions")
+        refusal(tmp_path / "closed.exr", "may not be read", "permissions")
     finally:
         os.seteuid(user)
 
@@ -466,75 +355,63 @@ print(json.dumps(results))
 def read_all(folder: Path) -> dict[str, tuple[str, float, int]]:
     """Every file of a folder, read in one process that may take MEMORY: what was said, seconds, bytes at the peak.
 
-    Fails where the process dies or prints what it was not told to.
+    Fails where the process dies or prints what it was not told to, and where a refusal is no line that names the file.
     """
     environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
     command = [sys.executable, "-P", "-c", READ_ALL, str(MEMORY), str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
     assert done.returncode == 0 and not done.stderr, (done.returncode, done.stderr[-2000:])
-    return json.loads(done.stdout)
-
-
-def formats(folder: Path) -> dict[str, bytes]:
-    """A small valid file of each compression, scan lines and tiles, of several parts, and with mipmaps."""
-    channels, made = scene(), {}
-    for compression in LOSSLESS + LOSSY:
-        for kind in (SCAN, TILED):
-            header = {"compression": getattr(OpenEXR, f"{compression}_COMPRESSION"), "type": kind}
-            if kind == TILED:
-                header["tiles"] = tile_description()
-            made[f"{compression}-{kind.name}"] = save(folder / "x", channels, **header).read_bytes()
-    parts = {"rgba": {n: channels[n] for n in "RGB"}, "depth": {"Z": channels["Z"]}}
-    made["parts"] = save_parts(folder / "x", parts).read_bytes()
-    made["mipmaps"] = exr_bytes.tiled(folder / "x", channels, (16, 16), 1).read_bytes()
-    (folder / "x").unlink()
-    return made
-
-
-def test_cut_off(tmp_path):
-    """A file that ends after k sixteenths of its bytes, k = 0 .. 15, or lacks its last byte, is refused in one line."""
-    whole = formats(tmp_path)
-    for name, data in whole.items():
-        # the last byte of mipmaps is one of a level that is not read
-        last = [len(data) - 1] if name != "mipmaps" else []
-        for length in (*(len(data) * k // 16 for k in range(16)), *last):
-            (tmp_path / f"{name}-{length}.exr").write_bytes(data[:length])
-    results = read_all(tmp_path)
-    assert len(results) == 17 * len(whole) - 1
+    results = json.loads(done.stdout)
     for name, (said, _, _) in results.items():
-        assert "cannot be read as OpenEXR" in said and said.isprintable(), (name, said)
+        assert said.startswith("(") or (f"{folder}/{name}: " in said and said.isprintable()), (name, said)
+    return results
 
 
 FLIPPED = 600
 
 
-def test_flipped_bytes(tmp_path):
-    """600 files with 1 to 11 bytes changed, in the header or anywhere: read, or refused in one line, within MEMORY.
+def test_cut_off_and_flipped_bytes(tmp_path):
+    """Small valid files of every format, damaged: refused or, some with other bytes, read; all within MEMORY.
 
-    The number in a file's name is the seed that made it.
+    Each is cut off after k sixteenths of its bytes, k = 0 .. 15, and before its last. 600 have 1 to 11 bytes changed,
+    in the header or anywhere; the number in their names is the seed that made it.
     """
-    whole = list(formats(tmp_path).items())
+    channels, good, cut, flipped = scene(), {}, tmp_path / "cut", tmp_path / "flipped"
+    for compression in LOSSLESS + LOSSY:
+        for kind in (SCAN, TILED):
+            header = {"compression": getattr(OpenEXR, f"{compression}_COMPRESSION"), "type": kind}
+            good[f"{compression}-{kind.name}"] = save(tmp_path / "x", channels, **header).read_bytes()
+    parts = {"rgba": {n: channels[n] for n in "RGB"}, "depth": {"Z": channels["Z"]}}
+    good["parts"] = save_parts(tmp_path / "x", parts).read_bytes()
+    good["mipmaps"] = exr_bytes.tiled(tmp_path / "x", channels, (16, 16), 1).read_bytes()
+    cut.mkdir(), flipped.mkdir()
+    for name, data in good.items():
+        # the last byte of mipmaps is one of a level that is not read
+        last = [len(data) - 1] if name != "mipmaps" else []
+        for length in (*(len(data) * k // 16 for k in range(16)), *last):
+            (cut / f"{name}-{length}.exr").write_bytes(data[:length])
     for seed in range(FLIPPED):
-        name, data = whole[seed % len(whole)]
+        name, data = list(good.items())[seed % len(good)]
         random, changed = np.random.default_rng(seed), bytearray(data)
-        reach = len(data) if seed // len(whole) % 2 else min(700, len(data))
+        reach = len(data) if seed // len(good) % 2 else min(700, len(data))
         for at in random.integers(0, reach, random.integers(1, 12)):
             changed[at] = random.choice([0, 1, 0x7F, 0x80, 0xFF, random.integers(256)])
-        (tmp_path / f"{seed}-{name}.exr").write_bytes(changed)
-    results = read_all(tmp_path)
-    read = sum(said.startswith("(") for said, _, _ in results.values())
-    assert len(results) == FLIPPED and FLIPPED / 20 < read < FLIPPED / 2
-    for name, (said, _, _) in results.items():
-        assert said.startswith("(") or (name in said and said.isprintable()), (name, said)
+        (flipped / f"{seed}-{name}.exr").write_bytes(changed)
+    said = [said for said, _, _ in read_all(cut).values()]
+    assert len(said) == 17 * len(good) - 1 and all("cannot be read as OpenEXR" in line for line in said)
+    read = sum(said.startswith("(") for said, _, _ in read_all(flipped).values())
+    assert FLIPPED / 20 < read < FLIPPED / 2
 
 
-NAMES, LARGE, SMALL = exr_bytes.rgbz(), (0, 0, 16383, 16383), (0, 0, 7, 7)
-HEAD = exr_bytes.header(NAMES, LARGE)
+LARGE, SMALL = (0, 0, 16383, 16383), (0, 0, 7, 7)
+HEAD, HEAD_SMALL = exr_bytes.header(RGBZ, LARGE), exr_bytes.header(RGBZ, SMALL)
+PARTS = struct.pack("<II", exr_bytes.MAGIC, 2 | exr_bytes.MULTI_PART)
+THOUSANDS = {f"c{number:04}": "float16" for number in range(2000)}
 
 
-def tiles_of(window: tuple[int, int, int, int], width: int, height: int) -> bytes:
+def tiled_header(window: tuple[int, int, int, int], width: int, height: int, kinds=RGBZ) -> bytes:
     """The header of a tiled image."""
-    return exr_bytes.header(NAMES, window, flags=exr_bytes.TILED, more=exr_bytes.tiles_attribute(width, height))
+    return exr_bytes.header(kinds, window, flags=exr_bytes.TILED, more=exr_bytes.tiles(width, height))
 
 
 def with_attribute(data: bytes, size: int | None = None) -> bytes:
@@ -542,154 +419,123 @@ def with_attribute(data: bytes, size: int | None = None) -> bytes:
     return HEAD[:-1] + exr_bytes.attribute("a", "string", data, size) + b"\0"
 
 
-def many_channels() -> bytes:
-    """A header with as many channels as fit into 8 MB: 300,000."""
-    entry = struct.pack("<iiii", 1, 0, 1, 1)
-    channels = b"".join(b"c%06d\0" % number + entry for number in range((1 << 23) // 24)) + b"\0"
-    return exr_bytes.header({}, SMALL, channels=exr_bytes.attribute("channels", "chlist", channels))
+def with_channels(kinds: dict[str, str], sampled: dict[str, tuple[int, int]] | None = None) -> bytes:
+    """A whole file of 4 rows with channels at fewer pixels."""
+    head = exr_bytes.header({}, (0, 0, 5, 3), channels=exr_bytes.channels(kinds, sampled))
+    return exr_bytes.with_table(head, [bytes(64)] * 4)
 
 
-def many_parts() -> bytes:
-    """20,000 headers."""
-    start = struct.pack("<II", exr_bytes.MAGIC, 2 | exr_bytes.MULTI_PART)
-    return start + exr_bytes.header(NAMES, SMALL)[8:] * 20_000 + b"\0"
-
-
-def many_channels_in_parts() -> bytes:
-    """40 headers of 2,000 channels."""
-    kinds = {f"c{number:04}": "float16" for number in range(2000)}
-    start = struct.pack("<II", exr_bytes.MAGIC, 2 | exr_bytes.MULTI_PART)
-    return start + exr_bytes.header(kinds, SMALL)[8:] * 40 + b"\0"
-
-
-def many_channels_in_a_tile() -> bytes:
-    """300 channels of 8 x 8 pixels, in a tile of 2048 x 2048."""
-    kinds = {f"c{number:03}": "float32" for number in range(300)}
-    return exr_bytes.header(kinds, SMALL, flags=exr_bytes.TILED, more=exr_bytes.tiles_attribute(2048, 2048))
-
-
-def many_passes() -> bytes:
-    """60 layers of 16k x 16k."""
-    kinds = {f"p{number:02}.{name}": "float16" for number in range(60) for name in "BGR"}
-    return exr_bytes.header(kinds, LARGE) + bytes(8 * 16384)
-
-
-def chunks_without_pixels() -> bytes:
-    """A 16k x 16k image whose table is in order, each chunk of 16 rows 4 bytes long."""
-    chunks = [struct.pack("<ii", 16 * number, 4) + bytes(4) for number in range(1024)]
-    return exr_bytes.with_table(exr_bytes.header(NAMES, LARGE, compression=3), chunks)
-
-
-TOO_MANY = "are more than 268435456"
-# Files of at most 16 MB that ask for more than they hold, and words of their refusals.
-HOSTILE = {
-    "header": (HEAD, "is cut off"),
-    "header and table of zeros": (HEAD + bytes(8 * 16384), "16384 of 16384 chunks are missing"),
-    "table that points outside": (HEAD + b"\x7f" * (8 * 16384), "16384 of 16384 chunks are missing"),
-    "chunks without pixels": (chunks_without_pixels(), "not enough memory"),
-    "2^31": (exr_bytes.header(NAMES, (0, 0, 2**31 - 1, 2**31 - 1)), TOO_MANY),
-    "2^32": (exr_bytes.header(NAMES, (-(2**31), -(2**31), 2**31 - 1, 2**31 - 1)), TOO_MANY),
-    "display 2^31": (exr_bytes.header(NAMES, SMALL, (0, 0, 2**31 - 1, 9)), TOO_MANY),
-    "one long row": (exr_bytes.header(NAMES, (0, 0, 2**28, 0)), TOO_MANY),
-    "negative": (exr_bytes.header(NAMES, (5, 5, -900, -900)), "the image is empty (-904 x -904"),
-    "many channels": (many_channels(), "more than 65536 attributes and channels"),
-    "channels without end": (many_channels()[: 1 << 20], "header is cut off"),
-    "many parts": (many_parts(), "more than 65536 attributes and channels"),
-    "many channels in parts": (many_channels_in_parts(), "more than 65536 attributes and channels"),
-    "many passes": (many_passes(), "90.0 GiB unpacked"),
-    "tiles of 1 x 1": (tiles_of(LARGE, 1, 1), "more than 4194304 chunks"),
-    "tiles of nothing": (tiles_of(LARGE, 0, 0), "tiles of 0 x 0"),
+TOO_MANY, DEEP = "are more than 268435456", ("deep image", "Save it flattened")
+MANY = exr_bytes.header({f"c{number:06}": "float16" for number in range(100_000)}, SMALL)
+DEEP_TYPE = exr_bytes.attribute("type", "string", b"deepscanline")
+# files of at most 16 MB, and words of the line that refuses them
+BAD = {
+    "empty": (b"", "it is empty"),
+    "a picture of another kind": (b"\x89PNG\r\n\x1a\n" * 9, "does not begin"),
+    "three bytes": (b"v/1", "does not begin"),
+    "deep by its flag": (exr_bytes.header(RGBZ, SMALL, flags=exr_bytes.DEEP) + bytes(200), *DEEP),
+    "deep by its type": (PARTS + exr_bytes.header(RGBZ, SMALL, more=DEEP_TYPE)[8:] + bytes(200), *DEEP),
+    "chroma": (
+        with_channels(dict.fromkeys(("BY", "RY", "Y"), "float16"), {"BY": (2, 2), "RY": (2, 2)}),
+        "no channel R, G, B (it has BY RY Y: luminance and chroma",
+    ),
+    "B and R in half the columns": (
+        with_channels(dict.fromkeys("BGR", "float16"), {"B": (2, 1), "R": (2, 1)}),
+        "R, G and B differ in size",
+    ),
+    "Z in a quarter": (
+        with_channels(RGBZ, {"Z": (2, 2)}),
+        "depth channel 'Z' differs in size",
+        "Save both at one size",
+    ),
+    "terminal codes": (with_channels({"a\nb\x1b[31m": "float16"}), "no channel R, G, B", "a b?[31m"),
+    "windows apart": (
+        exr_bytes.header(RGBZ, (50, 0, 90, 69), (0, 0, 49, 69)) + bytes(8),
+        "41 x 70 at 50,0",
+        "outside of the display window",
+    ),
+    "header": (HEAD, "cut off behind its header"),
+    "header and table of zeros": (HEAD + bytes(8 * 16384), "not enough memory"),
+    "chunks without pixels": (
+        exr_bytes.with_table(
+            exr_bytes.header(RGBZ, LARGE, compression=3),
+            [struct.pack("<ii", 16 * number, 4) + bytes(4) for number in range(1024)],
+        ),
+        "not enough memory",
+    ),
+    "table of zeros": (HEAD_SMALL + bytes(8 * 8), "cannot be read as OpenEXR"),
+    "table that points outside": (HEAD_SMALL + b"\x7f" * (8 * 8), "cannot be read as OpenEXR"),
+    "2^31": (exr_bytes.header(RGBZ, (0, 0, 2**31 - 1, 2**31 - 1)), TOO_MANY),
+    "2^32": (exr_bytes.header(RGBZ, (-(2**31), -(2**31), 2**31 - 1, 2**31 - 1)), TOO_MANY),
+    "display 2^31": (exr_bytes.header(RGBZ, SMALL, (0, 0, 2**31 - 1, 9)), TOO_MANY),
+    "one long row": (exr_bytes.header(RGBZ, (0, 0, 2**28, 0)), TOO_MANY),
+    "negative": (exr_bytes.header(RGBZ, (5, 5, -900, -900)), "the image is empty (-904 x -904"),
+    "many channels": (MANY, "more than 65536 attributes and channels"),
+    "channels without end": (MANY[: 1 << 20], "header is cut off"),
+    "many parts": (PARTS + HEAD_SMALL[8:] * 20_000 + b"\0", "more than 65536 attributes and channels"),
+    "many channels in parts": (
+        PARTS + exr_bytes.header(THOUSANDS, SMALL)[8:] * 40 + b"\0",
+        "more than 65536 attributes and channels",
+    ),
+    "many passes": (
+        exr_bytes.header(dict(list(THOUSANDS.items())[:180]), LARGE) + bytes(9),
+        "90.0 GiB",
+    ),
+    "many channels in a tile": (tiled_header(SMALL, 2048, 2048, THOUSANDS) + bytes(9), "15.6 GiB unpacked"),
+    "tiles of nothing": (tiled_header(LARGE, 0, 0), "tiles of 0 x 0"),
     "a wide tile": (exr_bytes.wide_tile(65536, 65536, 1024), "cover 65536 x 1024 for an image of 65536 x 1"),
-    "wide tiles": (tiles_of((0, 0, 65535, 0), 1024, 1024) + bytes(99), "cover 65536 x 1024"),
     "a tile a pixel too large": (exr_bytes.wide_tile(2048, 2048, 2049), "cover 2048 x 2049"),
-    "many channels in a tile": (many_channels_in_a_tile(), "4.7 GiB unpacked"),
-    "tiles of 2^31": (tiles_of(LARGE, 2**31 - 1, 2**31 - 1), "tiles of 2147483647"),
-    "a tall tile": (tiles_of(SMALL, 8, 2**24) + bytes(99), "tiles of 8 x 16777216"),
+    "tiles of 2^31": (tiled_header(LARGE, 2**31 - 1, 2**31 - 1), "tiles of 2147483647"),
+    "a tall tile": (tiled_header(SMALL, 8, 2**24) + bytes(99), "tiles of 8 x 16777216"),
+    "tiles of 1 x 1": (tiled_header((0, 0, 8191, 8191), 1, 1) + bytes(99), "cannot be read as OpenEXR"),
     "an attribute of 2 GB": (with_attribute(b"", 2**31 - 1), "header is cut off"),
     "an attribute of -1": (with_attribute(b"", -1), "header is cut off"),
     "an attribute of 16 MB": (with_attribute(bytes(1 << 24)), "longer than 16 MiB"),
     "a name without end": (HEAD[:-1] + b"n" * 9999, "name longer than 255 bytes"),
-    "no data window": (exr_bytes.header(NAMES, SMALL, dataWindow=b""), "no valid dataWindow"),
-    "no compression": (exr_bytes.header(NAMES, SMALL, compression=99), "compression 99 is unknown"),
+    "no data window": (exr_bytes.header(RGBZ, SMALL, dataWindow=b""), "no valid dataWindow"),
+    "no compression": (exr_bytes.header(RGBZ, SMALL, compression=99) + bytes(64), "cannot be read as OpenEXR"),
 }
 
 
-def test_no_room(tmp_path):
-    """Headers that promise what is not there: refused in one line, before memory is taken.
+def test_bad_files(tmp_path):
+    """What promises more than it holds, or what no scene is: refused before memory is taken.
 
     One process reads them all with MEMORY of addresses, of which a 16k x 16k image alone would need more. What it takes
     is the header's 16 MB and what Python makes of 65536 channels, some 500 bytes each: less than 64 MB.
     """
-    for name, (data, _) in HOSTILE.items():
+    for name, (data, *_) in BAD.items():
         (tmp_path / name).write_bytes(data)
     results = read_all(tmp_path)
-    for name, (_, word) in HOSTILE.items():
+    for name, (_, *words) in BAD.items():
         said, seconds, growth = results[name]
-        assert word in said and said.isprintable(), (name, said)
+        assert [word for word in words if word not in said] == [], (name, said)
         assert seconds < 10 and growth < 64 << 20, (name, seconds, growth)
 
 
-def test_a_bomb_takes_what_it_unpacks_to(tmp_path):
+def test_memory(tmp_path):
     """A file may be a thousandth of its pixels: its channels, 10 bytes a pixel, the scene, 12, and little more.
 
     More are two masks of a byte a pixel in the search for NaN, and the library's own buffers: 32 MB are allowed for.
+    The widest tiles that are let pass are 4 x 1024 x 1024 pixels.
     """
     size = 3000
-    channels = {**{name: np.zeros((size, size), np.float16) for name in "RGB"}, "Z": np.ones((size, size), np.float32)}
-    path = save(tmp_path / "bomb", channels)
-    assert path.stat().st_size * 500 < 10 * size**2
-    said, _, growth = read_all(tmp_path)["bomb"]
-    assert said == f"({size}, {size})"
-    assert 20 * size**2 < growth < (10 + 12 + 2) * size**2 + (32 << 20)
-
-
-def test_a_bad_bomb_takes_no_more(tmp_path):
-    """NaN everywhere is refused with the channels and the two masks in memory; 32 MB for the library as above."""
-    size = 3000
-    channels = {name: np.full((size, size), np.nan, np.float32 if name == "Z" else np.float16) for name in "RGBZ"}
+    channels = {name: np.zeros((size, size), np.float32 if name == "Z" else np.float16) for name in "RGBZ"}
     save(tmp_path / "bomb", channels)
-    said, _, growth = read_all(tmp_path)["bomb"]
-    assert f"{size**2} pixels of channel R are NaN or infinite, the first at column 0, row 0" in said
-    assert 10 * size**2 < growth < (10 + 2) * size**2 + (32 << 20)
-
-
-def test_a_tile_takes_what_it_covers(tmp_path):
-    """The widest tiles that are let pass: 4 x 1024 x 1024 pixels of 10 bytes, the scene's 12 for each that is seen.
-
-    32 MB are allowed for the library as above.
-    """
-    for width, down in ((65536, 64), (2048, 2048)):
-        (tmp_path / f"{width}").write_bytes(exr_bytes.wide_tile(width, width, down))
-    for width, (said, _, growth) in read_all(tmp_path).items():
-        assert said == f"({width}, 1)"
-        assert growth < 10 * 4 * 1024**2 + 12 * int(width) + (32 << 20)
-
-
-def test_names_stay_in_one_line(tmp_path):
-    """Line ends and terminal codes in a channel's name do not reach the message."""
-    head = exr_bytes.header({"a\nb\x1b[31m": "float16"}, (0, 0, 3, 0))
-    (tmp_path / "in.exr").write_bytes(exr_bytes.with_table(head, [struct.pack("<ii", 0, 8) + bytes(8)]))
-    refusal(tmp_path / "in.exr", "no channel R, G, B", "a b?[31m")
-
-
-def test_limits():
-    """The limits that validation/precision.md states."""
-    text = (paths.ROOT / "validation/precision.md").read_text(encoding="utf-8")
-    assert exr_header.MAX_PIXELS == 16384**2 and "16384 x 16384 pixels" in text
-    assert exr_header.MAX_BYTES == 4 * 2**30 and "4 GiB" in text
-    assert (exr_header.ROOM, exr_header.SMALL) == (4, 1024**2) and "4 times the image's pixels, or 4 x 1024" in text
+    save(tmp_path / "bad bomb", {name: plane + np.nan for name, plane in channels.items()})
+    (tmp_path / "wide").write_bytes(exr_bytes.wide_tile(65536, 65536, 64))
+    assert (tmp_path / "bomb").stat().st_size * 500 < 10 * size**2
+    results = read_all(tmp_path)
+    assert results["bomb"][0] == f"({size}, {size})" and results["wide"][0] == "(65536, 1)"
+    assert f"{size**2} pixels of channel R are NaN or infinite, the first at column 0, row 0" in results["bad bomb"][0]
+    assert 20 * size**2 < results["bomb"][2] < (10 + 12 + 2) * size**2 + (32 << 20)
+    assert 10 * size**2 < results["bad bomb"][2] < (10 + 2) * size**2 + (32 << 20)
+    assert results["wide"][2] < 10 * 4 * 1024**2 + 12 * 65536 + (32 << 20)
 
 
 def test_command(tmp_path):
-    """The command itself: --layer; one line, exit code 2 and no output for what is refused."""
+    """--layer reaches the file."""
     channels = numbered("A.Combined A.Depth:Z B.Combined B.Depth:Z")
     source, target = save(tmp_path / "in.exr", channels), tmp_path / "out.exr"
-    refused(run("render", source, "-o", target), ["in.exr", "A.Combined, B.Combined", "--layer"])
-    (tmp_path / "huge.exr").write_bytes(HEAD)
-    refused(run("render", tmp_path / "huge.exr", "-o", target), ["huge.exr", "cut off"])
-    os.mkfifo(tmp_path / "pipe.exr")
-    refused(run("render", tmp_path / "pipe.exr", "-o", target), ["pipe.exr", "a pipe or a device"])
-    assert not target.exists() and not list(tmp_path.glob(".*"))
     done = run("render", source, "-o", target, "--layer", "B.Combined", "--driver", "reference")
     assert done.returncode == 0, done.stderr
     # a channel that is the same everywhere stays so
