@@ -46,7 +46,7 @@ def test_texture_table():
 
 @pytest.mark.parametrize("language", ["cpp", "csharp", "rust", "js"])
 def test_parameter_structs(language):
-    """The structs of docs/parameters.md have the fields of the block in its order, and nothing but padding after them."""
+    """The structs of docs/parameters.md have the fields of the block in its order, and only padding after them."""
     (shown,) = re.findall(rf"^```{language}\n(.*?)^```", PARAMETERS_PAGE, re.MULTILINE | re.DOTALL)
     if language == "rust":
         fields = re.findall(r"pub (\w+): f32,", shown)

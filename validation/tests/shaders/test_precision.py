@@ -1,4 +1,4 @@
-"""Half precision: the evaluator against the reference and a device, the error budget, validation/precision.md, compilers."""
+"""Half precision: evaluator against reference and device, error budget, validation/precision.md, compilers."""
 
 import re
 import struct
@@ -325,8 +325,8 @@ def test_flushing_changes_no_frame():
 
 
 def test_step_of_a_stored_coc():
-    """validation/precision.md: a half step of the CoC is 2^-10 of it at most, and moves the farthest sample by less than 1/1200
-    of the CoC; the farthest samples are where it says.
+    """validation/precision.md: a half step of the CoC is 2^-10 of it at most, and moves the farthest sample by less
+    than 1/1200 of the CoC; the farthest samples are where it says.
     """
     coc = np.arange(2.0**-10, 1.0, 1e-5)
     assert (np.spacing(coc.astype(np.float16)).astype(float) / coc.astype(np.float16)).max() == 2.0**-10
