@@ -3,12 +3,12 @@
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
 
 import numpy as np
 
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass, target_area
+from bokeh_validation.passes import Pass, target_area, target_size
 from bokeh_validation.reference import images
 
 Textures = Mapping[str, np.ndarray]
@@ -40,39 +40,78 @@ class Stopwatch:
         return Timing(wall / repeats, cpu / repeats, None)
 
 
-class Job(Protocol):
-    """Passes with their textures and targets on a device, to be drawn many times."""
+class Job:
+    """Passes with their textures and targets on a device, to be drawn many times.
+
+    A subclass has `driver` with upload() and target(), and says what a texture is like: shape_of().
+    """
+
+    def __init__(self, driver: "TimedDriver", storage: str, share: "Job | None"):
+        self.driver, self.storage, self.share = driver, storage, share
+        self.live = dict(share.live) if share else {}
+        self.made = []
+
+    def upload(self, textures: Textures) -> None:
+        """All textures that no other job has."""
+        for name in set(textures) - set(self.live):
+            self.live[name] = self._made(self.driver.upload(textures[name]))
+
+    def targets(self, item: Pass, kept: frozenset[str], size: tuple[int, int]) -> list:
+        """A target for each output of a pass: what is drawn over, what another job has, or a new one."""
+        found, wanted = [], target_size(item.scale, size)
+        for name in item.outputs:
+            target = self.live[name] if name in kept else self.share.live.get(name) if self.share else None
+            if target is None or self.shape_of(target) != (wanted, item.channels):
+                target = self._made(self.driver.target(wanted, self.storage, item.channels))
+            found.append(target)
+        return found
+
+    def _made(self, texture):
+        self.made.append(texture)
+        return texture
+
+    def shape_of(self, texture) -> tuple[tuple[int, int], int]:
+        """((width, height), channels)."""
+        raise NotImplementedError
 
     def draw(self) -> None:
         """Give the passes to the device once; does not wait."""
-        ...
+        raise NotImplementedError
 
     def timed(self, repeats: int) -> Timing:
         """Draw `repeats` times without a pause and wait for the end."""
-        ...
+        raise NotImplementedError
+
+    def pixels(self, texture) -> np.ndarray:
+        """What is in a texture, of any shape."""
+        raise NotImplementedError
 
     def read(self, name: str) -> np.ndarray:
         """A target after the last draw, (H, W, 4) of its own size; see four_channels()."""
-        ...
+        (width, height), channels = self.shape_of(self.live[name])
+        return four_channels(self.pixels(self.live[name]).reshape(height, width, channels))
 
     def release(self) -> None:
         """Free the textures and targets."""
-        ...
+        raise NotImplementedError
 
 
-class Driver(Protocol):
+class Driver:
     """A real runtime, or the reference.
 
     name      what --driver takes
     adapter   the device behind it, as the runtime names it
     software  True where the texture unit is Mesa's software one: exact float32 filtering
-    rounding  how its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()
     """
 
     name: str
     adapter: str
     software: bool
-    rounding: str
+
+    @cached_property
+    def rounding(self) -> str:
+        """How its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()."""
+        return half_rounding(self)
 
     def run(
         self,
@@ -96,10 +135,10 @@ class Driver(Protocol):
 
         Raises ValueError as drawn_over() does.
         """
-        ...
+        raise NotImplementedError
 
 
-class TimedDriver(Driver, Protocol):
+class TimedDriver(Driver):
     """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc."""
 
     def prepared(
@@ -117,7 +156,24 @@ class TimedDriver(Driver, Protocol):
 
         Raises Unavailable as `run` does.
         """
-        ...
+        raise NotImplementedError
+
+    def upload(self, pixels: np.ndarray):
+        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
+        raise NotImplementedError
+
+    def target(self, size: tuple[int, int], storage: str, channels: int = 4):
+        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
+        raise NotImplementedError
+
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+        """See Driver."""
+        job = self.prepared(passes, textures, size, storage)
+        try:
+            job.draw()
+            return {name: job.read(name) for name in keep}
+        finally:
+            job.release()
 
 
 def storage_type(storage: str) -> type:

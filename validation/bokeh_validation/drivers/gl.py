@@ -1,7 +1,7 @@
 """GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
 
 import ctypes
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,22 +9,14 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import (
-    Stopwatch,
-    Textures,
-    Timing,
-    drawn_over,
-    four_channels,
-    half_rounding,
-    storage_type,
-)
+from bokeh_validation.drivers.base import Job, Stopwatch, Textures, TimedDriver, Timing, drawn_over, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
+from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area
 
 DTYPES = {np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
 
 
-class GLDriver:
+class GLDriver(TimedDriver):
     """What both share: programs, textures, the pass loop. A subclass makes the context."""
 
     name = "gl"
@@ -34,11 +26,6 @@ class GLDriver:
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
         self._programs: dict[str, moderngl.VertexArray] = {}
-
-    @cached_property
-    def rounding(self) -> str:
-        """See drivers.base.Driver."""
-        return half_rounding(self)
 
     def make_current(self) -> None:
         """Both drivers may live in one process, so each call makes its own context current first."""
@@ -99,32 +86,9 @@ class GLDriver:
         target.use()
         array.render(moderngl.TRIANGLES, vertices=3)
 
-    def prepared(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        share: "GLJob | None" = None,
-    ) -> "GLJob":
-        """See drivers.base.TimedDriver.prepared."""
+    def prepared(self, passes, textures, size, storage="half", share=None) -> "GLJob":
+        """See TimedDriver."""
         return GLJob(self, passes, textures, size, storage, share)
-
-    def run(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        keep: Iterable[str] = ("result",),
-    ) -> dict[str, np.ndarray]:
-        """See drivers.base.Driver.run."""
-        job = self.prepared(passes, textures, size, storage)
-        try:
-            job.draw()
-            return {name: job.read(name) for name in keep}
-        finally:
-            job.release()
 
 
 @dataclass(frozen=True)
@@ -140,56 +104,41 @@ class Step:
     cleared: moderngl.Framebuffer | None
 
 
-class GLJob:
-    """See drivers.base.Job."""
+class GLJob(Job):
+    """See base.Job."""
 
     def __init__(
-        self,
-        driver: GLDriver,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str,
-        share: "GLJob | None" = None,
+        self, driver: GLDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str, share
     ):
         over = drawn_over(passes, size)
         driver.make_current()
-        self.driver, self.storage = driver, storage
-        self.live = dict(share.live) if share else {}
-        self.own = []
+        super().__init__(driver, storage, share)
         self.steps: list[Step] = []
-        for name, pixels in textures.items():
-            if name not in self.live:
-                self.live[name] = self._owned(driver.upload(pixels))
+        self.upload(textures)
+        self.framebuffers = []
         for item, kept in zip(passes, over, strict=True):
             driver.program(item)
             bound = {slot: self.live[name] for slot, name in item.inputs.items()}
-            targets, fresh = [], []
-            for name in item.outputs:
-                if name in kept:
-                    targets.append(self.live[name])
-                    continue
-                wanted = (target_size(item.scale, size), item.channels)
-                reused = share.live.get(name) if share else None
-                if reused and (reused.size, reused.components) != wanted:
-                    reused = None
-                targets.append(reused or self._owned(driver.target(wanted[0], storage, item.channels)))
-                fresh.append(targets[-1])
-            framebuffer = self._owned(driver.context.framebuffer(targets))
-            cleared = None
+            targets = self.targets(item, kept, size)
+            framebuffer, cleared = self._framebuffer(targets), None
             if item.viewport:
                 # a triangle is clipped to it; its y counts from the first row in memory, as v does
                 framebuffer.viewport = target_area(item.scale, item.viewport)
-                cleared = self._owned(driver.context.framebuffer(fresh)) if fresh else None
+                fresh = [target for name, target in zip(item.outputs, targets, strict=True) if name not in kept]
+                cleared = self._framebuffer(fresh) if fresh else None
             self.steps.append(Step(item, bound, framebuffer, cleared))
             self.live.update(zip(item.outputs, targets, strict=True))
 
-    def _owned(self, resource):
-        self.own.append(resource)
-        return resource
+    def _framebuffer(self, targets: list) -> moderngl.Framebuffer:
+        self.framebuffers.append(self.driver.context.framebuffer(targets))
+        return self.framebuffers[-1]
+
+    def shape_of(self, texture: moderngl.Texture) -> tuple[tuple[int, int], int]:
+        """See base.Job."""
+        return texture.size, texture.components
 
     def draw(self) -> None:
-        """See drivers.base.Job.draw."""
+        """See base.Job."""
         self.driver.make_current()
         for step in self.steps:
             if step.cleared:
@@ -197,7 +146,7 @@ class GLJob:
             self.driver.draw(step.item, step.bound, step.targets)
 
     def timed(self, repeats: int) -> Timing:
-        """See drivers.base.Job.timed."""
+        """See base.Job."""
         self.driver.make_current()
         context = self.driver.context
         context.finish()
@@ -211,18 +160,18 @@ class GLJob:
         passed = watch.timing(repeats)
         return replace(passed, query=query.elapsed * 1e-9 / repeats)
 
-    def read(self, name: str) -> np.ndarray:
-        """See drivers.base.Job.read."""
+    def pixels(self, texture: moderngl.Texture) -> np.ndarray:
+        """See base.Job."""
         self.driver.make_current()
-        texture = self.live[name]
-        pixels = np.frombuffer(texture.read(alignment=1), storage_type(self.storage))
-        return four_channels(pixels.reshape(texture.height, texture.width, texture.components))
+        return np.frombuffer(texture.read(alignment=1), storage_type(self.storage))
 
     def release(self) -> None:
-        """See drivers.base.Job.release."""
+        """See base.Job."""
         self.driver.make_current()
-        for resource in reversed(self.own):
-            resource.release()
+        for framebuffer in self.framebuffers:
+            framebuffer.release()
+        for texture in self.made:
+            texture.release()
 
 
 class EGL(GLDriver):

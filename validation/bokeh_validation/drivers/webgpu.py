@@ -1,34 +1,24 @@
 """WGSL on WebGPU (`wgpu`), and HLSL compiled by DXC to SPIR-V on the same runtime (`dxc`): lavapipe or a GPU."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.drivers.base import (
+    Job,
     Stopwatch,
     Textures,
+    TimedDriver,
     Timing,
     drawn_over,
-    four_channels,
-    half_rounding,
     require_targets,
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import (
-    BINDINGS,
-    FIRST_SAMPLER,
-    PARAMETERS,
-    SAMPLE_TYPES,
-    SLOTS,
-    Pass,
-    target_area,
-    target_size,
-)
+from bokeh_validation.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass, target_area
 
 FORMATS = {
     (np.dtype(np.float16), 4): "rgba16float",
@@ -87,7 +77,7 @@ class Step:
     viewport: tuple[int, int, int, int] | None
 
 
-class WGPU:
+class WGPU(TimedDriver):
     """WGSL: the two files as they are, one module."""
 
     name = "wgpu"
@@ -111,11 +101,6 @@ class WGPU:
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
         self._fence = self.device.create_buffer(size=4, usage=self.wgpu.BufferUsage.COPY_SRC)
-
-    @cached_property
-    def rounding(self) -> str:
-        """See drivers.base.Driver."""
-        return half_rounding(self)
 
     def _make_layout(self):
         """One layout for every pass: parameters, all texture slots, the sampler. Depth need not be filterable."""
@@ -206,15 +191,8 @@ class WGPU:
         """
         self.device.queue.read_buffer(self._fence)
 
-    def prepared(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        share: "WGPUJob | None" = None,
-    ) -> "WGPUJob":
-        """See drivers.base.TimedDriver.prepared."""
+    def prepared(self, passes, textures, size, storage="half", share=None) -> "WGPUJob":
+        """See TimedDriver."""
         wide = storage == "float" or any(
             t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
         )
@@ -223,49 +201,26 @@ class WGPU:
         require_targets(self, passes, storage, self.attachment_bytes)
         return WGPUJob(self, passes, textures, size, storage, share)
 
-    def run(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        keep: Iterable[str] = ("result",),
-    ) -> dict[str, np.ndarray]:
-        """See drivers.base.Driver.run."""
-        job = self.prepared(passes, textures, size, storage)
-        job.draw()
-        return {name: job.read(name) for name in keep}
 
-
-class WGPUJob:
-    """See drivers.base.Job."""
+class WGPUJob(Job):
+    """See base.Job."""
 
     def __init__(
-        self,
-        driver: WGPU,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str,
-        share: "WGPUJob | None" = None,
+        self, driver: WGPU, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str, share
     ):
         over = drawn_over(passes, size)
-        self.driver, self.storage = driver, storage
-        self.live = dict(share.live) if share else {}
+        super().__init__(driver, storage, share)
+        self.upload(textures)
         self.steps: list[Step] = []
-        for name, pixels in textures.items():
-            if name not in self.live:
-                self.live[name] = driver.upload(pixels)
         for item, kept in zip(passes, over, strict=True):
-            targets = []
-            wanted, kind = target_size(item.scale, size), FORMATS[np.dtype(storage_type(storage)), item.channels]
-            for name in item.outputs:
-                found = self.live[name] if name in kept else share.live.get(name) if share else None
-                if found and (found.size[:2], found.format) != (wanted, kind):
-                    found = None
-                targets.append(found or driver.target(wanted, storage, item.channels))
+            targets = self.targets(item, kept, size)
             self.steps.append(driver.step(item, self.live, targets, kept))
             self.live.update(zip(item.outputs, targets, strict=True))
+
+    def shape_of(self, texture) -> tuple[tuple[int, int], int]:
+        """See base.Job."""
+        channels = next(count for (_, count), known in FORMATS.items() if known == texture.format)
+        return texture.size[:2], channels
 
     def _record(self, encoder, query_set=None, first: bool = False, last: bool = False) -> None:
         """Record all passes; with a query set, the time at which the first begins and the last ends."""
@@ -291,13 +246,13 @@ class WGPUJob:
             render.end()
 
     def draw(self) -> None:
-        """See drivers.base.Job.draw."""
+        """See base.Job."""
         encoder = self.driver.device.create_command_encoder()
         self._record(encoder)
         self.driver.device.queue.submit([encoder.finish()])
 
     def timed(self, repeats: int) -> Timing:
-        """See drivers.base.Job.timed. What is recorded beforehand is not in the time."""
+        """See base.Job. What is recorded beforehand is not in the time."""
         device, usage = self.driver.device, self.driver.wgpu.BufferUsage
         encoder = device.create_command_encoder()
         queries = device.create_query_set(type="timestamp", count=2) if self.driver.timer else None
@@ -318,18 +273,18 @@ class WGPUJob:
         begin, end = (int(stamp) for stamp in np.frombuffer(device.queue.read_buffer(stamps), np.uint64))
         return replace(passed, query=(end - begin) * 1e-9 / repeats)
 
-    def read(self, name: str) -> np.ndarray:
-        """See drivers.base.Job.read."""
-        dtype, texture = np.dtype(storage_type(self.storage)), self.live[name]
-        channels = next(count for (kind, count), known in FORMATS.items() if known == texture.format)
-        width, height, _ = texture.size
+    def pixels(self, texture) -> np.ndarray:
+        """See base.Job."""
+        (width, height), channels = self.shape_of(texture)
+        dtype = np.dtype(storage_type(self.storage))
         layout = {"bytes_per_row": width * channels * dtype.itemsize, "rows_per_image": height}
         data = self.driver.device.queue.read_texture({"texture": texture}, layout, texture.size)
-        return four_channels(np.frombuffer(data, dtype).reshape(height, width, channels))
+        return np.frombuffer(data, dtype)
 
     def release(self) -> None:
-        """See drivers.base.Job.release: textures go when nothing names them any more."""
+        """See base.Job: textures go when nothing names them any more."""
         self.live.clear()
+        self.made.clear()
         self.steps.clear()
 
 
