@@ -6,8 +6,6 @@ four channels, so that no compiler can leave a fetch out. Alpha is the pixel's C
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +15,6 @@ from bokeh_validation.entries import COPYING_ENTRIES
 from bokeh_validation.passes import Pass
 
 ENTRY = "BokehFloor"
-SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "DepthSamp")
 
 
 @dataclass(frozen=True)
@@ -25,24 +22,36 @@ class Dialect:
     """How one language writes what the floors need.
 
     vec2, vec4, scalar  types
-    declare   (type, name) -> the beginning of a declaration
-    texture   slot -> a texture with its sampler, as an argument; texels: one without
-    frame     (statements, expressions of the targets) -> the complete program
+    declaration         the beginning of one, of {kind} and {name}
+    texture             the texture of a {slot} with its sampler, as an argument
+    loop                head of a loop over {i} up to {count}
+    frame               (statements, expressions of the targets) -> the complete program
     """
 
     vec2: str
     vec4: str
     scalar: str
-    declare: Callable[[str, str], str]
-    texture: Callable[[str], str]
-    texels: Callable[[str], str]
+    declaration: str
+    texture: str
+    loop: str
     frame: Callable[[list[str], list[str]], str]
 
+    def declare(self, kind: str, name: str, value: str) -> str:
+        """A variable with a value."""
+        return f"{self.declaration.format(kind=kind, name=name)} = {value}"
 
-@cache
-def _text(language: str) -> str:
-    """The functions that floors are made of."""
-    return (Path(__file__).parent / f"floor.{language}").read_text(encoding="ascii")
+    def fetch(self, slot: str, place: str = "uv") -> str:
+        """A colour."""
+        return f"BokehFetch({self.texture.format(slot=slot)}, {place})"
+
+    def vector(self, value: np.ndarray) -> str:
+        """Two numbers."""
+        return f"{self.vec2}({_number(value[0])}, {_number(value[1])})"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.9g}"
+    return text if any(mark in text for mark in ".e") else text + ".0"
 
 
 def _indented(statements: list[str]) -> str:
@@ -51,7 +60,9 @@ def _indented(statements: list[str]) -> str:
 
 def _glsl(statements: list[str], results: list[str]) -> str:
     # the library alone: its passes would bring a main() of their own
-    head = f"{shaders.GLSL_VERSIONS['330']}\n" + paths.library("glsl").read_text(encoding="ascii") + _text("glsl")
+    head = f"{shaders.GLSL_VERSIONS['330']}\n" + paths.library("glsl").read_text(encoding="ascii")
+    slots = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "DepthSamp")
+    head += "".join(f"uniform sampler2D Bokeh{slot};\n" for slot in slots) + "in vec2 BokehUV;\n"
     outputs = "".join(f"layout(location = {i}) out vec4 Floor{i};\n" for i in range(len(results)))
     stores = [f"Floor{i} = {result}" for i, result in enumerate(results)]
     return f"{head}\n{outputs}\nvoid main()\n{{\n    vec2 uv = BokehUV;\n{_indented(statements + stores)}}}\n"
@@ -60,106 +71,88 @@ def _glsl(statements: list[str], results: list[str]) -> str:
 def _hlsl(statements: list[str], results: list[str]) -> str:
     outputs = ", ".join(f"out float4 floor{i} : BOKEH_TARGET({i})" for i in range(len(results)))
     stores = [f"floor{i} = {result}" for i, result in enumerate(results)]
-    head = shaders.hlsl(6, {}) + _text("hlsl")
+    head = shaders.hlsl(6, {})
     return f"{head}\nvoid {ENTRY}_PS(BOKEH_INPUT, {outputs})\n{{\n{_indented(statements + stores)}}}\n"
 
 
 def _wgsl(statements: list[str], results: list[str]) -> str:
     members = "".join(f"    @location({i}) floor{i}: vec4f,\n" for i in range(len(results)))
-    head = shaders.wgsl() + _text("wgsl") + f"\nstruct FloorTargets\n{{\n{members}}}\n"
+    head = f"{shaders.wgsl()}\nstruct FloorTargets\n{{\n{members}}}\n"
     body = _indented(["let uv: vec2f = input.uv", *statements, f"return FloorTargets({', '.join(results)})"])
     return f"{head}\n@fragment fn {ENTRY}_PS(input: BokehVertex) -> FloorTargets\n{{\n{body}}}\n"
 
 
-def _named(slot: str) -> str:
-    return f"Bokeh{slot}"
-
-
+LOOP = "for (int {i} = 0; {i} < {count}; {i}++)"
+SHARED = "BOKEH_SHARED(Bokeh{slot}, BokehColorSamp)"
 DIALECTS = {
-    "glsl": Dialect("vec2", "vec4", "float", lambda kind, name: f"{kind} {name}", _named, _named, _glsl),
-    "hlsl": Dialect(
-        "float2",
-        "float4",
-        "float",
-        lambda kind, name: f"{kind} {name}",
-        lambda slot: f"BOKEH_SHARED(Bokeh{slot}, BokehColorSamp)",
-        _named,
-        _hlsl,
-    ),
+    "glsl": Dialect("vec2", "vec4", "float", "{kind} {name}", "Bokeh{slot}", LOOP, _glsl),
+    "hlsl": Dialect("float2", "float4", "float", "{kind} {name}", SHARED, f"BOKEH_LOOP {LOOP}", _hlsl),
     "wgsl": Dialect(
-        "vec2f",
-        "vec4f",
-        "f32",
-        lambda kind, name: f"var {name}: {kind}",
-        lambda slot: f"Bokeh{slot}, BokehLinearClamp",
-        _named,
-        _wgsl,
+        "vec2f", "vec4f", "f32", "var {name}: {kind}", "Bokeh{slot}, BokehLinearClamp",
+        LOOP.replace("int {i}", "var {i}: i32"), _wgsl,
     ),
-}
+}  # fmt: skip
 
 
-def _number(value: float) -> str:
-    text = f"{value:.9g}"
-    return text if any(mark in text for mark in ".e") else text + ".0"
+def added(dialect: Dialect, name: str, line: Line, deep: bool, aspect: float = 1.0, height: float = 1.0) -> str:
+    """A block that adds up a line's samples, and of depth too where `deep`, to the variable `name`.
 
-
-def _vector(dialect: Dialect, value: np.ndarray) -> str:
-    return f"{dialect.vec2}({_number(value[0])}, {_number(value[1])})"
-
-
-def _line(dialect: Dialect, line: Line, deep: bool, aspect: float, height: float) -> str:
-    """The expression that adds up a line's samples; `coc` is the CoC that the pass blurs by."""
-    to_uv = np.array([1.0 / aspect, 1.0])
+    The program has `uv` and `coc`, the CoC that the pass blurs by.
+    """
+    d, to_uv = dialect, np.array([1.0 / aspect, 1.0])
     middle, half = line.middle * to_uv, line.half * to_uv
-    # without depth the place of its texture is taken by one that is there
-    depth = dialect.texels("DepthSamp" if deep else line.slot)
-    textures = f"{dialect.texture(line.slot)}, {depth}, {str(deep).lower()}"
+    parts = line.count - 1 if line.ends else line.count
+    first, between = middle - half + (0.0 if line.ends else half / parts), 2.0 * half / parts
+    loop, number = d.loop.format(i="i", count=line.count), f"{d.scalar}(i)"
+    place, guard = f"first + between * {number}", ""
+    block = [d.declare(d.vec4, "colors", f"{d.vec4}(0.0, 0.0, 0.0, 0.0)")]
+    block += [d.declare(d.scalar, "depths", "0.0")] if deep else []
     if line.spacing > 0.0:
+        # as many samples as the line needs, where BokehLineSum has them
         length = 2.0 * float(np.hypot(*line.half)) * height
         cells = f"clamp({_number(length / line.spacing)} * coc, 1.0, {line.count}.0)"
-        places = f"uv + {_vector(dialect, middle)} * coc, {_vector(dialect, half)} * coc"
-        return f"FloorAdaptive({textures}, {places}, {cells}, {line.count})"
-    parts = line.count - 1 if line.ends else line.count
-    between = 2.0 * half / parts
-    first = middle - half + (0.0 if line.ends else 0.5 * between)
-    if line.side is None:
-        places = f"uv + {_vector(dialect, first)} * coc, {_vector(dialect, between)} * coc"
-        return f"FloorLine({textures}, {places}, {line.count})"
-    side = line.side * to_uv
-    places = f"uv + {_vector(dialect, first - side)} * coc, {_vector(dialect, between)} * coc"
-    return f"FloorGrid({textures}, {places}, {_vector(dialect, 2.0 * side / parts)} * coc, {line.count})"
+        block += [d.declare(d.scalar, "cells", cells), d.declare(d.vec2, "halfLine", f"{d.vector(half)} * coc")]
+        block += [d.declare(d.vec2, "first", f"uv + {d.vector(middle)} * coc - halfLine")]
+        block += [d.declare(d.vec2, "between", "halfLine * (2.0 / cells)")]
+        place = f"first + between * ({number} + 0.5 * clamp(cells - {number}, 0.0, 1.0))"
+        guard = f"if ({number} >= cells) {{ break; }} "
+    else:
+        start = first if line.side is None else first - line.side * to_uv
+        block += [d.declare(d.vec2, "first", f"uv + {d.vector(start)} * coc")]
+        block += [d.declare(d.vec2, "between", f"{d.vector(between)} * coc")]
+    if line.side is not None:
+        rows = d.vector(2.0 * line.side * to_uv / parts)
+        loop = f"{d.loop.format(i='j', count=line.count)} {{ {loop}"
+        place = f"first + {rows} * coc * {d.scalar}(j) + between * {number}"
+    taken = f"{d.declare(d.vec2, 'coords', place)}; colors += {d.fetch(line.slot, 'coords')};"
+    taken += " depths += BokehFetchNearest(BokehDepthSamp, coords).r;" if deep else ""
+    block += [f"{loop} {{ {guard}{taken} }}{' }' if line.side is not None else ''}"]
+    return f"{{ {'; '.join(block)} {name} += colors{' + depths' if deep else ''}; }}"
 
 
 def _program(dialect: Dialect, item: Pass, found: Reads) -> str:
-    values = item.values()
+    d, values = dialect, item.values()
     aspect, height, spacing = (values[f"Bokeh{name}"] for name in ("AspectRatio", "ImageHeight", "Spacing"))
-    declare, vec4 = dialect.declare, dialect.vec4
-    statements = [f"{declare(vec4, 'center')} = BokehFetch({dialect.texture('ColorSamp')}, uv)"]
-    coc = "abs(center.a)"
-    if found.skips and spacing > 0.0:
-        coc = f"BokehFilterCoC(abs(center.a), {_number(height)}, {_number(spacing)})"
-    statements.append(f"{declare(dialect.scalar, 'coc')} = {coc}")
+    skips = found.skips and spacing > 0.0
+    coc = f"BokehFilterCoC(abs(center.a), {_number(height)}, {_number(spacing)})" if skips else "abs(center.a)"
     names = [f"sum{index}" for index in range(len(found.lines))]
-    statements += [f"{declare(vec4, name)} = center" for name in names]
-    taken = [f"{names[0]} += BokehFetchNearest({dialect.texels('DepthSamp')}, uv).r"] if names and found.depth else []
-    for name, line in zip(names, found.lines, strict=True):
-        taken.append(f"{name} += {_line(dialect, line, found.depth, aspect, height)}")
-    if found.skips and spacing > 0.0:
-        statements.append("if (coc > 0.0) { " + "; ".join(taken) + "; }")
-    else:
-        statements += taken
-    others = "".join(f" + BokehFetch({dialect.texture(slot)}, uv)" for slot in found.others)
+    statements = [d.declare(d.vec4, "center", d.fetch("ColorSamp")), d.declare(d.scalar, "coc", coc)]
+    statements += [d.declare(d.vec4, name, "center") for name in names]
+    taken = [f"{names[0]} += BokehFetchNearest(BokehDepthSamp, uv).r;"] if names and found.depth else []
+    lines = zip(names, found.lines, strict=True)
+    taken += [added(d, name, line, found.depth, aspect, height) for name, line in lines]
+    statements += [f"{'if (coc > 0.0) ' if skips else ''}{{ {' '.join(taken)} }}"] if taken else []
+    others = "".join(f" + {d.fetch(slot)}" for slot in found.others)
     # a first pass with several targets: each holds the lines up to its own, as the method's do
     several = len(item.outputs) > 1
     results = []
     for target in range(len(item.outputs)):
         used = found.lines[: target + 1] if several else found.lines
         scale = _number(1.0 / (sum(line.samples for line in used) + len(used) + 1))
-        statements.append(
-            f"{declare(vec4, f'mean{target}')} = ({' + '.join(names[: len(used)] or ['center'])}{others}) * {scale}"
-        )
-        results.append(f"{vec4}(mean{target}.rgb + mean{target}.a, center.a)")
-    return dialect.frame(statements, results)
+        mean = f"({' + '.join(names[: len(used)] or ['center'])}{others}) * {scale}"
+        statements.append(d.declare(d.vec4, f"mean{target}", mean))
+        results.append(f"{d.vec4}(mean{target}.rgb + mean{target}.a, center.a)")
+    return d.frame(statements, results)
 
 
 def _replaced(item: Pass, found: Reads) -> Pass:

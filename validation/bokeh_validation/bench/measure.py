@@ -17,19 +17,10 @@ MOST_REPEATS = 10000
 AGREES = (0.8, 1.05)
 
 
-@dataclass(frozen=True)
-class Spread:
-    """Median, and what a tenth of the rounds is below and above."""
-
-    median: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, values: np.ndarray) -> "Spread":
-        """Of all rounds, (rounds,)."""
-        low, median, high = np.percentile(values, (10, 50, 90))
-        return cls(float(median), float(low), float(high))
+def spread(values: np.ndarray) -> dict[str, float]:
+    """Median of all rounds, and what a tenth of them is below and above."""
+    low, median, high = np.percentile(values, (10, 50, 90))
+    return {"median": float(median), "low": float(low), "high": float(high)}
 
 
 @dataclass(frozen=True)
@@ -39,22 +30,19 @@ class Times:
     clocks   'wall', 'cpu', 'query' -> key -> (rounds,); the query NaN where the device has no timer
     clock    which of them is used
     why      a line about the choice
-    repeats  key -> draws in each measurement
     """
 
     clocks: Mapping[str, Mapping[str, np.ndarray]]
     clock: str
     why: str
-    repeats: Mapping[str, int]
 
-    @property
-    def seconds(self) -> Mapping[str, np.ndarray]:
-        """By the clock that is used."""
-        return self.clocks[self.clock]
+    def spread(self, key: str) -> dict[str, float]:
+        """Of a job, by the clock that is used."""
+        return spread(self.clocks[self.clock][key])
 
-    def ratio(self, key: str, other: str) -> Spread:
+    def ratio(self, key: str, other: str) -> dict[str, float]:
         """Of two jobs, computed within each round."""
-        return Spread.of(self.seconds[key] / self.seconds[other])
+        return spread(self.clocks[self.clock][key] / self.clocks[self.clock][other])
 
 
 def chosen_clock(clocks: Mapping[str, Mapping[str, np.ndarray]], software: bool) -> tuple[str, str]:
@@ -65,16 +53,16 @@ def chosen_clock(clocks: Mapping[str, Mapping[str, np.ndarray]], software: bool)
     if np.isnan(share).any():
         return "wall", "wall time around finished frames: the device has no timer"
     low, high = np.percentile(share, (5, 95))
-    agrees = AGREES[0] <= low and high <= AGREES[1]
     seen = f"the timer query shows {low:.2f} to {high:.2f} of the wall time"
-    return ("query", f"timer query: {seen}") if agrees else ("wall", f"wall time around finished frames: {seen}")
+    if AGREES[0] <= low and high <= AGREES[1]:
+        return "query", f"timer query: {seen}"
+    return "wall", f"wall time around finished frames: {seen}"
 
 
 def interleaved(
     jobs: Mapping[str, Job],
     rounds: int,
     software: bool,
-    seed: int = 1,
     step: Callable[[str], None] = lambda _: None,
     clock: str | None = None,
 ) -> Times:
@@ -89,16 +77,13 @@ def interleaved(
         job.timed(1)  # compiles what the runtime compiles on first use
         repeats[key] = min(MOST_REPEATS, ceil(SHORTEST / max(job.timed(1).wall, 1e-9)))
     step("warm-up")
-    random = np.random.default_rng(seed)
-    keys = list(jobs)
-    clocks = {name: {key: np.full(rounds, np.nan) for key in keys} for name in CLOCKS}
+    random = np.random.default_rng(1)
+    clocks = {name: {key: np.full(rounds, np.nan) for key in jobs} for name in CLOCKS}
     for index in range(rounds):
-        for position in random.permutation(len(keys)):
-            key = keys[position]
+        for key in random.permutation(list(jobs)):
             timing = jobs[key].timed(repeats[key])
             for name in CLOCKS:
                 value = getattr(timing, name)
                 clocks[name][key][index] = np.nan if value is None else value
         step(f"round {index + 1}")
-    used, why = (clock, "as asked for") if clock else chosen_clock(clocks, software)
-    return Times(clocks, used, why, repeats)
+    return Times(clocks, *((clock, "as asked for") if clock else chosen_clock(clocks, software)))

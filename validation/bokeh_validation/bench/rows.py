@@ -1,4 +1,6 @@
-"""What is measured: the methods of Table 1, the defaults, adaptive counts, a picture in focus, and the layers."""
+"""What is measured: the methods of Table 1, the defaults, adaptive counts, a picture in focus, the layers, and how time
+grows: with the number of samples, with the CoC, with the size of the picture.
+"""
 
 from dataclasses import dataclass, replace
 from math import ceil, pi, tan
@@ -132,6 +134,47 @@ def layers(size: tuple[int, int]) -> list[Row]:
     settings = methods.Settings("layered", "hexagon", camera=camera, coc=0.0)
     rows.append(_row("layered in focus", "layers", settings, size, paper=LAYERS_PAPER))
     return rows
+
+
+# Growth: CoC as fractions of the image height, and sides of the picture relative to the size that is measured
+COCS = (0.025, 0.05, 0.1, 0.2)
+SCALES = (0.5, 0.7071, 1.0, 1.4142)
+CURVES = (
+    ("naive 144", methods.Settings("naive-grid", "hexagon", 12)),
+    ("paper hexagon 144", methods.Settings("paper", "hexagon", 12)),
+    ("exact hexagon 144", methods.Settings("exact", "hexagon", 6)),
+    ("exact hexagon adaptive", methods.Settings("exact", "hexagon", spacing=1.0, max_samples=MOST)),
+)
+
+
+@dataclass(frozen=True)
+class Series:
+    """Jobs of one curve: `against` is 'CoC' or 'pixels'; points are x, size, passes."""
+
+    name: str
+    against: str
+    points: list[tuple[float, tuple[int, int], tuple[Pass, ...]]]
+
+
+def _passes(settings: methods.Settings, size: tuple[int, int], coc: float) -> tuple[Pass, ...]:
+    return methods.plan(replace(settings, camera=methods.Camera(max_coc=1.0), coc=coc), size).passes
+
+
+def with_coc(size: tuple[int, int]) -> list[Series]:
+    """Time against the CoC, pixels: fixed counts stay, adaptive ones grow with it."""
+    return [
+        Series(name, "CoC", [(coc * size[1], size, _passes(settings, size, coc)) for coc in COCS])
+        for name, settings in CURVES[1:]
+    ]
+
+
+def with_size(size: tuple[int, int]) -> list[Series]:
+    """Time against the number of pixels, the CoC a constant fraction of the height."""
+    sizes = [tuple(max(2, round(side * scale)) for side in size) for scale in SCALES]
+    return [
+        Series(name, "pixels", [(float(w * h), (w, h), _passes(settings, (w, h), COC)) for w, h in sizes])
+        for name, settings in CURVES
+    ]
 
 
 def _reading(item: Pass, name: str) -> Pass:

@@ -1,126 +1,28 @@
-"""A whole measurement on one driver, and all of it as data."""
+"""A whole measurement on one driver, as the data that --json writes: seconds, fractions and pixels.
+
+A row's spreads (median, low, high) are over the rounds; each ratio is computed within its round:
+
+    seconds, floor_seconds   of a draw
+    floor_ratio              row / its floor; None where there is none
+    naive_ratio              naive with as many effective samples / row; None where there is none
+    ratios                   row / the rows that it names in `versus`
+    rounds, floor_rounds     the raw times by clock
+"""
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata
 
 import numpy as np
 
 from bokeh_validation import __version__, doctor, suite
-from bokeh_validation.bench import growth, reads, rows
-from bokeh_validation.bench.measure import CLOCKS, Spread, Times, interleaved
+from bokeh_validation.bench import reads, rows
+from bokeh_validation.bench.measure import CLOCKS, Times, interleaved
+from bokeh_validation.bench.request import Plan, is_software
 from bokeh_validation.drivers.base import TimedDriver
 
-# Drivers with a way to draw without upload and read-back, in the order in which they are tried
-DRIVERS = ("egl", "osmesa", "wgpu", "dxc")
-DEFAULT_DRIVERS = ("osmesa", "wgpu")
-# Parts of the names of devices that are programs on this machine's cores
-SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader", "Microsoft Basic Render")
-SIZE, SOFTWARE_SIZE, QUICK_SIZE = (800, 800), (400, 400), (160, 160)
-# Of the layers: the scene as it is
-LAYERS_SIZE = (960, 540)
-ROUNDS, QUICK_ROUNDS, GROWTH_ROUNDS = 9, 5, 5
-
-
-def is_software(driver: TimedDriver) -> bool:
-    """Whether the device is a program: its times say nothing about a GPU."""
-    return any(name in driver.adapter for name in SOFTWARE)
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What to measure.
-
-    size   (width, height); None: 800 x 800 on a GPU, as the paper has it, and smaller in software
-    clock  'wall', 'cpu' or 'query'; None: see measure.chosen_clock
-    """
-
-    size: tuple[int, int] | None = None
-    rounds: int | None = None
-    quick: bool = False
-    clock: str | None = None
-
-    def size_on(self, driver: TimedDriver) -> tuple[int, int]:
-        """(width, height) for a driver."""
-        if self.size is not None:
-            return self.size
-        if self.quick:
-            return QUICK_SIZE
-        return SOFTWARE_SIZE if is_software(driver) else SIZE
-
-    @property
-    def layers_size(self) -> tuple[int, int]:
-        """(width, height) for the layers."""
-        return self.size or (SOFTWARE_SIZE if self.quick else LAYERS_SIZE)
-
-    @property
-    def counted(self) -> int:
-        """Rounds that count."""
-        return self.rounds or (QUICK_ROUNDS if self.quick else ROUNDS)
-
-    @property
-    def sides(self) -> tuple[int, ...]:
-        """Samples on a line."""
-        return rows.QUICK_SIDES if self.quick else rows.SIDES
-
-    @property
-    def steps(self) -> int:
-        """Steps of the progress bar for each driver: the rounds of the rows, of the layers and of two kinds of growth,
-        each with a warm-up.
-        """
-        return 2 * (self.counted + 1) + 2 * (min(self.counted, GROWTH_ROUNDS) + 1)
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A row with its times. Ratios are over the rounds, each computed within its round.
-
-    floor   row / its floor; None where there is none
-    naive   naive with as many effective samples / row; None where there is none
-    versus  row / the rows that it names in `versus`
-    """
-
-    row: rows.Row
-    cost: reads.Cost
-    seconds: Spread
-    floor_seconds: Spread | None
-    floor: Spread | None
-    naive: Spread | None
-    versus: dict[str, Spread]
-    raw: dict[str, list]
-    raw_floor: dict[str, list]
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Times along a series: `x` in samples, pixels of CoC or pixels."""
-
-    name: str
-    against: str
-    x: list[float]
-    seconds: list[float]
-    fit: growth.Fit
-
-
-@dataclass(frozen=True)
-class Result:
-    """All of one driver."""
-
-    driver: str
-    adapter: str
-    software: bool
-    size: tuple[int, int]
-    layers_size: tuple[int, int]
-    rounds: int
-    clock: str
-    why: str
-    rows: list[Measured]
-    curves: list[Curve]
-
-    def find(self, key: str) -> Measured:
-        """The row of that key."""
-        return next(found for found in self.rows if found.row.key == key)
+Step = Callable[[str], None]
 
 
 def measure_rows(
@@ -128,41 +30,43 @@ def measure_rows(
     chosen: Iterable[rows.Row],
     size: tuple[int, int],
     rounds: int,
-    step: Callable[[str], None] = lambda _: None,
+    step: Step = lambda _: None,
     clock: str | None = None,
     scene: suite.SceneFile = rows.SCENE,
-) -> tuple[list[Measured], Times]:
+) -> tuple[list[dict], Times]:
     """Time rows and their floors, all interleaved."""
     images = rows.textures(size, scene)
     # one picture and one set of targets for all: 80 jobs of their own would not fit a small device
     shared = driver.prepared((), images, size)
-    jobs = {}
     chosen = list(chosen)
-    for row in chosen:
-        for key, passes in ((row.key, row.passes), (row.key + " floor", row.floor)):
-            if passes:
-                jobs[key] = driver.prepared(passes, images, size, share=shared)
-    times = interleaved(jobs, rounds, is_software(driver), step=step, clock=clock)
+    passes = {row.key: row.passes for row in chosen} | {f"{row.key} floor": row.floor for row in chosen if row.floor}
+    jobs = {key: driver.prepared(items, images, size, share=shared) for key, items in passes.items()}
+    times = interleaved(jobs, rounds, is_software(driver), step, clock)
     for job in [*jobs.values(), shared]:
         job.release()
-    found = []
-    for row in chosen:
-        floor = row.key + " floor" if row.floor else None
-        versus = {name: times.ratio(row.key, other) for name, other in row.versus.items()}
-        found.append(
-            Measured(
-                row,
-                _cost(row, images["depth"]),
-                Spread.of(times.seconds[row.key]),
-                Spread.of(times.seconds[floor]) if floor else None,
-                times.ratio(row.key, floor) if floor else None,
-                times.ratio(row.versus["naive"], row.key) if "naive" in row.versus else None,
-                versus,
-                {name: _raw(times.clocks[name][row.key]) for name in CLOCKS},
-                {name: _raw(times.clocks[name][floor]) for name in CLOCKS} if floor else {},
-            )
-        )
-    return found, times
+    return [_row(row, times, images["depth"]) for row in chosen], times
+
+
+def _row(row: rows.Row, times: Times, depth: np.ndarray) -> dict:
+    floor, naive, settings = f"{row.key} floor" if row.floor else None, row.versus.get("naive"), row.settings
+    return {
+        "key": row.key,
+        "group": row.group,
+        "method": settings.method,
+        "aperture": settings.aperture,
+        "effective": row.effective,
+        "samples": settings.count,
+        "spacing": settings.spacing,
+        "coc": settings.coc,
+        "cost": asdict(_cost(row, depth)),
+        "seconds": times.spread(row.key),
+        "floor_seconds": floor and times.spread(floor),
+        "floor_ratio": floor and times.ratio(row.key, floor),
+        "naive_ratio": naive and times.ratio(naive, row.key),
+        "ratios": {name: {"to": other, **times.ratio(row.key, other)} for name, other in row.versus.items()},
+        "rounds": {name: _raw(times.clocks[name][row.key]) for name in CLOCKS},
+        "floor_rounds": {name: _raw(times.clocks[name][floor]) for name in CLOCKS} if floor else {},
+    }
 
 
 def _raw(seconds: np.ndarray) -> list:
@@ -177,69 +81,79 @@ def _cost(row: rows.Row, depth: np.ndarray) -> reads.Cost:
     return reads.cost(row.passes, depth)
 
 
+def fit(x: np.ndarray, seconds: np.ndarray) -> dict[str, float]:
+    """seconds = constant * x ^ slope, by least squares of the logarithms; r2 = share of the variance it explains.
+
+    Two or more points, all positive.
+    """
+    lx, ly = np.log(np.asarray(x, float)), np.log(np.asarray(seconds, float))
+    slope, constant = np.polyfit(lx, ly, 1)
+    rest, all_ = ((ly - slope * lx - constant) ** 2).sum(), ((ly - ly.mean()) ** 2).sum()
+    return {"slope": float(slope), "r2": float(1.0 - rest / all_) if all_ > 0.0 else 1.0}
+
+
+def _curve(name: str, against: str, x: list[float], seconds: list[float]) -> dict:
+    """Times along a series; `x` in samples, pixels of CoC or pixels."""
+    return {"name": name, "against": against, "x": x, "seconds": seconds, "fit": fit(x, seconds)}
+
+
 def measure_curves(
-    driver: TimedDriver,
-    series: list[growth.Series],
-    rounds: int,
-    step: Callable[[str], None] = lambda _: None,
-    clock: str | None = None,
-) -> list[Curve]:
+    driver: TimedDriver, series: list[rows.Series], rounds: int, step: Step = lambda _: None, clock: str | None = None
+) -> list[dict]:
     """Time series, all points of all of them interleaved."""
-    jobs = {}
-    for curve in series:
-        for x, size, passes in curve.points:
-            jobs[f"{curve.name} {x:.6g}"] = driver.prepared(passes, rows.textures(size), size)
-    times = interleaved(jobs, rounds, is_software(driver), step=step, clock=clock)
+    jobs = {
+        f"{curve.name} {x:.6g}": driver.prepared(passes, rows.textures(size), size)
+        for curve in series
+        for x, size, passes in curve.points
+    }
+    times = interleaved(jobs, rounds, is_software(driver), step, clock)
     for job in jobs.values():
         job.release()
     found = []
     for curve in series:
         x = [point[0] for point in curve.points]
-        seconds = [Spread.of(times.seconds[f"{curve.name} {value:.6g}"]).median for value in x]
-        found.append(Curve(curve.name, curve.against, x, seconds, growth.Fit.of(x, seconds)))
+        seconds = [times.spread(f"{curve.name} {value:.6g}")["median"] for value in x]
+        found.append(_curve(curve.name, curve.against, x, seconds))
     return found
 
 
-def sample_curves(measured: list[Measured]) -> list[Curve]:
+def sample_curves(measured: list[dict]) -> list[dict]:
     """Time against effective samples, out of Table 1's rows."""
     found = []
     for name in ("naive", "paper hexagon", "paper octagon", "exact hexagon", "exact octagon"):
-        points = [m for m in measured if m.row.group == "table 1" and m.row.key.rsplit(" ", 1)[0] == name]
-        x, seconds = [float(m.row.effective) for m in points], [m.seconds.median for m in points]
+        points = [row for row in measured if row["group"] == "table 1" and row["key"].rsplit(" ", 1)[0] == name]
+        x, seconds = [float(row["effective"]) for row in points], [row["seconds"]["median"] for row in points]
         if len(points) > 1:
-            found.append(Curve(name, "samples", x, seconds, growth.Fit.of(x, seconds)))
+            found.append(_curve(name, "samples", x, seconds))
     return found
 
 
-def measure(driver: TimedDriver, plan: Plan, step: Callable[[str], None] = lambda _: None) -> Result:
+def measure(driver: TimedDriver, plan: Plan, step: Step = lambda _: None) -> dict:
     """The whole measurement on one driver."""
-    size = plan.size_on(driver)
+    size, layers_size, few = plan.size_on(driver), plan.layers_size, plan.growth_rounds
     chosen = [*rows.table_one(size, plan.sides), *rows.defaults(size), *rows.adaptive(size), *rows.in_focus(size)]
-    found, times = measure_rows(driver, chosen, size, plan.counted, step, plan.clock)
-    size_of_layers = plan.layers_size
-    found += measure_rows(
-        driver, rows.layers(size_of_layers), size_of_layers, plan.counted, step, plan.clock, rows.LAYERS_SCENE
-    )[0]
-    few = min(plan.counted, GROWTH_ROUNDS)
+    found, times = measure_rows(driver, chosen, size, plan.rounds, step, plan.clock)
+    layers = rows.layers(layers_size)
+    found += measure_rows(driver, layers, layers_size, plan.rounds, step, plan.clock, rows.LAYERS_SCENE)[0]
     curves = sample_curves(found)
-    curves += measure_curves(driver, growth.with_coc(size), few, step, plan.clock)
-    curves += measure_curves(driver, growth.with_size(size), few, step, plan.clock)
-    return Result(
-        driver.name,
-        driver.adapter,
-        is_software(driver),
-        size,
-        size_of_layers,
-        plan.counted,
-        times.clock,
-        times.why,
-        found,
-        curves,
-    )
+    for series in (rows.with_coc(size), rows.with_size(size)):
+        curves += measure_curves(driver, series, few, step, plan.clock)
+    return {
+        "driver": driver.name,
+        "adapter": driver.adapter,
+        "software": is_software(driver),
+        "size": list(size),
+        "layers_size": list(layers_size),
+        "rounds": plan.rounds,
+        "clock": times.clock,
+        "clock_check": times.why,
+        "rows": found,
+        "growth": curves,
+    }
 
 
-def as_json(results: list[Result], missing: dict[str, str]) -> dict:
-    """Everything, raw rounds included; seconds, fractions and pixels."""
+def as_json(results: list[dict], missing: dict[str, str]) -> dict:
+    """Everything, raw rounds included."""
     versions = {name: metadata.version(name) for name in ("moderngl", "wgpu", "numpy")}
     return {
         "version": __version__,
@@ -249,46 +163,5 @@ def as_json(results: list[Result], missing: dict[str, str]) -> dict:
         "scene": rows.SCENE.name,
         "layers_scene": rows.LAYERS_SCENE.name,
         "missing": missing,
-        "drivers": [_driver_json(result) for result in results],
-    }
-
-
-def _driver_json(result: Result) -> dict:
-    return {
-        "driver": result.driver,
-        "adapter": result.adapter,
-        "software": result.software,
-        "size": list(result.size),
-        "layers_size": list(result.layers_size),
-        "rounds": result.rounds,
-        "clock": result.clock,
-        "clock_check": result.why,
-        "rows": [_row_json(found) for found in result.rows],
-        "growth": [asdict(curve) for curve in result.curves],
-    }
-
-
-def _optional(found: Spread | None) -> dict | None:
-    return None if found is None else asdict(found)
-
-
-def _row_json(found: Measured) -> dict:
-    settings = found.row.settings
-    return {
-        "key": found.row.key,
-        "group": found.row.group,
-        "method": settings.method,
-        "aperture": settings.aperture,
-        "effective": found.row.effective,
-        "samples": settings.count,
-        "spacing": settings.spacing,
-        "coc": settings.coc,
-        "cost": asdict(found.cost),
-        "seconds": asdict(found.seconds),
-        "floor_seconds": _optional(found.floor_seconds),
-        "floor_ratio": _optional(found.floor),
-        "naive_ratio": _optional(found.naive),
-        "ratios": {name: {"to": found.row.versus[name], **asdict(spread)} for name, spread in found.versus.items()},
-        "rounds": found.raw,
-        "floor_rounds": found.raw_floor,
+        "drivers": results,
     }

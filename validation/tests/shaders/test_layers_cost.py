@@ -8,7 +8,7 @@ from support import load
 from test_frame import counting
 
 from bokeh_validation import fetches, methods
-from bokeh_validation.bench import reads, rows, session
+from bokeh_validation.bench import reads, request, rows, session
 from bokeh_validation.passes import COPYING_ENTRIES
 from bokeh_validation.patterns import layers
 from bokeh_validation.patterns.model import depth_of, flat
@@ -27,10 +27,10 @@ IN_FOCUS = 0.35 * 2 * 39
 @pytest.mark.parametrize("name", DRIVERS)
 def test_time(name):
     """Medians of rounds in which all are drawn, in CPU time."""
-    wanted = [row for row in rows.layers(session.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
-    measured, _ = session.measure_rows(load(name), wanted, session.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
-    ratios = {row.row.key: row.versus["paper"] for row in measured if row.row.key in MOST_TIME}
-    assert all(ratios[key].median <= most for key, most in MOST_TIME.items()), ratios
+    wanted = [row for row in rows.layers(request.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
+    measured, _ = session.measure_rows(load(name), wanted, request.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
+    ratios = {row["key"]: row["ratios"]["paper"] for row in measured if row["key"] in MOST_TIME}
+    assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
 
 
 def counted(settings: methods.Settings, color: np.ndarray, depth: np.ndarray) -> dict[str, tuple[float, float]]:
