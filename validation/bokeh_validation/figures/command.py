@@ -1,12 +1,10 @@
 """The work behind `validation/run figures`."""
 
-import json
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
@@ -17,48 +15,34 @@ from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import diagrams, photographs, points, scenes
 from bokeh_validation.figures.model import Figure, Made
 
-FIGURES: dict[int, Figure] = {
-    figure.number: figure
-    for figure in sorted(
-        (*photographs.FIGURES, *scenes.FIGURES, *diagrams.FIGURES, *points.FIGURES), key=lambda f: f.number
-    )
-}
+_ALL = (*photographs.FIGURES, *scenes.FIGURES, *diagrams.FIGURES, *points.FIGURES)
+FIGURES: dict[int, Figure] = {figure.number: figure for figure in sorted(_ALL, key=lambda figure: figure.number)}
 NUMBERS_FILE = "figures.json"
 
 
-@dataclass(frozen=True)
-class Places:
+class Places(NamedTuple):
     """Where a run writes to: pictures for the document, and HDR images with the numbers."""
 
     pictures: Path
     images: Path
 
 
-@dataclass(frozen=True)
-class Result:
+class Result(NamedTuple):
     """What a run made, by figure, and the reasons for what it did not make."""
 
     made: dict[int, Made]
     missing: dict[int, str]
 
 
-def default_places() -> Places:
-    """docs/reproduction, and the cache folder."""
-    return Places(paths.ROOT / "docs" / "reproduction", paths.cache_folder() / "reproduction")
-
-
 def chosen(only: str | None) -> list[Figure]:
     """The figures of '1,4,9', in order; None: all. Raises UserError."""
     if only is None:
-        return list(FIGURES.values())
-    numbers = set()
-    for word in only.split(","):
-        if not word.strip().isdecimal() or int(word) not in FIGURES:
-            raise UserError(
-                f"--only {only}: {word.strip()!r} is no figure of the paper. Give numbers from 1 to 13: 1,4,9."
-            )
-        numbers.add(int(word))
-    return [FIGURES[number] for number in sorted(numbers)]
+        return [*FIGURES.values()]
+    words = [word.strip() for word in only.split(",")]
+    for word in words:
+        if not word.isdecimal() or int(word) not in FIGURES:
+            raise UserError(f"--only {only}: {word!r} is no figure of the paper. Give numbers from 1 to 13: 1,4,9.")
+    return [FIGURES[number] for number in sorted(set(map(int, words)))]
 
 
 def pick_driver(name: str | None, adapter: str | None) -> Driver:
@@ -71,14 +55,13 @@ def pick_driver(name: str | None, adapter: str | None) -> Driver:
 def places(output: Path | None) -> Places:
     """The folders to write to, made where only the last part is missing. Raises UserError.
 
-    output  one folder for everything; None: default_places()
+    output  one folder for everything; None: docs/reproduction, and the cache folder
     """
+    cache = paths.cache_folder()
+    found = Places(output, output) if output else Places(paths.ROOT / "docs/reproduction", cache / "reproduction")
     if output is None:
-        found = default_places()
-        paths.ensured(found.images.parent)
-    else:
-        found = Places(output, output)
-    for folder in (found.pictures, found.images):
+        paths.ensured(cache)
+    for folder in found:
         _prepare(folder)
     return found
 
@@ -102,46 +85,27 @@ def run(figures: list[Figure], driver: Driver, target: Places, progress: Callabl
 
     A figure whose input this machine lacks is left out; the pictures that are there of it stay.
     """
-    made, missing = {}, {}
+    made, missing, told = {}, {}, {}
     for figure in figures:
         try:
-            made[figure.number] = figure.make(driver)
+            one = made[figure.number] = figure.make(driver)
         except Unavailable as error:
             missing[figure.number] = str(error)
         else:
-            _write(made[figure.number], target)
+            for name, pixels in one.pictures.items():
+                pictures.write_png(target.pictures / f"{name}.png", pixels)
+            for name, image in one.images.items():
+                exr.write(target.images / f"{name}.exr", np.ascontiguousarray(image))
+            told[figure.number] = {
+                "title": figure.title,
+                "pictures": sorted(f"{name}.png" for name in one.pictures),
+                "images": sorted(f"{name}.exr" for name in one.images),
+                "tables": [table.as_json() for table in one.tables],
+            }
         progress(f"figure {figure.number}")
-    text = json.dumps(as_json(driver, made, missing), indent=1)
-    files.whole(target.images / NUMBERS_FILE, lambda partial: partial.write_text(text + "\n", encoding="utf-8"))
+    data = {"driver": driver.name, "adapter": driver.adapter, "figures": told, "missing": missing}
+    terminal.write_json(target.images / NUMBERS_FILE, data)
     return Result(made, missing)
-
-
-def _write(made: Made, target: Places) -> None:
-    for name, pixels in made.pictures.items():
-        pictures.write_png(target.pictures / f"{name}.png", pixels)
-    for name, image in made.images.items():
-        exr.write(target.images / f"{name}.exr", np.ascontiguousarray(image))
-
-
-def as_json(driver: Driver, made: dict[int, Made], missing: dict[int, str]) -> dict:
-    """What was made of what, with all numbers."""
-    figures = {
-        str(number): {
-            "title": FIGURES[number].title,
-            "pictures": sorted(f"{name}.png" for name in one.pictures),
-            "images": sorted(f"{name}.exr" for name in one.images),
-            "tables": [
-                {
-                    "columns": list(table.columns),
-                    "digits": list(table.digits),
-                    "rows": {name: list(values) for name, values in table.rows},
-                }
-                for table in one.tables
-            ],
-        }
-        for number, one in made.items()
-    }
-    return {"driver": driver.name, "adapter": driver.adapter, "figures": figures, "missing": missing}
 
 
 def figures(

@@ -9,25 +9,24 @@ from PIL import Image, ImageDraw
 from bokeh_validation import apertures, fetches, methods, quality, sheet, tiling
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
-from bokeh_validation.figures.model import Figure, Made, Table
+from bokeh_validation.figures.model import Figure, Made, Table, named
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns import impulse
 from bokeh_validation.reference import polygons, segments
-
-# ---------------------------------------------------------------------------------------------------------- Figure 4
 
 KERNELS = {"hexagon": "a", "octagon": "b"}
 
 
 def kernels(_: Driver | None = None) -> Made:
-    """The tables of the naive gather, dot by dot, in their outline."""
+    """Figure 4: the tables of the naive gather, dot by dot, in their outline."""
     shapes = {name: _outline(name) for name in KERNELS}
     reach = max(float(np.abs(corners).max()) for corners in shapes.values())
     canvas = sheet.Canvas(len(KERNELS), 1.04 * reach)
+    circle = np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]])
     numbers = []
     for panel, (name, letter) in enumerate(KERNELS.items()):
         table = apertures.kernel(name, methods.PAPER_SAMPLES)
-        canvas.path(panel, _circle(), sheet.FAINT, 1)
+        canvas.path(panel, circle, sheet.FAINT, 1)
         canvas.path(panel, shapes[name], sheet.color(panel), 1.5)
         for place in table:
             canvas.dot(panel, place, sheet.INK, 3)
@@ -42,17 +41,11 @@ def _outline(aperture: str) -> np.ndarray:
     return quality.outline(methods.Settings("paper", aperture))
 
 
-def _circle() -> np.ndarray:
-    return np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]])
-
-
-# ---------------------------------------------------------------------------------------------------------- Figure 8
-
 COMBINED = {"hexagon": "a", "octagon": "b", "star": "c"}
 
 
 def booleans(_: Driver | None = None) -> Made:
-    """Both parallelograms of each aperture and what is kept of them."""
+    """Figure 8: both parallelograms of each aperture and what is kept of them."""
     rows, numbers = [], []
     for name, letter in COMBINED.items():
         parts = [part.corners() for part in apertures.PARALLELOGRAMS[name]]
@@ -63,7 +56,9 @@ def booleans(_: Driver | None = None) -> Made:
         for panel, (part, shape) in enumerate(zip(parts, apertures.PARALLELOGRAMS[name], strict=True)):
             canvas.polygon(panel, part, sheet.lighter(sheet.color(panel)))
             canvas.path(panel, part, sheet.color(panel), 2)
-            _lines(canvas, panel, shape)
+            for angle, width in ((shape.first, 5), (shape.second, 3)):
+                half = 0.5 * apertures.direction(np.radians(angle))
+                canvas.path(panel, np.array([-half, half]), sheet.INK, width)
             sheet.caption(canvas, panel, f"line at {shape.first:g}°,\nthen line at {shape.second:g}°")
         for part in parts if union else [common]:
             canvas.polygon(2, part, sheet.SHAPE)
@@ -72,23 +67,11 @@ def booleans(_: Driver | None = None) -> Made:
         how = "max: in either" if union else "min: in both"
         sheet.caption(canvas, 2, f"({letter}) {name},\n{how}")
         rows.append(canvas.finished())
-        numbers.append((name, (impulse.light_kept(name), float(_corners(parts, common, union)))))
+        # of the union of two that cross: those of both, and where their sides cross
+        corners = sum(map(len, parts)) + len(common) if union else len(common)
+        numbers.append((name, (impulse.light_kept(name), float(corners))))
     table = Table(("area over that of one parallelogram", "corners"), tuple(numbers), (3, 0))
     return Made({"figure_08": np.vstack(rows)}, {}, (table,))
-
-
-def _corners(parts: list[np.ndarray], common: np.ndarray, union: bool) -> int:
-    """Corners of the common part; of the union of two that cross: those of both, and where their sides cross."""
-    return sum(map(len, parts)) + len(common) if union else len(common)
-
-
-def _lines(canvas: sheet.Canvas, panel: int, shape: apertures.Parallelogram) -> None:
-    for angle, width in ((shape.first, 5), (shape.second, 3)):
-        half = 0.5 * apertures.direction(np.radians(angle))
-        canvas.path(panel, np.array([-half, half]), sheet.INK, width)
-
-
-# --------------------------------------------------------------------------------------------------------- Figure 10
 
 
 @dataclass(frozen=True)
@@ -155,36 +138,36 @@ WORKFLOWS = (("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), (
 
 
 def workflows(driver: Driver) -> Made:
-    """Each workflow with what its passes make of a bright point."""
-    drawn, numbers, images = [], [], {}
+    """Figure 10: each workflow with what its passes make of a bright point."""
+    graphs, numbers, images = [], [], {}
     for (method, aperture), letter in zip(WORKFLOWS, "abcd", strict=True):
         case = points.case(method, aperture, ((THUMB // 2, THUMB // 2),), (THUMB, THUMB))
         passes = separated(case.plan)
         nodes = workflow(passes, case.settings)
         outputs = driver.run(passes, case.textures(), case.size, keep=[node.name for node in nodes])
-        drawn.append(_graph(f"({letter}) {method}, {aperture}", nodes, outputs, case.exposure))
-        settings = methods.Settings(method, aperture)
-        count = methods.plan(settings, case.size).passes
+        graphs.append(_graph(f"({letter}) {method}, {aperture}", nodes, outputs, case.exposure))
+        count = methods.plan(methods.Settings(method, aperture), case.size).passes
         numbers.append((f"{aperture}, {method}", (float(len(count) - 1), fetches.of_filters(count))))
-        images |= {f"figure_10_{letter}_{node.name.replace(' ', '_')}": outputs[node.name] for node in nodes[1:]}
+        images |= named(f"figure_10_{letter}", {node.name.replace(" ", "_"): outputs[node.name] for node in nodes[1:]})
     table = Table(("passes", "colour fetches a pixel"), tuple(numbers), (0, 0))
-    columns = [np.vstack(_same_width(part)) for part in (drawn[:2], drawn[2:])]
-    tallest = max(column.shape[0] for column in columns)
-    page = [_padded(column, tallest, column.shape[1]) for column in columns]
-    return Made({"figure_10": np.hstack(page)}, images, (table,))
+    return Made({"figure_10": _page(graphs[:2], graphs[2:])}, images, (table,))
 
 
-def _same_width(parts: list[np.ndarray]) -> list[np.ndarray]:
-    width = max(part.shape[1] for part in parts)
-    return [_padded(part, part.shape[0], width) for part in parts]
+def _page(*columns: list[Image.Image]) -> np.ndarray:
+    """Graphs below each other, in columns, on white."""
+    width = sum(max(graph.width for graph in column) for column in columns)
+    page = Image.new("RGB", (width, max(sum(graph.height for graph in column) for column in columns)), "white")
+    left = 0
+    for column in columns:
+        top = 0
+        for graph in column:
+            page.paste(graph, (left, top))
+            top += graph.height
+        left += max(graph.width for graph in column)
+    return np.asarray(page)
 
 
-def _padded(part: np.ndarray, height: int, width: int) -> np.ndarray:
-    missing = ((0, height - part.shape[0]), (0, width - part.shape[1]), (0, 0))
-    return np.pad(part, missing, constant_values=255)
-
-
-def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposure: float) -> np.ndarray:
+def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposure: float) -> Image.Image:
     """Boxes from left to right by layer, arrows from what they are made of."""
     layers: dict[int, list[Node]] = {}
     for node in nodes:
@@ -201,7 +184,10 @@ def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposu
     draw = ImageDraw.Draw(page)
     for node in nodes:
         for source in node.sources:
-            _edge(draw, places[source], places[node.name], scale)
+            # from the right side of one box to the left side of another
+            start = np.array(places[source]) + (THUMB + 2.0, THUMB / 2)
+            end = np.array(places[node.name]) + (-2.0, THUMB / 2)
+            panels.arrow(draw, scale * start, scale * end, (90, 90, 90), 1.6 * scale)
     for node in nodes:
         x, y = places[node.name]
         pixels = points.shown(outputs[node.name], exposure, scale)
@@ -211,14 +197,7 @@ def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposu
             place = (scale * (x + THUMB / 2), scale * (y - 10 - 16 * row))
             draw.text(place, text, stroke_width=2 * scale, **style)
     draw.text((scale * 10, scale * 14), title, fill=sheet.INK, font=panels.font(scale * 15), anchor="lm")
-    return np.asarray(page.resize((width, height), Image.Resampling.BOX))
-
-
-def _edge(draw: ImageDraw.ImageDraw, source: tuple[int, int], target: tuple[int, int], scale: int) -> None:
-    """An arrow from the right side of one box to the left side of another."""
-    start = scale * np.array([source[0] + THUMB + 2.0, source[1] + THUMB / 2])
-    end = scale * np.array([target[0] - 2.0, target[1] + THUMB / 2])
-    panels.arrow(draw, start, end, (90, 90, 90), 1.6 * scale)
+    return page.resize((width, height), Image.Resampling.BOX)
 
 
 FIGURES = (

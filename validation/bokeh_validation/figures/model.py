@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bokeh_validation.drivers.base import Driver
+from bokeh_validation.patterns.model import Case
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,15 @@ class Table:
         lines = [f"| | {' | '.join(self.columns)} |", "|" + "---|" * (1 + len(self.columns))]
         for name, values in self.rows:
             # + 0.0: no minus before a zero
-            cells = [
-                "-" if value is None else f"{round(value, digits) + 0.0:.{digits}f}"
-                for value, digits in zip(values, self.digits, strict=True)
-            ]
+            pairs = zip(values, self.digits, strict=True)
+            cells = ["-" if value is None else f"{round(value, n) + 0.0:.{n}f}" for value, n in pairs]
             lines.append(f"| {name} | {' | '.join(cells)} |")
         return lines
+
+    def as_json(self) -> dict:
+        """The numbers, not rounded."""
+        rows = {name: list(values) for name, values in self.rows}
+        return {"columns": list(self.columns), "digits": list(self.digits), "rows": rows}
 
 
 @dataclass(frozen=True)
@@ -55,3 +59,13 @@ class Figure:
     number: int
     title: str
     make: Callable[[Driver], Made]
+
+
+def drawn(driver: Driver, case: Case) -> np.ndarray:
+    """The result, (H, W, 4)."""
+    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
+
+
+def named(beginning: str, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The images by the names of their files."""
+    return {f"{beginning}_{name}": image for name, image in images.items()}

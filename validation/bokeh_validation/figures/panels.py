@@ -1,7 +1,7 @@
 """Pictures side by side with a caption under each."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -13,9 +13,10 @@ INK = (40, 40, 40)
 # marks in pictures: seen on dark and on light
 MARK = (255, 210, 0)
 
+Place = Sequence[float]
 
-@dataclass(frozen=True)
-class Panel:
+
+class Panel(NamedTuple):
     """8-bit rgb (H, W, 3) and what is written under it; words are wrapped to the picture's width."""
 
     pixels: np.ndarray
@@ -55,24 +56,19 @@ def font(size: float) -> ImageFont.FreeTypeFont:
     return ImageFont.load_default(size)
 
 
-def wrapped(text: str, width: int, size: float = TEXT) -> list[str]:
+def wrapped(text: str, width: int) -> list[str]:
     """Lines that fit into `width` pixels, as far as words allow."""
     lines: list[str] = []
     for paragraph in text.splitlines():
         line = ""
         for word in paragraph.split():
             longer = f"{line} {word}".strip()
-            if line and font(size).getlength(longer) > width:
+            if line and font(TEXT).getlength(longer) > width:
                 lines.append(line)
                 longer = word
             line = longer
         lines.append(line)
     return lines
-
-
-def enlarged(color: np.ndarray, factor: int, exposure: float = 1.0) -> np.ndarray:
-    """Linear rgb, cut off at 1, each pixel as a block of `factor` x `factor`."""
-    return pictures.enlarged(pictures.display(color, exposure), factor)
 
 
 def toned(color: np.ndarray, exposure: float = 1.0, factor: int = 1) -> np.ndarray:
@@ -85,7 +81,7 @@ def crop(image: np.ndarray, left: int, top: int, width: int, height: int) -> np.
     return image[top : top + height, left : left + width]
 
 
-def arrows(pixels: np.ndarray, lines: Sequence[tuple[Sequence[float], Sequence[float]]], both: bool = True):
+def arrows(pixels: np.ndarray, lines: Sequence[tuple[Place, Place]], both: bool = True) -> np.ndarray:
     """Arrows from place to place (x, y), pixels of the picture; `both`: heads at both ends."""
     scale = 4  # drawn larger, then scaled down: smooth edges
     layer = Image.new("L", [scale * n for n in pixels.shape[1::-1]], 0)
@@ -98,7 +94,7 @@ def arrows(pixels: np.ndarray, lines: Sequence[tuple[Sequence[float], Sequence[f
 
 def arrow(draw: ImageDraw.ImageDraw, start: np.ndarray, end: np.ndarray, fill, width: float, both: bool = False):
     """A line with a head at its end."""
-    along = (end - start) / np.linalg.norm(end - start)
+    along = _unit(start, end)
     across = np.array([-along[1], along[0]])
     for tip, back in ((end, -along), (start, along)) if both else ((end, -along),):
         base = tip + 4.5 * width * back
@@ -107,16 +103,15 @@ def arrow(draw: ImageDraw.ImageDraw, start: np.ndarray, end: np.ndarray, fill, w
     draw.line([tuple(start + (shortened if both else 0)), tuple(end - shortened)], fill=fill, width=round(width))
 
 
-def marked(pixels: np.ndarray, marks: dict[str, tuple[tuple[float, float], tuple[float, float]]]) -> np.ndarray:
+def marked(pixels: np.ndarray, marks: dict[str, tuple[Place, Place]]) -> np.ndarray:
     """Arrows from a letter (x, y) to a place (x, y)."""
-    drawn = arrows(pixels, [(np.array(a) + 9 * _unit(a, b), b) for a, b in marks.values()], both=False)
-    image = Image.fromarray(drawn)
+    image = Image.fromarray(arrows(pixels, [(a + 9 * _unit(a, b), b) for a, b in marks.values()], both=False))
     for text, (place, _) in marks.items():
         rim = {"stroke_width": 2, "stroke_fill": (0, 0, 0)}
         ImageDraw.Draw(image).text(place, text, fill=MARK, font=font(17), anchor="mm", **rim)
     return np.asarray(image)
 
 
-def _unit(start, end) -> np.ndarray:
-    step = np.array(end, float) - np.array(start, float)
+def _unit(start: Place, end: Place) -> np.ndarray:
+    step = np.subtract(end, start, dtype=float)
     return step / np.linalg.norm(step)

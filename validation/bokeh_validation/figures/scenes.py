@@ -7,7 +7,7 @@ import numpy as np
 from bokeh_validation import metrics, quality, suite
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made, Table
+from bokeh_validation.figures.model import Figure, Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import scenes as probes
 from bokeh_validation.patterns.model import Case, Probe
@@ -25,17 +25,12 @@ def scene(file: suite.SceneFile, method: str = "paper", diameter: float | None =
     return replace(case, settings=replace(case.settings, **changes), tone_map=True)
 
 
-def drawn(driver: Driver, case: Case) -> np.ndarray:
-    """(H, W, 4)"""
-    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
-
-
 def measured(driver: Driver, probe: Probe) -> dict[str, float]:
     """The probe's checks, name -> value. Whether they are right is for `validation/run patterns` to say."""
-    outputs = {
-        case.label: driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep) for case in probe.cases
-    }
-    seen = {label: {name: image.astype(np.float64) for name, image in one.items()} for label, one in outputs.items()}
+    seen = {}
+    for case in probe.cases:
+        outputs = driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep)
+        seen[case.label] = {name: image.astype(np.float64) for name, image in outputs.items()}
     return {check.name: float(check.value) for check in probe.judge(seen)}
 
 
@@ -44,43 +39,37 @@ def _cut(image: np.ndarray, place: tuple[int, int, int, int], zoom: int) -> np.n
     return panels.toned(panels.crop(image, *place), factor=zoom)
 
 
-# ---------------------------------------------------------------------------------------------------------- Figure 2
+def _pair(number: int, images: dict[str, np.ndarray], captions: dict[str, str], place, table: Table) -> Made:
+    """The same detail of (a) and (b)."""
+    row = [Panel(_cut(images[key], place, 2), f"({key}) {captions[key]}") for key in images]
+    name = f"figure_{number:02}"
+    return Made({name: panels.grid([row])}, named(name, images), (table,))
+
 
 BALL = (225, 155, 230, 220)
 
 
 def leakage(driver: Driver) -> Made:
-    """A focused ball before a blurred background, without and with the leakage test."""
-    pictures = {
-        "a": drawn(driver, scene(STREET, diameter=WIDE, leak_fix=False)),
-        "b": drawn(driver, scene(STREET, diameter=WIDE)),
-    }
-    captions = {"a": "(a) without the leakage test", "b": "(b) with it"}
-    row = [Panel(_cut(pictures[key], BALL, 2), captions[key]) for key in pictures]
+    """Figure 2: a focused ball before a blurred background, without and with the leakage test."""
+    cases = {"a": scene(STREET, diameter=WIDE, leak_fix=False), "b": scene(STREET, diameter=WIDE)}
     found = measured(driver, probes.LEAKAGE)
     without = found["light leaked without the fix (pixels of the square)"]
-    share = found["leaked with the fix, share of that without"]
-    rows = (("light leaked from a focused square, pixels of it", (without, share * without)),)
-    table = Table(("without", "with"), rows, (0, 0))
-    images = {f"figure_02_{key}": image for key, image in pictures.items()}
-    return Made({"figure_02": panels.grid([row])}, images, (table,))
+    values = (without, found["leaked with the fix, share of that without"] * without)
+    table = Table(("without", "with"), (("light leaked from a focused square, pixels of it", values),), (0, 0))
+    captions = {"a": "without the leakage test", "b": "with it"}
+    return _pair(2, {key: drawn(driver, case) for key, case in cases.items()}, captions, BALL, table)
 
 
-# ---------------------------------------------------------------------------------------------------------- Figure 3
-
-POST = (345, 175, 130, 140)
-POST_ZOOM = 3
+POST, POST_ZOOM = (345, 175, 130, 140), 3
 # letter -> (where it stands, where its arrow ends), pixels of the enlarged detail
 MARKS = {"a": ((330.0, 330.0), (222.0, 262.0)), "b": ((60.0, 390.0), (172.0, 330.0))}
 
 
 def silhouette(driver: Driver) -> Made:
-    """A near post, out of focus, before a focused ball; beside it what a lens sees."""
+    """Figure 3: a near post, out of focus, before a focused ball; beside it what a lens sees."""
     ours, lens = drawn(driver, scene(STREET)), suite.truth(STREET, "hexagon")
-    row = [
-        Panel(panels.marked(_cut(ours, POST, POST_ZOOM), MARKS), "paper, hexagon"),
-        Panel(panels.marked(_cut(lens, POST, POST_ZOOM), MARKS), "truth: ray traced through a lens"),
-    ]
+    shown = {"paper, hexagon": ours, "truth: ray traced through a lens": lens}
+    row = [Panel(panels.marked(_cut(image, POST, POST_ZOOM), MARKS), caption) for caption, image in shown.items()]
     found = measured(driver, probes.SILHOUETTE)
     rows = (
         ("change outside the outline of a near square", (found["change outside the silhouette"],)),
@@ -91,23 +80,16 @@ def silhouette(driver: Driver) -> Made:
     return Made({"figure_03": panels.grid([row])}, images, (Table(("paper",), rows, (1,)),))
 
 
-# ---------------------------------------------------------------------------------------------------------- Figure 7
-
 BRANCHES = (100, 60, 190, 150)
 
 
 def coc_blur(driver: Driver) -> Made:
-    """Branches with the CoC averaged like the colour, and with the CoC left alone."""
-    pictures = {
-        "a": drawn(driver, scene(CANOPY, diameter=WIDE)),
-        "b": drawn(driver, scene(CANOPY, diameter=WIDE, blur_coc=False)),
-    }
-    captions = {"a": "(a) CoC blurred with the colour", "b": "(b) CoC not blurred"}
-    row = [Panel(_cut(pictures[key], BRANCHES, 2), captions[key]) for key in pictures]
-    values = tuple(edges(image) for image in pictures.values())
+    """Figure 7: branches with the CoC averaged like the colour, and with the CoC left alone."""
+    cases = {"a": scene(CANOPY, diameter=WIDE), "b": scene(CANOPY, diameter=WIDE, blur_coc=False)}
+    images = {key: drawn(driver, case) for key, case in cases.items()}
+    values = tuple(edges(image) for image in images.values())
     table = Table(("(a)", "(b)"), (("hard edges, per mille of neighbouring pixels", values),), (1, 1))
-    images = {f"figure_07_{key}": image for key, image in pictures.items()}
-    return Made({"figure_07": panels.grid([row])}, images, (table,))
+    return _pair(7, images, {"a": "CoC blurred with the colour", "b": "CoC not blurred"}, BRANCHES, table)
 
 
 def edges(image: np.ndarray, step: float = 0.2) -> float:
@@ -116,12 +98,9 @@ def edges(image: np.ndarray, step: float = 0.2) -> float:
     return 1000.0 * float((np.abs(np.diff(shown, axis=1)) > step).mean())
 
 
-# --------------------------------------------------------------------------------------------------------- Figure 11
-
 CROWN = (310, 0, 150, 120)
 # dark enough to tell the gaps' shapes from the sky
 EXPOSURE = 0.4
-METHODS = ("paper", "exact")
 CAPTIONS = {
     "paper": "paper, 13 samples a line",
     "exact": "exact, 7 samples an edge",
@@ -131,48 +110,42 @@ CAPTIONS = {
 
 
 def canopy(driver: Driver) -> Made:
-    """Gaps of a canopy as hexagons: paper, exact, brute force; for the scene's own aperture also the ray-traced lens.
+    """Figure 11, gaps of a canopy as hexagons: paper, exact, brute force; for the scene's own aperture also the lens.
 
     Three pictures: all of it through a wide aperture, a detail of that, and the same detail through its own aperture.
     """
     wide, own = (_three(driver, diameter) for diameter in (WIDE, None))
-    lens = suite.truth(CANOPY, "hexagon")
-    pinhole = scene(CANOPY).color
+    lens, pinhole, none = suite.truth(CANOPY, "hexagon"), scene(CANOPY).color, (None, None)
     # FLIP takes seconds: only where it says most
-    rows = [("pinhole, wide", (metrics.psnr(pinhole, wide["truth"]), None, None, None))]
-    rows += [(f"{name}, wide", (metrics.psnr(wide[name], wide["truth"]), None, None, None)) for name in METHODS]
+    rows = [("pinhole, wide", (metrics.psnr(pinhole, wide["truth"]), None, *none))]
+    rows += [(f"{name}, wide", (metrics.psnr(wide[name], wide["truth"]), None, *none)) for name in ("paper", "exact")]
     rows += [("pinhole, own", (metrics.psnr(pinhole, own["truth"]), None, metrics.psnr(pinhole, lens), None))]
-    rows += [(f"{name}, own", (*_distance(own[name], own["truth"]), *_distance(own[name], lens))) for name in METHODS]
-    rows += [("truth, own", (None, None, *_distance(own["truth"], lens)))]
+    for name in ("paper", "exact"):
+        rows.append((f"{name}, own", (*_distance(own[name], own["truth"]), *_distance(own[name], lens))))
+    rows += [("truth, own", (*none, *_distance(own["truth"], lens)))]
     columns = ("dB to the truth", "FLIP to the truth", "dB to the lens", "FLIP to the lens")
-    whole = Panel(
-        panels.toned(wide["paper"], EXPOSURE), f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE:g} mm"
-    )
-    details = {name: _details(three) for name, three in (("wide", [wide]), ("own", [own, {"lens": lens}]))}
-    images = {f"figure_11_wide_{name}": image for name, image in wide.items()}
-    images |= {f"figure_11_own_{name}": image for name, image in (own | {"lens": lens}).items()}
-    pictures = {"figure_11": panels.grid([[whole]])}
-    pictures |= {f"figure_11_{name}": panels.grid(rows) for name, rows in details.items()}
+    caption = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE:g} mm"
+    own["lens"] = lens
+    details = {
+        key: [
+            Panel(panels.toned(panels.crop(image, *CROWN), EXPOSURE, 2), CAPTIONS[name])
+            for name, image in shown.items()
+        ]
+        for key, shown in (("wide", wide), ("own", own))
+    }
+    pictures = {
+        "figure_11": panels.grid([[Panel(panels.toned(wide["paper"], EXPOSURE), caption)]]),
+        "figure_11_wide": panels.grid([details["wide"]]),
+        "figure_11_own": panels.grid([details["own"][:2], details["own"][2:]]),
+    }
+    images = named("figure_11_wide", wide) | named("figure_11_own", own)
     return Made(pictures, images, (Table(columns, tuple(rows), (1, 3, 1, 3)),))
 
 
 def _three(driver: Driver, diameter: float | None) -> dict[str, np.ndarray]:
     paper = scene(CANOPY, diameter=diameter)
-    return {
-        "paper": drawn(driver, paper),
-        "exact": drawn(driver, scene(CANOPY, "exact", diameter)),
-        "truth": quality.brute_force(driver, paper),
-    }
-
-
-def _details(parts: list[dict[str, np.ndarray]]) -> list[list[Panel]]:
-    """One row for three pictures, two rows for four."""
-    found = [
-        Panel(panels.toned(panels.crop(image, *CROWN), EXPOSURE, 2), CAPTIONS[name])
-        for part in parts
-        for name, image in part.items()
-    ]
-    return [found] if len(found) < 4 else [found[:2], found[2:]]
+    exact = scene(CANOPY, "exact", diameter)
+    return {"paper": drawn(driver, paper), "exact": drawn(driver, exact), "truth": quality.brute_force(driver, paper)}
 
 
 def _distance(image: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
