@@ -74,22 +74,24 @@ class Direct3D:
         over = drawn_over(passes, size)
         folder, dtype = self.server.folder, np.dtype(storage_type(storage))
         numbers: dict[str, int] = {}
+        shapes: dict[str, tuple[int, int, int]] = {}
+        free = itertools.count()
         lines = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"]
         files = []
         for name, pixels in textures.items():
-            number = numbers[name] = len(files)
-            files.append(folder / f"texture-{number}")
+            numbers[name] = next(free)
+            files.append(folder / f"texture-{numbers[name]}")
             height, width = pixels.shape[:2]
             kind = FORMATS[pixels.dtype, 1 if pixels.ndim == 2 else pixels.shape[2]]
             files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
-            lines.append(f"texture {number} {width} {height} {kind} {files[-1].name}")
-        free = itertools.count(len(files))
-        shapes: dict[str, tuple[int, int, int]] = {}
+            lines.append(f"texture {numbers[name]} {width} {height} {kind} {files[-1].name}")
         for item, kept in zip(passes, over, strict=True):
             width, height = target_size(item.scale, size)
-            lines.append(f"size {width} {height} {FORMATS[dtype, item.channels]}")
-            lines += self._draw(item, numbers)
             targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
+            new = [number for name, number in targets.items() if name not in kept]
+            lines += [f"texture {number} {width} {height} {FORMATS[dtype, item.channels]}" for number in new]
+            area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, width, height)
+            lines += self._draw(item, numbers, area)
             lines.append(f"draw {' '.join(map(str, targets.values()))}")
             # an output may have the name of an earlier texture: from here on it is this one
             numbers.update(targets)
@@ -110,18 +112,15 @@ class Direct3D:
             for file in (*files, *results.values()):
                 file.unlink(missing_ok=True)
 
-    def _draw(self, item: Pass, numbers: dict[str, int]) -> list[str]:
+    def _draw(self, item: Pass, numbers: dict[str, int], area: Sequence[int]) -> list[str]:
         """Lines that set up a pass."""
-        code = self.shader("ps", item.entry + "_PS", item.constants)
-        lines = [f"pixel {code}"]
+        lines = [f"pixel {self.shader('ps', item.entry + '_PS', item.constants)}"]
         for slot, texture in item.inputs.items():
             kind = "linear" if is_linear(item.entry, slot) else "nearest"
             lines.append(f"input {SLOTS.index(slot)} {numbers[texture]} {kind}")
-        if item.viewport:
-            lines.append(f"viewport {' '.join(map(str, target_area(item.scale, item.viewport)))}")
         # nine digits are enough for any float32
-        lines += [f"value {index} {value:.9g}" for index, value in enumerate(item.values().values())]
-        return lines
+        values = " ".join(f"{value:.9g}" for value in item.values().values())
+        return [*lines, f"viewport {' '.join(map(str, area))}", f"values {values}"]
 
 
 class D3D9(Direct3D):

@@ -4,10 +4,7 @@ The samples compile their shaders themselves, with d3dcompiler_47.dll. Windows h
 beside the program, since it is the compiler that users have.
 """
 
-import hashlib
-import os
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +13,6 @@ from PIL import Image
 from bokeh_validation import locks, paths, pictures
 from bokeh_validation.compilers import fxc
 from bokeh_validation.engines import process
-from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import programs, wine
 
 SAMPLES = paths.ROOT / "integration"
@@ -24,28 +20,16 @@ SAMPLES = paths.ROOT / "integration"
 SHARED = SAMPLES / "direct3d9"
 RUN_S = 300.0  # takes 5 to 10 s on two cores
 
-
-@dataclass(frozen=True)
-class Sample:
-    """The command that builds one of them, in its folder; '-o PROGRAM' is added."""
-
-    compiler: str
-    options: tuple[str, ...]
-
-    @property
-    def command(self) -> str:
-        """As its guide has it."""
-        return " ".join((self.compiler, *self.options))
-
-
 COMMON = ("-ld3dcompiler_47", "-lopengl32", "-lgdi32")
+# The command that builds each, in its folder; '-o PROGRAM' is added
 BUILDS = {
-    "direct3d9": Sample("x86_64-w64-mingw32-gcc", ("-std=c11", "-O2", "-Wall", "-static", "main.c", "-ld3d9", *COMMON)),
-    "direct3d11": Sample(
-        "x86_64-w64-mingw32-g++",
-        ("-std=c++20", "-O2", "-Wall", "-static", "main.cpp", "-ld3d11", "-ldxguid", *COMMON),
+    "direct3d9": (
+        "x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-static", "main.c", "-ld3d9", *COMMON,
     ),
-}
+    "direct3d11": (
+        "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-static", "main.cpp", "-ld3d11", "-ldxguid", *COMMON,
+    ),
+}  # fmt: skip
 
 
 def run(name: str, folder: Path) -> None:
@@ -68,21 +52,10 @@ def run(name: str, folder: Path) -> None:
 
 @locks.one_at_a_time("direct3d")
 def build(name: str) -> Path:
-    """NAME.exe in the cache folder, built anew when a source or the command has changed.
-
-    Raises errors.Unavailable without a compiler, RuntimeError with the compiler's words where it refuses.
-    """
-    sample = BUILDS[name]
-    hashed = hashlib.sha256(sample.command.encode())
-    for file in (*sources(name), programs.SOURCES / "renderer.h"):
-        hashed.update(file.read_bytes())
-    program = paths.cache_folder() / "engines" / name / f"build-{hashed.hexdigest()[:16]}" / f"{name}.exe"
-    if not program.exists():
-        partial = paths.ensured(program.parent) / f"{name}.{os.getpid()}.partial"
-        process.run([_compiler(sample), *sample.options, "-o", partial], programs.BUILD_S, SAMPLES / name)
-        if not wine.ON_WINDOWS:
-            shutil.copyfile(fxc.fetch(), program.parent / fxc.LIBRARY)
-        partial.replace(program)
+    """NAME.exe in the cache folder, built anew when a source or the command has changed: see programs.compiled()."""
+    program = programs.compiled(name, BUILDS[name], [*sources(name), programs.SOURCES / "renderer.h"], SAMPLES / name)
+    if not wine.ON_WINDOWS and not program.with_name(fxc.LIBRARY).exists():
+        shutil.copyfile(fxc.fetch(), program.with_name(fxc.LIBRARY))
     return program
 
 
@@ -90,12 +63,3 @@ def sources(name: str) -> list[Path]:
     """The files of a sample that are compiled, those that it shares too, without the package's own."""
     files = [*(SAMPLES / name).iterdir(), *SHARED.glob("*.h")]
     return sorted({file for file in files if file.suffix in (".c", ".cpp", ".h", ".hlsl")})
-
-
-def _compiler(sample: Sample) -> str:
-    # Debian's package has the longer name, and on Windows the same compiler is called gcc or g++
-    short = sample.compiler.rpartition("-")[2]
-    for name in (sample.compiler, f"{sample.compiler}-posix", *((short,) if wine.ON_WINDOWS else ())):
-        if path := shutil.which(name):
-            return path
-    raise Unavailable(f"{sample.compiler} is not on this machine; {wine.INSTALL}")

@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 
-from bokeh_validation import exr, files, paths, pictures, terminal
+from bokeh_validation import exr, paths, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import diagrams, photographs, points, scenes

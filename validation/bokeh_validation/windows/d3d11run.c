@@ -10,7 +10,6 @@
 #include <dxgi.h>
 
 #include "passes.h"
-#include "renderer.h"
 
 static const DXGI_FORMAT FORMATS[NUM_FORMATS] = {
     DXGI_FORMAT_R16G16B16A16_FLOAT,
@@ -53,11 +52,7 @@ static int make_target(Texture *texture)
     TRY(ID3D11Device_CreateTexture2D(device, &wanted, NULL, (ID3D11Texture2D **)&texture->handle));
     static const float ZERO[4] = {0};
     ID3D11RenderTargetView *view;
-    HRESULT status = ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)texture->handle, NULL, &view);
-    if (FAILED(status)) {
-        drop(texture);
-        return problem("a view of a target returned %08lx", (unsigned long)status);
-    }
+    TRY(ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)texture->handle, NULL, &view));
     ID3D11DeviceContext_ClearRenderTargetView(context, view, ZERO);
     ID3D11RenderTargetView_Release(view);
     return 1;
@@ -66,7 +61,6 @@ static int make_target(Texture *texture)
 static void drop(Texture *texture)
 {
     ID3D11Texture2D_Release((ID3D11Texture2D *)texture->handle);
-    texture->handle = NULL;
 }
 
 static int make_shader(int is_vertex, const void *code, size_t size, void **shader)
@@ -78,12 +72,12 @@ static int make_shader(int is_vertex, const void *code, size_t size, void **shad
     return 1;
 }
 
-static int set_inputs(const Draw *what, const Texture *textures)
+static int set_inputs(const Job *job)
 {
     for (int slot = 0; slot < NUM_SLOTS; slot++) {
         ID3D11ShaderResourceView *view = NULL;
-        if (what->inputs[slot].texture >= 0) {
-            ID3D11Resource *texture = textures[what->inputs[slot].texture].handle;
+        if (job->inputs[slot].texture) {
+            ID3D11Resource *texture = job->inputs[slot].texture->handle;
             TRY(ID3D11Device_CreateShaderResourceView(device, texture, NULL, &view));
         }
         ID3D11DeviceContext_PSSetShaderResources(context, slot, 1, &view);
@@ -93,20 +87,20 @@ static int set_inputs(const Draw *what, const Texture *textures)
     return 1;
 }
 
-static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets)
+static int draw(const Job *job, Texture *const *targets, int num_targets)
 {
     ID3D11RenderTargetView *views[MAX_TARGETS];
     for (int i = 0; i < num_targets; i++)
         TRY(ID3D11Device_CreateRenderTargetView(device, (ID3D11Resource *)targets[i]->handle, NULL, &views[i]));
-    const Area *area = &what->viewport;
-    D3D11_VIEWPORT viewport = {(float)area->x, (float)area->y, (float)area->width, (float)area->height, 0, 1};
+    D3D11_VIEWPORT viewport = {(float)job->viewport.x,     (float)job->viewport.y,      (float)job->viewport.width,
+                               (float)job->viewport.height, 0, 1};
     ID3D11DeviceContext_RSSetViewports(context, 1, &viewport);
     ID3D11DeviceContext_OMSetRenderTargets(context, num_targets, views, NULL);
-    int ready = set_inputs(what, textures);
+    int ready = set_inputs(job);
     if (ready) {
-        ID3D11DeviceContext_UpdateSubresource(context, (ID3D11Resource *)parameters, 0, NULL, what->values, 0, 0);
-        ID3D11DeviceContext_VSSetShader(context, what->vertex, NULL, 0);
-        ID3D11DeviceContext_PSSetShader(context, what->pixel, NULL, 0);
+        ID3D11DeviceContext_UpdateSubresource(context, (ID3D11Resource *)parameters, 0, NULL, job->values, 0, 0);
+        ID3D11DeviceContext_VSSetShader(context, job->vertex, NULL, 0);
+        ID3D11DeviceContext_PSSetShader(context, job->pixel, NULL, 0);
         ID3D11DeviceContext_Draw(context, 3, 0);
     }
     /* a texture cannot be read while it is bound as the target */
@@ -182,13 +176,12 @@ static int make_device(D3D_FEATURE_LEVEL *level)
 int main(void)
 {
     D3D_FEATURE_LEVEL level;
-    char adapter[256], name[512];
+    char adapter[256], suffix[64];
     if (!make_device(&level) || !adapter_name(adapter, sizeof adapter)) {
-        say("unavailable", "%s", problem_text);
+        say("unavailable", problem_text);
         return 1;
     }
-    device_name(adapter, name, sizeof name);
-    say("ready", "%s, Direct3D 11, feature level %x", name, level);
-    serve(run_passes);
+    snprintf(suffix, sizeof suffix, "Direct3D 11, feature level %x", level);
+    serve_device(adapter, suffix);
     return 0;
 }

@@ -8,7 +8,6 @@
 #include <d3d9.h>
 
 #include "passes.h"
-#include "renderer.h"
 
 #define TEXEL_SIZE_REGISTER 20
 
@@ -28,45 +27,32 @@ static void copy_rows(void *to, int to_pitch, const void *from, int from_pitch, 
 
 static int make_texture(Texture *texture, const void *pixels)
 {
-    IDirect3DTexture9 *made;
     TRY(IDirect3DDevice9_CreateTexture(device, texture->width, texture->height, 1, 0, FORMATS[texture->format],
-                                       D3DPOOL_MANAGED, &made, NULL));
-    texture->handle = made;
+                                       D3DPOOL_MANAGED, (IDirect3DTexture9 **)&texture->handle, NULL));
     D3DLOCKED_RECT locked;
-    HRESULT status = IDirect3DTexture9_LockRect(made, 0, &locked, NULL, 0);
-    if (FAILED(status)) {
-        drop(texture);
-        return problem("LockRect returned %08lx", (unsigned long)status);
-    }
+    TRY(IDirect3DTexture9_LockRect((IDirect3DTexture9 *)texture->handle, 0, &locked, NULL, 0));
     int bytes = texture->width * TEXEL_BYTES[texture->format];
     copy_rows(locked.pBits, locked.Pitch, pixels, bytes, bytes, texture->height);
-    TRY(IDirect3DTexture9_UnlockRect(made, 0));
+    TRY(IDirect3DTexture9_UnlockRect((IDirect3DTexture9 *)texture->handle, 0));
     return 1;
 }
 
 static int make_target(Texture *texture)
 {
-    IDirect3DTexture9 *made;
     TRY(IDirect3DDevice9_CreateTexture(device, texture->width, texture->height, 1, D3DUSAGE_RENDERTARGET,
-                                       FORMATS[texture->format], D3DPOOL_DEFAULT, &made, NULL));
-    texture->handle = made;
+                                       FORMATS[texture->format], D3DPOOL_DEFAULT,
+                                       (IDirect3DTexture9 **)&texture->handle, NULL));
     IDirect3DSurface9 *surface;
-    HRESULT status = IDirect3DTexture9_GetSurfaceLevel(made, 0, &surface);
-    if (SUCCEEDED(status)) {
-        status = IDirect3DDevice9_ColorFill(device, surface, NULL, 0);
-        IDirect3DSurface9_Release(surface);
-    }
-    if (FAILED(status)) {
-        drop(texture);
-        return problem("clearing a target returned %08lx", (unsigned long)status);
-    }
+    TRY(IDirect3DTexture9_GetSurfaceLevel((IDirect3DTexture9 *)texture->handle, 0, &surface));
+    HRESULT cleared = IDirect3DDevice9_ColorFill(device, surface, NULL, 0);
+    IDirect3DSurface9_Release(surface);
+    TRY(cleared);
     return 1;
 }
 
 static void drop(Texture *texture)
 {
     IDirect3DTexture9_Release((IDirect3DTexture9 *)texture->handle);
-    texture->handle = NULL;
 }
 
 static int make_shader(int is_vertex, const void *code, size_t size, void **shader)
@@ -79,26 +65,24 @@ static int make_shader(int is_vertex, const void *code, size_t size, void **shad
     return 1;
 }
 
-static int set_input(int slot, const Input *input, const Texture *textures)
+static int set_inputs(const Job *job)
 {
-    IDirect3DBaseTexture9 *texture =
-        input->texture < 0 ? NULL : (IDirect3DBaseTexture9 *)textures[input->texture].handle;
-    DWORD filter = input->linear ? D3DTEXF_LINEAR : D3DTEXF_POINT;
-    TRY(IDirect3DDevice9_SetTexture(device, slot, texture));
-    TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MINFILTER, filter));
-    TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MAGFILTER, filter));
-    TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MIPFILTER, D3DTEXF_NONE));
-    TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_ADDRESSU, D3DTADDRESS_CLAMP));
-    TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_ADDRESSV, D3DTADDRESS_CLAMP));
+    for (int slot = 0; slot < NUM_SLOTS; slot++) {
+        const Texture *texture = job->inputs[slot].texture;
+        DWORD filter = job->inputs[slot].linear ? D3DTEXF_LINEAR : D3DTEXF_POINT;
+        TRY(IDirect3DDevice9_SetTexture(device, slot, texture ? (IDirect3DBaseTexture9 *)texture->handle : NULL));
+        TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MINFILTER, filter));
+        TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MAGFILTER, filter));
+    }
     return 1;
 }
 
-static int set_values(const Draw *what)
+static int set_constants(const Job *job)
 {
-    float texel[4] = {1.0f / what->viewport.width, 1.0f / what->viewport.height, 0.0f, 0.0f};
+    float texel[4] = {1.0f / job->viewport.width, 1.0f / job->viewport.height, 0.0f, 0.0f};
     TRY(IDirect3DDevice9_SetVertexShaderConstantF(device, TEXEL_SIZE_REGISTER, texel, 1));
     for (int i = 0; i < NUM_VALUES; i++) {
-        float value[4] = {what->values[i], 0.0f, 0.0f, 0.0f};
+        float value[4] = {job->values[i], 0.0f, 0.0f, 0.0f};
         TRY(IDirect3DDevice9_SetPixelShaderConstantF(device, i, value, 1));
     }
     return 1;
@@ -129,7 +113,7 @@ static int set_target(int index, const Texture *target)
     return 1;
 }
 
-static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets)
+static int draw(const Job *job, Texture *const *targets, int num_targets)
 {
     D3DCAPS9 caps;
     TRY(IDirect3DDevice9_GetDeviceCaps(device, &caps));
@@ -142,15 +126,11 @@ static int draw(const Draw *what, const Texture *textures, Texture *const *targe
         if (!set_target(i, targets[i]))
             return 0;
     /* after the targets: setting the first one makes the viewport as large as it */
-    const Area *area = &what->viewport;
-    D3DVIEWPORT9 viewport = {area->x, area->y, area->width, area->height, 0.0f, 1.0f};
+    D3DVIEWPORT9 viewport = {job->viewport.x, job->viewport.y, job->viewport.width, job->viewport.height, 0.0f, 1.0f};
     TRY(IDirect3DDevice9_SetViewport(device, &viewport));
-    TRY(IDirect3DDevice9_SetVertexShader(device, what->vertex));
-    TRY(IDirect3DDevice9_SetPixelShader(device, what->pixel));
-    for (int slot = 0; slot < NUM_SLOTS; slot++)
-        if (!set_input(slot, &what->inputs[slot], textures))
-            return 0;
-    return set_values(what) && draw_quad();
+    TRY(IDirect3DDevice9_SetVertexShader(device, job->vertex));
+    TRY(IDirect3DDevice9_SetPixelShader(device, job->pixel));
+    return set_inputs(job) && set_constants(job) && draw_quad();
 }
 
 static int read_back(const Texture *texture, void *pixels)
@@ -190,6 +170,11 @@ static int set_states(void)
     TRY(IDirect3DDevice9_SetRenderState(device, D3DRS_ZENABLE, FALSE));
     TRY(IDirect3DDevice9_SetRenderState(device, D3DRS_CULLMODE, D3DCULL_NONE));
     TRY(IDirect3DDevice9_SetRenderState(device, D3DRS_ALPHABLENDENABLE, FALSE));
+    for (int slot = 0; slot < NUM_SLOTS; slot++) {
+        TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_MIPFILTER, D3DTEXF_NONE));
+        TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_ADDRESSU, D3DTADDRESS_CLAMP));
+        TRY(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_ADDRESSV, D3DTADDRESS_CLAMP));
+    }
     return 1;
 }
 
@@ -215,15 +200,12 @@ static int make_device(void)
 int main(void)
 {
     D3DADAPTER_IDENTIFIER9 adapter;
-    char name[512];
     if (!make_device()) {
-        say("unavailable", "%s", problem_text);
+        say("unavailable", problem_text);
         return 1;
     }
     if (FAILED(IDirect3D9_GetAdapterIdentifier(direct3d, D3DADAPTER_DEFAULT, 0, &adapter)))
         strcpy(adapter.Description, "adapter without a name");
-    device_name(adapter.Description, name, sizeof name);
-    say("ready", "%s, Direct3D 9", name);
-    serve(run_passes);
+    serve_device(adapter.Description, "Direct3D 9");
     return 0;
 }

@@ -11,8 +11,8 @@
  *   listing FILE       its disassembly, written when it compiles
  *   messages FILE      written always: errors and warnings
  *
- * "ok" when it compiled, "failed" with the status when not; "failed job: ..." when the job is wrong.
- * There are no includes: the source is complete.
+ * All but `define` are needed. "ok" when it compiled, "failed" with the status when not; "failed job: ..." when the job
+ * is wrong. There are no includes: the source is complete.
  */
 #define COBJMACROS
 #include <windows.h>
@@ -29,41 +29,36 @@ typedef HRESULT(WINAPI *Disassemble)(const void *, SIZE_T, UINT, const char *, I
 static Compile compile;
 static Disassemble disassemble;
 
+enum { SOURCE, PROFILE, ENTRY, BYTECODE, LISTING, MESSAGES, FLAGS, NUM_SETTINGS };
+
+static const char *const SETTINGS[NUM_SETTINGS] = {"source",  "profile",  "entry", "bytecode",
+                                                   "listing", "messages", "flags"};
+
 typedef struct {
-    const char *source, *profile, *entry, *bytecode, *listing, *messages;
-    UINT flags;
+    const char *settings[NUM_SETTINGS];
     D3D_SHADER_MACRO defines[MAX_DEFINES + 1];
+    int num_defines;
 } Job;
 
-/* Take one line of the job file apart. 0 for a line that means nothing. */
-static int take_line(Job *job, char *line, int *defines)
+/* Take one line of the job file apart. 0 for a line that means nothing, after problem(). */
+static int take_line(void *state, char *line)
 {
+    Job *job = state;
     char *value = strchr(line, ' ');
     if (!value)
-        return 0;
+        return problem("job: cannot use the line '%s'", line);
     *value++ = 0;
-    if (!strcmp(line, "source"))
-        job->source = value;
-    else if (!strcmp(line, "profile"))
-        job->profile = value;
-    else if (!strcmp(line, "entry"))
-        job->entry = value;
-    else if (!strcmp(line, "bytecode"))
-        job->bytecode = value;
-    else if (!strcmp(line, "listing"))
-        job->listing = value;
-    else if (!strcmp(line, "messages"))
-        job->messages = value;
-    else if (!strcmp(line, "flags"))
-        job->flags = strtoul(value, NULL, 16);
-    else if (!strcmp(line, "define") && *defines < MAX_DEFINES) {
-        char *text = strchr(value, ' ');
-        if (text)
-            *text++ = 0;
-        job->defines[*defines].Name = value;
-        job->defines[(*defines)++].Definition = text ? text : "1";
-    } else
-        return 0;
+    for (int i = 0; i < NUM_SETTINGS; i++)
+        if (!strcmp(line, SETTINGS[i])) {
+            job->settings[i] = value;
+            return 1;
+        }
+    if (strcmp(line, "define") || job->num_defines == MAX_DEFINES)
+        return problem("job: cannot use the line '%s'", line);
+    char *text = strchr(value, ' ');
+    if (text)
+        *text++ = 0;
+    job->defines[job->num_defines++] = (D3D_SHADER_MACRO){value, text ? text : "1"};
     return 1;
 }
 
@@ -79,68 +74,55 @@ static int write_text(const char *name, ID3DBlob *blob)
     return write_file(name, text, size);
 }
 
-static void run(const Job *job)
+/* Disassemble what was compiled, and write both. */
+static int write_code(const Job *job, ID3DBlob *code)
 {
-    size_t size;
-    char *source = read_file(job->source, &size);
-    if (!source) {
-        say("failed", "job: cannot read %s", job->source);
-        return;
-    }
-    ID3DBlob *code = NULL, *messages = NULL, *listing = NULL;
-    HRESULT status = compile(source, size, "bokeh.hlsl", job->defines, NULL, job->entry, job->profile, job->flags, 0,
-                             &code, &messages);
-    int written = write_text(job->messages, messages);
-    if (SUCCEEDED(status) && code) {
-        const void *data = ID3D10Blob_GetBufferPointer(code);
-        SIZE_T length = ID3D10Blob_GetBufferSize(code);
-        written &= write_file(job->bytecode, data, length);
-        HRESULT listed = disassemble(data, length, 0, NULL, &listing);
-        written &= write_text(job->listing, listing);
-        if (!written)
-            say("failed", "job: an output file cannot be written");
-        else if (FAILED(listed))
-            say("failed", "job: D3DDisassemble returned %08lx", (unsigned long)listed);
-        else
-            say("ok", "%08lx", (unsigned long)status);
-    } else if (!written)
-        say("failed", "job: %s cannot be written", job->messages);
-    else
-        say("failed", "%08lx", (unsigned long)status);
+    const void *data = ID3D10Blob_GetBufferPointer(code);
+    SIZE_T length = ID3D10Blob_GetBufferSize(code);
+    ID3DBlob *listing = NULL;
+    HRESULT listed = disassemble(data, length, 0, NULL, &listing);
+    int written = write_file(job->settings[BYTECODE], data, length) && write_text(job->settings[LISTING], listing);
     if (listing)
         ID3D10Blob_Release(listing);
+    if (FAILED(listed))
+        return problem("job: D3DDisassemble returned %08lx", (unsigned long)listed);
+    return written;
+}
+
+static int run(const Job *job)
+{
+    const char *const *set = job->settings;
+    for (int i = 0; i < NUM_SETTINGS; i++)
+        if (!set[i])
+            return problem("job: %s is needed", SETTINGS[i]);
+    size_t size;
+    char *source = read_file(set[SOURCE], &size);
+    if (!source)
+        return 0;
+    ID3DBlob *code = NULL, *messages = NULL;
+    HRESULT status = compile(source, size, "bokeh.hlsl", job->defines, NULL, set[ENTRY], set[PROFILE],
+                             strtoul(set[FLAGS], NULL, 16), 0, &code, &messages);
+    int done = write_text(set[MESSAGES], messages);
+    if (done && SUCCEEDED(status) && code)
+        done = write_code(job, code);
+    else if (done)
+        done = problem("%08lx", (unsigned long)status);
     if (messages)
         ID3D10Blob_Release(messages);
     if (code)
         ID3D10Blob_Release(code);
     free(source);
+    return done;
 }
 
-static void work(const char *name)
+static int work(const char *name)
 {
     Job job = {0};
-    int defines = 0;
-    char *text = read_file(name, NULL);
-    if (!text) {
-        say("failed", "job: cannot read %s", name);
-        return;
-    }
-    for (char *line = text, *next; line && *line; line = next) {
-        next = strchr(line, '\n');
-        if (next)
-            *next++ = 0;
-        line[strcspn(line, "\r")] = 0;
-        if (*line && !take_line(&job, line, &defines)) {
-            say("failed", "job: cannot use the line '%s'", line);
-            free(text);
-            return;
-        }
-    }
-    if (job.source && job.profile && job.entry && job.bytecode && job.listing && job.messages)
-        run(&job);
-    else
-        say("failed", "job: source, profile, entry, bytecode, listing and messages are needed");
+    size_t size;
+    char *text = read_file(name, &size);
+    int done = text && each_line(text, take_line, &job) && run(&job);
     free(text);
+    return done;
 }
 
 /* The version resource of the library, such as 10.0.26100.1. */
@@ -158,7 +140,8 @@ static void version_of(const wchar_t *path, char *text, size_t size)
     free(data);
 }
 
-int main(void)
+/* The library beside this program. 0 on failure, after problem(). */
+static int load(char *version, size_t size)
 {
     /* by its whole path: Wine has a library of the same name, which does not know shader model 3 */
     wchar_t path[MAX_PATH + 32];
@@ -167,19 +150,24 @@ int main(void)
         length--;
     wcscpy(path + length, L"d3dcompiler_47.dll");
     HMODULE library = LoadLibraryW(path);
-    if (!library) {
-        say("unavailable", "d3dcompiler_47.dll beside fxc.exe cannot be loaded (error %lu)", GetLastError());
-        return 1;
-    }
+    if (!library)
+        return problem("d3dcompiler_47.dll beside fxc.exe cannot be loaded (error %lu)", GetLastError());
     compile = (Compile)(void *)GetProcAddress(library, "D3DCompile");
     disassemble = (Disassemble)(void *)GetProcAddress(library, "D3DDisassemble");
-    if (!compile || !disassemble) {
-        say("unavailable", "d3dcompiler_47.dll has no D3DCompile or no D3DDisassemble");
+    if (!compile || !disassemble)
+        return problem("d3dcompiler_47.dll has no D3DCompile or no D3DDisassemble");
+    version_of(path, version, size);
+    return 1;
+}
+
+int main(void)
+{
+    char version[64];
+    if (!load(version, sizeof version)) {
+        say("unavailable", problem_text);
         return 1;
     }
-    char version[64];
-    version_of(path, version, sizeof version);
-    say("ready", "%s", version);
+    say("ready", version);
     serve(work);
     return 0;
 }

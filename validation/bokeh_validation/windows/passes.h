@@ -1,20 +1,18 @@
-/* A list of full-screen passes as a job of a server (serve.h), for any Direct3D: d3d9run.c and d3d11run.c fill in the
- * functions of `Device`.
+/* A list of full-screen passes as a job of a server (serve.h), for any Direct3D: d3d9run.c and d3d11run.c give the
+ * functions that are declared below.
  *
  * A job file is text, one command a line, done in this order:
  *
- *   size W H FORMAT              of every target from now on, whatever those before have; any FORMAT
  *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4,
  *                                half2, float2 or float1
+ *   texture N W H FORMAT         make it a target, 0 everywhere
  *   vertex FILE                  vertex shader of the draws to come
- *   pixel FILE                   pixel shader of the next draw
+ *   pixel FILE                   pixel shader of the draws to come
  *   input SLOT N FILTER          texture N in a slot (s and t register) of the next draw; linear or nearest, clamp
- *   value I NUMBER               parameter I: c(I).x in shader model 3, byte 4 I of b0 in 4 and up
- *   viewport X Y W H             the next draw fills these texels only, Y from the first row on; uv is 0 .. 1 over them
- *   draw N [N [N [N]]]           draw; each target of the pixel shader becomes a texture. With a viewport, N may be one
- *                                that an earlier draw has made, of the same size and format: it keeps what is around;
- *                                a new one is 0 there
- *   keep N FILE                  write texture N, in the format of its target, rows as above
+ *   values NUMBER ...            parameter I: c(I).x in shader model 3, byte 4 I of b0 in 4 and up
+ *   viewport X Y W H             the draws to come fill these texels, Y from the first row on; uv is 0 .. 1 over them
+ *   draw N [N [N [N]]]           draw onto these targets; what is around the viewport stays
+ *   keep N FILE                  write texture N, in its format, rows as above
  *
  * FILEs are names in the working directory. A shader file is read once: other contents need another name.
  * All textures are gone after the job. Answers: "ok" or "failed WHAT WENT WRONG".
@@ -22,6 +20,7 @@
 #ifndef BOKEH_PASSES_H
 #define BOKEH_PASSES_H
 
+#include "renderer.h"
 #include "serve.h"
 
 #define MAX_TEXTURES 64
@@ -39,47 +38,29 @@ typedef struct {
     int width, height;
     Format format;
     void *handle; /* NULL: this number is free */
-    int is_target;
 } Texture;
 
+/* A job so far, and what the next draw reads. */
 typedef struct {
-    int texture; /* -1: empty */
-    int linear;
-} Input;
-
-/* A part of the targets, in texels. */
-typedef struct {
-    int x, y, width, height;
-} Area;
-
-/* What a draw reads and writes. */
-typedef struct {
+    Texture textures[MAX_TEXTURES];
     void *vertex, *pixel;
-    Input inputs[NUM_SLOTS];
+    struct {
+        const Texture *texture; /* NULL: empty */
+        int linear;
+    } inputs[NUM_SLOTS];
     float values[NUM_VALUES];
-    int has_viewport;
-    Area viewport; /* as a device sees it: the whole target where the job names none */
-} Draw;
+    struct {
+        int x, y, width, height;
+    } viewport;
+} Job;
 
 /* Each function is given by a program. 0 on failure, after problem(). */
 static int make_texture(Texture *texture, const void *pixels);
 static int make_target(Texture *texture); /* 0 everywhere */
 static int make_shader(int is_vertex, const void *code, size_t size, void **shader);
-static int draw(const Draw *what, const Texture *textures, Texture *const *targets, int num_targets);
+static int draw(const Job *job, Texture *const *targets, int num_targets);
 static int read_back(const Texture *texture, void *pixels);
 static void drop(Texture *texture);
-
-static char problem_text[1024];
-
-/* Remember what went wrong; returns 0. */
-static int problem(const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(problem_text, sizeof problem_text, format, arguments);
-    va_end(arguments);
-    return 0;
-}
 
 /* Leave the function where a Direct3D call fails. */
 #define TRY(call)                                                                                                      \
@@ -89,203 +70,150 @@ static int problem(const char *format, ...)
             return problem("%.200s returned %08lx", #call, (unsigned long)status_);                                    \
     } while (0)
 
-static struct {
-    char name[128];
-    void *handle;
-} shaders[MAX_SHADERS];
-static int num_shaders;
-
 static int find_shader(const char *name, int is_vertex, void **shader)
 {
-    for (int i = 0; i < num_shaders; i++)
-        if (!strcmp(shaders[i].name, name)) {
-            *shader = shaders[i].handle;
+    static struct {
+        char name[128];
+        void *handle;
+    } known[MAX_SHADERS];
+    static int num_known;
+    for (int i = 0; i < num_known; i++)
+        if (!strcmp(known[i].name, name)) {
+            *shader = known[i].handle;
             return 1;
         }
     size_t size;
     char *code = read_file(name, &size);
-    if (!code)
-        return problem("cannot read %s", name);
-    int made = make_shader(is_vertex, code, size, shader);
+    int made = code && make_shader(is_vertex, code, size, shader);
     free(code);
-    if (made && num_shaders < MAX_SHADERS && strlen(name) < sizeof shaders[0].name) {
-        strcpy(shaders[num_shaders].name, name);
-        shaders[num_shaders++].handle = *shader;
+    if (made && num_known < MAX_SHADERS) {
+        strcpy(known[num_known].name, name);
+        known[num_known++].handle = *shader;
     }
     return made;
 }
 
-static int find_format(const char *name, Format *format)
+static Texture *find_texture(Job *job, int number)
 {
-    for (int i = 0; i < NUM_FORMATS; i++)
-        if (!strcmp(name, FORMAT_NAMES[i])) {
-            *format = (Format)i;
-            return 1;
-        }
-    return problem("no format %s", name);
+    if (number >= 0 && number < MAX_TEXTURES && job->textures[number].handle)
+        return &job->textures[number];
+    problem("texture %d is not there", number);
+    return NULL;
 }
 
-static int is_texture(const Texture *textures, int number, int wanted)
+/* `file` is empty for a target. */
+static int add_texture(Job *job, int number, Texture made, const char *format, const char *file)
 {
-    if (number < 0 || number >= MAX_TEXTURES || !textures[number].handle != !wanted)
-        return problem("texture %d is %s", number, wanted ? "not there" : "there already, or too many");
-    return 1;
-}
-
-static int load_texture(Texture *texture, const char *file)
-{
-    size_t size;
+    while (made.format < NUM_FORMATS && strcmp(format, FORMAT_NAMES[made.format]))
+        made.format++;
+    if (made.format == NUM_FORMATS || number < 0 || number >= MAX_TEXTURES || job->textures[number].handle)
+        return problem("texture %d is there already, or too many, or there is no format %s", number, format);
+    Texture *texture = &job->textures[number];
+    *texture = made;
+    if (!*file)
+        return make_target(texture);
+    size_t size, wanted = (size_t)made.width * made.height * TEXEL_BYTES[made.format];
     char *pixels = read_file(file, &size);
-    if (!pixels)
-        return problem("cannot read %s", file);
-    int made;
-    if (size != (size_t)texture->width * texture->height * TEXEL_BYTES[texture->format])
-        made = problem("%s has %lu bytes", file, (unsigned long)size);
-    else
-        made = make_texture(texture, pixels);
+    int done = pixels && (size == wanted || problem("%s has %lu bytes", file, (unsigned long)size)) &&
+               make_texture(texture, pixels);
     free(pixels);
-    return made;
+    return done;
 }
 
 static int keep_texture(const Texture *texture, const char *file)
 {
     size_t size = (size_t)texture->width * texture->height * TEXEL_BYTES[texture->format];
     void *pixels = malloc(size);
-    if (!pixels)
-        return problem("no memory for %s", file);
-    int done = read_back(texture, pixels) && (write_file(file, pixels, size) || problem("cannot write %s", file));
+    int done = pixels ? read_back(texture, pixels) && write_file(file, pixels, size) : problem("no memory for %s", file);
     free(pixels);
     return done;
 }
 
-/* Forget what is told for each draw anew. */
-static void start_draw(Draw *next)
-{
-    for (int slot = 0; slot < NUM_SLOTS; slot++)
-        next->inputs[slot].texture = -1;
-    next->pixel = NULL;
-    next->has_viewport = 0;
-}
-
-static int is_within(const Area *area, const Texture *size)
-{
-    if (area->x < 0 || area->y < 0 || area->width < 1 || area->height < 1 || area->x > size->width - area->width ||
-        area->y > size->height - area->height)
-        return problem("viewport %d %d %d %d is not within %d x %d", area->x, area->y, area->width, area->height,
-                       size->width, size->height);
-    return 1;
-}
-
-/* Make a target of a draw, or find the one to draw over. */
-static int find_target(Texture *textures, int number, const Texture *size, const Draw *next)
-{
-    int is_there = number >= 0 && number < MAX_TEXTURES && textures[number].handle;
-    if (!next->has_viewport || !is_there) {
-        Texture target = *size;
-        if (!is_texture(textures, number, 0) || !make_target(&target))
-            return 0;
-        target.is_target = 1;
-        textures[number] = target;
-        return 1;
-    }
-    const Texture *target = &textures[number];
-    if (!target->is_target || target->width != size->width || target->height != size->height ||
-        target->format != size->format)
-        return problem("texture %d is no target of this size and format", number);
-    for (int slot = 0; slot < NUM_SLOTS; slot++)
-        if (next->inputs[slot].texture == number)
-            return problem("texture %d is read and drawn over", number);
-    return 1;
-}
-
-static int do_draw(const char *numbers, Texture *textures, const Texture *size, Draw *next)
+static int do_draw(Job *job, const char *numbers)
 {
     int number[MAX_TARGETS + 1]; /* with room for one too many */
     int count = sscanf(numbers, "%d %d %d %d %d", &number[0], &number[1], &number[2], &number[3], &number[4]);
     Texture *targets[MAX_TARGETS];
-    if (count < 1 || count > MAX_TARGETS || !next->vertex || !next->pixel || !size->width)
-        return problem("draw needs size, vertex and pixel before it, and 1 to %d numbers", MAX_TARGETS);
-    if (!next->has_viewport)
-        next->viewport = (Area){0, 0, size->width, size->height};
-    if (!is_within(&next->viewport, size))
-        return 0;
-    for (int i = 0; i < count; i++) {
-        if (!find_target(textures, number[i], size, next))
+    if (count < 1 || count > MAX_TARGETS || !job->vertex || !job->pixel || !job->viewport.width)
+        return problem("draw needs viewport, vertex and pixel before it, and 1 to %d numbers", MAX_TARGETS);
+    for (int i = 0; i < count; i++)
+        if (!(targets[i] = find_texture(job, number[i])))
             return 0;
-        targets[i] = &textures[number[i]];
-    }
-    int done = draw(next, textures, targets, count);
-    start_draw(next);
+    int done = draw(job, targets, count);
+    memset(job->inputs, 0, sizeof job->inputs);
     return done;
 }
 
-/* Do one line of a job. 0 on failure, after problem(). */
-static int do_line(const char *line, Texture *textures, Texture *size, Draw *next)
+static int set_values(Job *job, const char *numbers)
 {
-    char word[16], format[16], file[128];
-    int number, slot, width, height, read = 0;
-    float value;
+    int count = 0;
+    for (char *after; count < NUM_VALUES; numbers = after, count++) {
+        job->values[count] = strtof(numbers, &after);
+        if (after == numbers)
+            break;
+    }
+    return !*numbers || problem("no parameter %d", count);
+}
+
+/* Do one line of a job. 0 on failure, after problem(). */
+static int do_line(void *state, char *line)
+{
+    Job *job = state;
+    Texture made = {0};
+    char word[16], name[16], file[128] = "";
+    int number, slot, count, read = 0;
     sscanf(line, "%15s %n", word, &read);
     const char *rest = line + read;
-    if (!strcmp(word, "size") && sscanf(rest, "%d %d %15s", &size->width, &size->height, format) == 3)
-        return find_format(format, &size->format);
-    if (!strcmp(word, "texture") && sscanf(rest, "%d %d %d %15s %127s", &number, &width, &height, format, file) == 5) {
-        Texture made = {width, height, HALF4, NULL, 0};
-        if (!is_texture(textures, number, 0) || !find_format(format, &made.format) || !load_texture(&made, file))
-            return 0;
-        textures[number] = made;
-        return 1;
+    if (!strcmp(word, "texture")) {
+        count = sscanf(rest, "%d %d %d %15s %127s", &number, &made.width, &made.height, name, file);
+        if (count >= 4)
+            return add_texture(job, number, made, name, file);
     }
     if (!strcmp(word, "vertex") && sscanf(rest, "%127s", file) == 1)
-        return find_shader(file, 1, &next->vertex);
+        return find_shader(file, 1, &job->vertex);
     if (!strcmp(word, "pixel") && sscanf(rest, "%127s", file) == 1)
-        return find_shader(file, 0, &next->pixel);
-    if (!strcmp(word, "input") && sscanf(rest, "%d %d %15s", &slot, &number, format) == 3) {
+        return find_shader(file, 0, &job->pixel);
+    if (!strcmp(word, "input") && sscanf(rest, "%d %d %15s", &slot, &number, name) == 3) {
         if (slot < 0 || slot >= NUM_SLOTS)
             return problem("no slot %d", slot);
-        next->inputs[slot].texture = number;
-        next->inputs[slot].linear = !strcmp(format, "linear");
-        return is_texture(textures, number, 1);
+        job->inputs[slot].linear = !strcmp(name, "linear");
+        return (job->inputs[slot].texture = find_texture(job, number)) != NULL;
     }
-    if (!strcmp(word, "value") && sscanf(rest, "%d %f", &slot, &value) == 2) {
-        if (slot < 0 || slot >= NUM_VALUES)
-            return problem("no parameter %d", slot);
-        next->values[slot] = value;
+    if (!strcmp(word, "values"))
+        return set_values(job, rest);
+    if (!strcmp(word, "viewport") && sscanf(rest, "%d %d %d %d", &job->viewport.x, &job->viewport.y,
+                                            &job->viewport.width, &job->viewport.height) == 4)
         return 1;
-    }
-    Area *area = &next->viewport;
-    if (!strcmp(word, "viewport") && sscanf(rest, "%d %d %d %d", &area->x, &area->y, &area->width, &area->height) == 4)
-        return next->has_viewport = 1;
     if (!strcmp(word, "draw"))
-        return do_draw(rest, textures, size, next);
-    if (!strcmp(word, "keep") && sscanf(rest, "%d %127s", &number, file) == 2)
-        return is_texture(textures, number, 1) && keep_texture(&textures[number], file);
+        return do_draw(job, rest);
+    if (!strcmp(word, "keep") && sscanf(rest, "%d %127s", &number, file) == 2) {
+        const Texture *texture = find_texture(job, number);
+        return texture && keep_texture(texture, file);
+    }
     return problem("cannot use the line '%.200s'", line);
 }
 
-static void run_passes(const char *name)
+static int run_passes(const char *name)
 {
-    Texture textures[MAX_TEXTURES] = {0}, size = {0};
-    Draw next = {0};
-    start_draw(&next);
-    char *text = read_file(name, NULL);
-    int done = text ? 1 : problem("cannot read %s", name);
-    for (char *line = text, *after; done && line && *line; line = after) {
-        after = strchr(line, '\n');
-        if (after)
-            *after++ = 0;
-        line[strcspn(line, "\r")] = 0;
-        if (*line)
-            done = do_line(line, textures, &size, &next);
-    }
+    Job job = {0};
+    size_t size;
+    char *text = read_file(name, &size);
+    int done = text && each_line(text, do_line, &job);
     free(text);
     for (int i = 0; i < MAX_TEXTURES; i++)
-        if (textures[i].handle)
-            drop(&textures[i]);
-    if (done)
-        say("ok", "");
-    else
-        say("failed", "%s", problem_text);
+        if (job.textures[i].handle)
+            drop(&job.textures[i]);
+    return done;
+}
+
+/* Tell the device's name and what it is, and take jobs. */
+static void serve_device(const char *adapter, const char *kind)
+{
+    char name[512], text[640];
+    device_name(adapter, name, sizeof name);
+    snprintf(text, sizeof text, "%s, %s", name, kind);
+    say("ready", text);
+    serve(run_passes);
 }
 
 #endif

@@ -4,7 +4,7 @@ import hashlib
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from bokeh_validation import locks, paths
@@ -12,43 +12,44 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import wine
 
 SOURCES = Path(__file__).resolve().parent
-COMPILERS = ("x86_64-w64-mingw32-gcc", "x86_64-w64-mingw32-gcc-posix")
-OPTIONS = ("-std=c11", "-O2", "-Wall", "-Wextra", "-static")
+COMMAND = ("x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-Wextra", "-static")
 BUILD_S = 120.0
 
 
-def _compiler() -> str:
-    # on Windows the same compiler is called gcc
-    for name in (*COMPILERS, *(("gcc",) if wine.ON_WINDOWS else ())):
-        if path := shutil.which(name):
-            return path
-    raise Unavailable(f"{COMPILERS[0]} is not on this machine; {wine.INSTALL}")
+def build(name: str, sources: Sequence[str], libraries: Sequence[str] = ()) -> Path:
+    """NAME.exe from C files of this folder, such as ['fxc.c'], and libraries, such as ['-ld3d9']; see compiled()."""
+    files = {*(SOURCES / source for source in sources), *SOURCES.glob("*.h")}
+    return compiled(name, (*COMMAND, *sources, *libraries), files, SOURCES)
 
 
 @locks.one_at_a_time("windows")
-def build(name: str, sources: Sequence[str], libraries: Sequence[str] = ()) -> Path:
-    """NAME.exe from C files of this folder, in a folder of the cache that is keyed by all sources and options.
+def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: Path) -> Path:
+    """NAME.exe by a command of mingw-w64 in `folder`; '-o PROGRAM' is added.
 
-    sources    such as ['fxc.c']; headers of the folder count as well
-    libraries  such as ['-ld3d9']
+    Its place in the cache is keyed by the command and by the contents of `files`.
     Raises Unavailable without a compiler, RuntimeError with the compiler's words where it refuses.
     """
-    hashed = hashlib.sha256(repr((OPTIONS, tuple(sources), tuple(libraries))).encode())
-    for file in sorted({*(SOURCES / source for source in sources), *SOURCES.glob("*.h")}):
+    hashed = hashlib.sha256(repr(tuple(command)).encode())
+    for file in sorted(files):
         hashed.update(file.read_bytes())
-    folder = paths.cache_folder() / "windows" / f"{name}-{hashed.hexdigest()[:16]}"
-    program = folder / f"{name}.exe"
+    program = paths.cache_folder() / "windows" / f"{name}-{hashed.hexdigest()[:16]}" / f"{name}.exe"
     if program.exists():
         return program
-    compiler = _compiler()
-    paths.ensured(folder)
-    partial = folder / f"{name}.{os.getpid()}.partial"
-    command = [compiler, *OPTIONS, "-o", str(partial), *(str(SOURCES / source) for source in sources), *libraries]
+    partial = paths.ensured(program.parent) / f"{name}.{os.getpid()}.partial"
+    words = [_compiler(command[0]), *command[1:], "-o", str(partial)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=BUILD_S)
+        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=BUILD_S)
     except subprocess.TimeoutExpired as error:
         raise RuntimeError(f"building {name}.exe hung: stopped after {BUILD_S:g} s") from error
     if done.returncode:
         raise RuntimeError(f"{name}.exe could not be built:\n{done.stderr.strip()}")
     partial.replace(program)
     return program
+
+
+def _compiler(name: str) -> str:
+    # Debian's package has the longer name, and on Windows the same compiler is called gcc or g++
+    for known in (name, f"{name}-posix", *((name.rpartition("-")[2],) if wine.ON_WINDOWS else ())):
+        if path := shutil.which(known):
+            return path
+    raise Unavailable(f"{name} is not on this machine; {wine.INSTALL}")

@@ -132,12 +132,12 @@ class TestDirect3D:
             ("drow 1", "cannot use the line 'drow 1'"),
             ("input 16 0 linear", "no slot 16"),
             ("input 0 7 linear", "texture 7 is not there"),
-            ("value 36 1.0", "no parameter 36"),
-            ("draw 1", "draw needs size, vertex and pixel before it, and 1 to 4 numbers"),
+            ("values" + 37 * " 1.0", "no parameter 36"),
+            ("draw 1", "draw needs viewport, vertex and pixel before it, and 1 to 4 numbers"),
         ],
     )
     def test_a_wrong_job_is_told(self, line, words, d3d9):
-        (d3d9.server.folder / "wrong.job").write_text(f"size 4 4 half4\n{line}\n")
+        (d3d9.server.folder / "wrong.job").write_text(f"texture 0 4 4 half4\n{line}\n")
         assert d3d9.server.ask("wrong.job", 20) == (False, words)
         assert d3d9.server.ask("none.job", 20) == (False, "cannot read none.job")
         assert copied(d3d9)
