@@ -1,11 +1,288 @@
-"""Headless Chromium: WebGL 2 and WebGPU in a page of ours, for the browser drivers and compilers.
+"""Headless Chromium: WebGL 2 and WebGPU in a page of ours (page/), for the browser drivers and compilers.
 
-chromium.py   where the browser is and how it is started
-session.py    one running browser and the page in it
-page/         the page: JavaScript modules, a function for each kind of job
+A browser is started on first use, asked by one call at a time, and gone when the process ends. Playwright's calls
+without async belong to the thread that started it, and its event loop would be in the way of others in the same thread.
+So the browser has a thread of its own, and a caller waits for it with a time limit.
 """
 
-from bokeh_validation.browser.chromium import INSTALL
-from bokeh_validation.browser.session import COMPILE_LIMIT, BrowserError, Refused, Session, session
+import atexit
+import mimetypes
+import os
+import queue
+import shutil
+import signal
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
+from pathlib import Path
 
-__all__ = ["COMPILE_LIMIT", "INSTALL", "BrowserError", "Refused", "Session", "session"]
+from bokeh_validation.errors import Unavailable
+
+VARIABLE = "BOKEH_CHROMIUM"
+# Debian's name, Ubuntu's (there a snap, which works as well), and Google's own packages
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+INSTALL = (
+    "apt-get install -y --no-install-recommends chromium (Ubuntu, where that is a snap: install google-chrome, "
+    f"or set {VARIABLE} to a Chromium)"
+)
+OLDEST = 140  # the first with Uint8Array.fromBase64
+
+# The browser serves one page from memory: it has nothing to ask of any network. A software device may take long over
+# one draw, and that is no reason to stop it: the limits below are ours.
+FLAGS = (
+    "--disable-background-networking --disable-component-update --disable-domain-reliability --disable-sync "
+    "--disable-breakpad --disable-quic --no-first-run --no-pings --metrics-recording-only --disable-gpu-watchdog "
+    "--disable-background-timer-throttling --enable-unsafe-webgpu"
+).split() + ["--host-resolver-rules=MAP * ~NOTFOUND"]
+# the software device that comes with Chromium
+SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--use-webgpu-adapter=swiftshader")
+# whatever GPU the machine has; Chromium's list of drivers that it does not trust is about web pages
+HARDWARE = ("--ignore-gpu-blocklist", "--use-angle=vulkan", "--enable-features=Vulkan")
+
+START_LIMIT = 60.0  # seconds; it takes 1
+COMPILE_LIMIT = 30.0  # a shader takes 0.05
+RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
+STOP_LIMIT = 10.0
+
+LONGEST_FOLDER = 40  # characters of the folder for temporary files
+
+PAGE = Path(__file__).parent / "page"
+# WebGPU is for secure pages only. Nothing leaves the process: every request is answered from files.
+ADDRESS = "https://bokeh.invalid/"
+
+
+class BrowserError(RuntimeError):
+    """The browser crashed, hung or could not be asked; the text says which. The next session() is a new one."""
+
+
+class Refused(RuntimeError):
+    """A function of the page threw an Error: its text."""
+
+
+class Session:
+    """One browser with the page in it. Any thread may call it.
+
+    version  of Chromium
+    """
+
+    def __init__(self, hardware: bool = False, open_page: Callable | None = None, flags: Sequence[str] = ()):
+        """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start.
+
+        open_page   of Playwright's browser: opens a page that has window.bokeh, and returns it. Default: that of page/
+        flags       more of the command line
+        """
+        path = _chromium()
+        self.version = ""
+        self._process = 0
+        self._dead = ""
+        self._stack = ExitStack()
+        self._jobs: queue.SimpleQueue = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        # a daemon, or a browser that does not answer would keep Python from ending
+        self._thread = threading.Thread(target=self._work, name="chromium", daemon=True)
+        self._thread.start()
+        command = [*FLAGS, *(HARDWARE if hardware else SOFTWARE), *flags]
+        try:
+            self._ask(partial(self._start, path, command, open_page or _open_page)).result(START_LIMIT)
+        except TimeoutError:
+            self._kill()
+            raise Unavailable(f"{path} hung: it did not start within {START_LIMIT:g} s") from None
+        except Exception as error:
+            self.close()
+            if isinstance(error, Unavailable):
+                raise
+            raise Unavailable(f"{path} did not start: {_cause(error)}") from error
+
+    @property
+    def alive(self) -> bool:
+        """Whether call() can be expected to work."""
+        return not self._dead
+
+    def call(self, function: str, argument: object = None, limit: float = RUN_LIMIT) -> object:
+        """Call window.bokeh.<function>(argument) and return what it returns (texts, numbers, lists, dicts).
+
+        limit   seconds until the browser is taken for hung and killed
+        Raises Refused and BrowserError.
+        """
+        with self._lock:
+            if self._dead:
+                raise BrowserError(self._dead)
+            try:
+                returned, value = self._ask(partial(self._evaluate, function, argument)).result(limit)
+            except TimeoutError:
+                self._dead = f"Chromium hung: stopped after {limit:g} s"
+                self._kill()
+            except Exception as error:
+                self._dead = self._crashes[0] if self._crashes else f"Chromium crashed: {_cause(error)}"
+            if self._dead:
+                self.close()
+                raise BrowserError(self._dead)
+        if not returned:
+            raise Refused(value)
+        return value
+
+    def close(self) -> None:
+        """End the browser: asked first, killed where it does not listen."""
+        self._dead = self._dead or "Chromium was closed"
+        self._jobs.put(None)
+        self._thread.join(STOP_LIMIT)
+        if self._thread.is_alive():
+            self._kill()
+            self._thread.join(STOP_LIMIT)
+
+    def _kill(self) -> None:
+        """End the browser and all its processes without asking."""
+        with suppress(ProcessLookupError):
+            if self._process and os.getpgid(self._process) == self._process:
+                os.killpg(self._process, signal.SIGKILL)  # Playwright starts it in a group of its own
+            elif self._process:
+                os.kill(self._process, signal.SIGKILL)
+
+    def _work(self) -> None:
+        """The browser's thread: do jobs until there is a None, then end the browser."""
+        while (job := self._jobs.get()) is not None:
+            action, answer = job
+            try:
+                answer.set_result(action())
+            except BaseException as error:  # it belongs to whoever waits, not to this thread
+                answer.set_exception(error)
+        with suppress(Exception):  # a browser that is dead already
+            self._stack.close()
+
+    def _ask(self, action: Callable[[], object]) -> Future:
+        """Have the browser's thread do something."""
+        answer: Future = Future()
+        self._jobs.put((action, answer))
+        return answer
+
+    def _start(self, path: str, flags: list[str], open_page: Callable) -> None:
+        # Chromium makes a socket in there, and the path of a socket has at most 107 characters
+        near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
+        folder = tempfile.mkdtemp(prefix="bokeh-chromium-", dir=near)
+        self._stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        playwright = self._stack.enter_context(_playwright(folder))
+        browser = playwright.chromium.launch(
+            executable_path=path,
+            headless=True,
+            # it refuses to start with a sandbox as root
+            chromium_sandbox=not hasattr(os, "geteuid") or os.geteuid() != 0,
+            args=flags,
+            # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
+            env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
+            timeout=START_LIMIT * 1000,
+        )
+        self._stack.callback(browser.close)
+        client = browser.new_browser_cdp_session()
+        told = client.send("SystemInfo.getProcessInfo")["processInfo"]
+        client.detach()
+        self._process = next((int(process["id"]) for process in told if process["type"] == "browser"), 0)
+        self.version = browser.version
+        if int(self.version.split(".")[0]) < OLDEST:
+            raise Unavailable(f"{path} is Chromium {self.version}; it has to be {OLDEST} or later")
+        self._page = open_page(browser)
+        self._crashes: list[str] = []
+        self._page.on("crash", lambda _: self._crashes.append("Chromium crashed: the page's process ended"))
+
+    def _evaluate(self, function: str, argument: object) -> list:
+        """[whether it returned, else it threw; the value or the text]."""
+        # the page catches its own errors, so that they are not taken for Playwright's
+        script = f"""async (argument) => {{
+            try {{ return [true, await window.bokeh.{function}(argument)]; }}
+            catch (error) {{ return [false, error.message ?? String(error)]; }}
+        }}"""
+        return self._page.evaluate(script, argument)
+
+
+def _chromium() -> str:
+    """Path of Chromium. Raises Unavailable."""
+    named = os.environ.get(VARIABLE)
+    for name in (named,) if named else NAMES:
+        if path := shutil.which(name):
+            return path
+    missing = f"{VARIABLE} names no program: {named}" if named else f"Chromium is not on this machine; {INSTALL}"
+    raise Unavailable(missing)
+
+
+@contextmanager
+def _playwright(folder: str) -> Iterator:
+    """Playwright with its temporary files, the browser's profile among them, in a folder of ours.
+
+    It leaves them behind when the browser is killed. There is no parameter for the place.
+    """
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError as error:
+        raise Unavailable(f"{error.name} is not installed; validation/run sets it up") from error
+    before = os.environ.get("TMPDIR")
+    os.environ["TMPDIR"] = folder
+    try:
+        playwright = sync_playwright().start()
+    finally:
+        if before is None:
+            del os.environ["TMPDIR"]
+        else:
+            os.environ["TMPDIR"] = before
+    try:
+        yield playwright
+    finally:
+        playwright.stop()
+
+
+def _open_page(browser):
+    """The page of page/, loaded."""
+    page = browser.new_page()
+    page.set_default_timeout(START_LIMIT * 1000)
+    page.route("**/*", lambda route: answer(route, PAGE / (asked(route) or "index.html")))
+    page.goto(ADDRESS)
+    page.wait_for_function("window.bokeh !== undefined")
+    return page
+
+
+def asked(route) -> str:
+    """The path that a request of a page names."""
+    return route.request.url.removeprefix(ADDRESS)
+
+
+def answer(route, file: Path) -> None:
+    """Answer a request of a page by a file."""
+    if ".." in asked(route) or not file.is_file():
+        route.fulfill(status=404)
+        return
+    kind = "text/javascript" if file.suffix == ".js" else mimetypes.guess_type(file.name)[0] or "text/plain"
+    route.fulfill(body=file.read_bytes(), content_type=kind)
+
+
+def _cause(error: BaseException) -> str:
+    """The telling line of a Playwright error, which holds all that Chromium printed."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    telling = ("FATAL", "error while loading", "cannot open")
+    return next((line for line in lines if any(word in line for word in telling)), lines[0] if lines else repr(error))
+
+
+_sessions: dict[bool, Session | Unavailable] = {}
+_guard = threading.Lock()
+
+
+def session(hardware: bool = False) -> Session:
+    """The browser of this process, a new one where the last has died. Raises Unavailable, the same each time."""
+    with _guard:
+        found = _sessions.get(hardware)
+        if found is None or (isinstance(found, Session) and not found.alive):
+            try:
+                found = Session(hardware)
+            except Unavailable as error:
+                found = error
+            _sessions[hardware] = found
+        if isinstance(found, Unavailable):
+            raise found
+        return found
+
+
+@atexit.register
+def _close_all() -> None:
+    for running in _sessions.values():
+        if isinstance(running, Session):
+            running.close()

@@ -43,7 +43,7 @@ def run(name: str, folder: Path) -> None:
         owner = wine.get()
         owner.ensure_display()
         # Wine's Z: is the root of the file system
-        command, environment = [*owner.command(program), f"Z:{folder}"], owner.environment()
+        command, environment = owner.command(program, f"Z:{folder}"), owner.environment()
         environment["WINEDLLOVERRIDES"] += ";d3dcompiler_47=n"
     process.run(command, RUN_S, SAMPLES / name, environment)
     with Image.open(folder / "picture.bmp") as picture:

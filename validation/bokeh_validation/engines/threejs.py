@@ -6,7 +6,6 @@ of the page is answered from here.
 
 import base64
 import json
-import mimetypes
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -27,8 +26,6 @@ RUN_LIMIT = 240.0  # it takes 10 on two cores
 # Of what the browser said, an error repeats so many messages, and so many characters of each
 MESSAGES, WORDS = 4, 800
 
-# WebGPU is for secure pages only; the name leads nowhere
-ADDRESS = "https://bokeh.invalid/"
 MODULES = "integration/threejs/node_modules/"
 # without them Chromium's software device dies as soon as WebGPU draws onto a canvas
 CANVAS = ("--enable-features=Vulkan", "--use-vulkan=swiftshader")
@@ -90,7 +87,7 @@ def opened(kind: str) -> Iterator[Sample]:
         page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: said.append(error.message))
         page.add_init_script(SCRIPT)
-        page.goto(f"{ADDRESS}integration/threejs/{kind}.html")
+        page.goto(f"{browser.ADDRESS}integration/threejs/{kind}.html")
         return page
 
     session = browser.Session(open_page=open_page, flags=CANVAS if kind == "webgpu" else ())
@@ -126,12 +123,8 @@ def installed() -> Path:
 
 def _serve(route, modules: Path) -> None:
     """Answer a request: a file of the repository, or of `modules`."""
-    name = route.request.url.removeprefix(ADDRESS)
-    file = modules / name.removeprefix(MODULES) if name.startswith(MODULES) else paths.ROOT / name
+    name = browser.asked(route)
     if name == "favicon.ico":
         route.fulfill(status=204)
-    elif ".." in name or not file.is_file():
-        route.fulfill(status=404)
     else:
-        kind = "text/javascript" if file.suffix == ".js" else mimetypes.guess_type(name)[0] or "text/plain"
-        route.fulfill(body=file.read_bytes(), content_type=kind)
+        browser.answer(route, modules / name.removeprefix(MODULES) if name.startswith(MODULES) else paths.ROOT / name)

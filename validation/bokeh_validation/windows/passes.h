@@ -107,7 +107,7 @@ static int add_texture(Job *job, int number, Texture made, const char *format, c
     while (made.format < NUM_FORMATS && strcmp(format, FORMAT_NAMES[made.format]))
         made.format++;
     if (made.format == NUM_FORMATS || number < 0 || number >= MAX_TEXTURES || job->textures[number].handle)
-        return problem("texture %d is there already, or too many, or there is no format %s", number, format);
+        return problem("texture %d is there already, or too many, or has no format %s", number, format);
     Texture *texture = &job->textures[number];
     *texture = made;
     if (!*file)

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import tempfile
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from bokeh_validation.errors import Unavailable
@@ -47,11 +48,9 @@ class Server:
         """Send the name of a job file; (whether the answer was 'ok', its text). Raises Ended and Unavailable."""
         with self._lock:
             self._start()
-            try:
+            with suppress(OSError):  # where it is gone the missing answer tells
                 self._process.stdin.write(job.encode("ascii") + b"\n")
                 self._process.stdin.flush()
-            except OSError:
-                pass  # it is gone: the missing answer tells
             kind, _, text = self._answer(timeout).partition(" ")
             return kind == "ok", text
 
@@ -87,50 +86,43 @@ class Server:
             self._end()
             raise Ended(f"{self.program.name} hung: stopped after {timeout:g} s") from None
         if line is None:
-            try:
+            status = "unknown"
+            with suppress(subprocess.TimeoutExpired):
                 status = self._process.wait(5)
-            except subprocess.TimeoutExpired:
-                status = "unknown"
             self._end()
             raise Ended(f"{self.program.name} crashed: exit status {status}")
         return line
 
     def _end(self) -> None:
         """End the program at once."""
-        if self._process is None:
+        process, self._process = self._process, None
+        if process is None:
             return
-        if self._process.poll() is None:
+        if process.poll() is None:
             if wine.ON_WINDOWS:
-                self._process.kill()
+                process.kill()
             else:
                 # Wine's processes run in our own process group
-                os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with suppress(OSError):
                 pipe.close()
-            except OSError:
-                pass
-        self._process = None
 
     def stop(self) -> None:
         """End the program and remove its folder."""
         with self._lock:
             if self._process and self._process.poll() is None:
-                try:
+                with suppress(OSError, subprocess.TimeoutExpired):
                     self._process.stdin.close()
                     self._process.wait(5)
-                except (OSError, subprocess.TimeoutExpired):
-                    pass
             self._end()
             self._temporary.cleanup()
 
 
 def _read(stream, lines: "queue.Queue[str | None]") -> None:
     """Lines of a stream into a queue, and None at its end."""
-    try:
+    with suppress(OSError, ValueError):
         for line in stream:
             lines.put(line.decode("utf-8", "replace").strip())
-    except (OSError, ValueError):
-        pass
     lines.put(None)

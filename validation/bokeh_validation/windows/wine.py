@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -27,6 +26,7 @@ ON_WINDOWS = sys.platform == "win32"
 MAX_PREFIXES = 8
 PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
 KILL_S = 10.0
+QUIET = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
 DISPLAY_S = 20.0
 
 # Xvfb ends when our end of the shell's standard input closes, however we end. It writes its number to descriptor 3 and
@@ -43,30 +43,23 @@ class Display:
         _needed("Xvfb")
         self._process = subprocess.Popen(
             ["sh", "-c", XVFB_SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            start_new_session=True,
+            bufsize=0, start_new_session=True,
         )  # fmt: skip
-        number = self._number()
+        # once there is something, the whole line follows
+        number = self._process.stdout.readline().decode("ascii", "replace").strip() if self._told(DISPLAY_S) else ""
         if not number:
             self.stop()
             raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
         self.name = f":{number}"
 
-    def _number(self) -> str:
-        end = time.monotonic() + DISPLAY_S
-        seen = b""
-        while not seen.endswith(b"\n"):
-            ready, _, _ = select.select([self._process.stdout], [], [], max(0.0, end - time.monotonic()))
-            data = os.read(self._process.stdout.fileno(), 64) if ready else b""
-            if not data:
-                return ""
-            seen += data
-        return seen.decode("ascii", "replace").strip()
+    def _told(self, seconds: float) -> bool:
+        """Whether there is something to read, or the end of it, within that time."""
+        return bool(select.select([self._process.stdout], [], [], seconds)[0])
 
     @property
     def alive(self) -> bool:
         """Whether Xvfb still runs: its end of the pipe is open."""
-        ended, _, _ = select.select([self._process.stdout], [], [], 0)
-        return not ended
+        return not self._told(0)
 
     def stop(self) -> None:
         """End Xvfb and wait for it."""
@@ -103,11 +96,9 @@ class Wine:
         """A new, empty prefix. One that was not finished is thrown away."""
         shutil.rmtree(self.prefix, ignore_errors=True)
         self.prefix.parent.mkdir(parents=True, exist_ok=True)
-        command = [self._wine, "wineboot", "-i"]
         process = subprocess.Popen(
-            command, env=self.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL, start_new_session=True,
-        )  # fmt: skip
+            self.command("wineboot", "-i"), env=self.environment(), start_new_session=True, **QUIET
+        )
         try:
             status = process.wait(PREFIX_S)
         except subprocess.TimeoutExpired as error:
@@ -144,34 +135,31 @@ class Wine:
         """
         if self._display and self._display.alive:
             return
+        self._end_display()
+        self._display = Display()
+
+    def _end_display(self) -> None:
         self.end_programs()
         if self._display:
             self._display.stop()
             self._display = None
-        self._display = Display()
 
-    def command(self, program: Path) -> list[str]:
-        """Command line that runs an .exe."""
-        return [self._wine, str(program)]
+    def command(self, *words: str | Path) -> list[str]:
+        """Command line that runs an .exe with its arguments."""
+        return [self._wine, *map(str, words)]
 
     def end_programs(self) -> None:
         """End everything that runs in the prefix and wait for it."""
         environment = self.environment()
         for argument in ("-k", "-w"):
             try:
-                subprocess.run(
-                    [self._server, argument], env=environment, timeout=KILL_S, stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                )  # fmt: skip
+                subprocess.run([self._server, argument], env=environment, timeout=KILL_S, **QUIET)
             except subprocess.TimeoutExpired:
-                subprocess.run([self._server, "-k9"], env=environment, timeout=KILL_S, capture_output=True)
+                subprocess.run([self._server, "-k9"], env=environment, timeout=KILL_S, **QUIET)
 
     def stop(self) -> None:
         """End all programs and the display, and give the prefix back."""
-        self.end_programs()
-        if self._display:
-            self._display.stop()
-            self._display = None
+        self._end_display()
         self._lock.close()
 
 

@@ -14,7 +14,6 @@ import pytest
 from support import load
 
 from bokeh_validation import browser, drivers, paths, shaders
-from bokeh_validation.browser import chromium
 from bokeh_validation.compilers import angle, naga, tint
 from bokeh_validation.compilers.result import CompileResult
 from bokeh_validation.errors import Unavailable
@@ -127,13 +126,13 @@ class TestMissing:
     """What is not there is told with what installs it."""
 
     def test_no_chromium(self, monkeypatch):
-        monkeypatch.delenv(chromium.VARIABLE, raising=False)
+        monkeypatch.delenv(browser.VARIABLE, raising=False)
         monkeypatch.setenv("PATH", "/nonexistent")
         with pytest.raises(Unavailable, match="apt-get install -y --no-install-recommends chromium"):
             browser.Session()
 
     def test_named_wrongly(self, monkeypatch):
-        monkeypatch.setenv(chromium.VARIABLE, "/nonexistent/chromium")
+        monkeypatch.setenv(browser.VARIABLE, "/nonexistent/chromium")
         with pytest.raises(Unavailable, match="BOKEH_CHROMIUM names no program: /nonexistent/chromium"):
             browser.Session()
 
@@ -141,7 +140,7 @@ class TestMissing:
         program = tmp_path / "chromium"
         program.write_text("#!/bin/sh\necho error while loading shared libraries: libx.so >&2\nexit 127\n")
         program.chmod(0o755)
-        monkeypatch.setenv(chromium.VARIABLE, str(program))
+        monkeypatch.setenv(browser.VARIABLE, str(program))
         with pytest.raises(Unavailable, match=r"chromium did not start: .*libx\.so"):
             browser.Session()
 

@@ -185,32 +185,3 @@ def test_jobs(name):
         np.testing.assert_array_equal(job.read("t"), placed(rest))
         job.release()
     other.release()
-
-
-@pytest.mark.parametrize("name", ["d3d9", "d3d11"])
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        (["viewport 1 2 3"], "cannot use the line 'viewport 1 2 3'"),
-        (["viewport 2 0 3 4", "draw 1"], "viewport 2 0 3 4 is not within 4 x 4"),
-        (["viewport 0 -1 3 4", "draw 1"], "viewport 0 -1 3 4 is not within 4 x 4"),
-        (["draw 0"], "texture 0 is there already, or too many"),
-        (["viewport 0 0 2 2", "draw 0"], "texture 0 is no target of this size and format"),
-        (["draw 1", "PIXEL", "size 4 5 half4", "viewport 0 0 2 2", "draw 1"],
-         "texture 1 is no target of this size and format"),
-        (["draw 1", "PIXEL", "input 0 1 nearest", "viewport 0 0 2 2", "draw 1"], "texture 1 is read and drawn over"),
-        (["draw 1", "PIXEL", "viewport 0 0 2 2", "draw 1", "PIXEL", "draw 1"],
-         "texture 1 is there already, or too many"),
-    ],
-)  # fmt: skip
-def test_a_wrong_job_is_told(lines, words, name):
-    """The runners check what they are asked, whoever asks; a viewport is for one draw."""
-    driver = load(name)
-    folder = driver.server.folder
-    item = part("t")
-    pixel = f"pixel {driver.shader('ps', item.entry + '_PS', item.constants)}"
-    (folder / "texture").write_bytes(np.ones((4, 4, 4), np.float16).tobytes())
-    head = ["size 4 4 half4", f"vertex {driver.shader('vs', 'BokehFullScreen_VS', {})}", "texture 0 4 4 half4 texture"]
-    job = [*head, pixel, "input 0 0 nearest", *(pixel if line == "PIXEL" else line for line in lines)]
-    (folder / "wrong.job").write_text("\n".join(job) + "\n", encoding="ascii")
-    assert driver.server.ask("wrong.job", 20) == (False, words)
