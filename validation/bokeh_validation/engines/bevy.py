@@ -27,13 +27,17 @@ def run(name: str, folder: Path) -> None:
     """Leave the capture of the sample in `folder`. Raises errors.Unavailable, RuntimeError, capture.Broken."""
     cargo = _cargo()
     extra = {"VK_ICD_FILENAMES": _vulkan_driver(), "BEVY_ASSET_ROOT": str(folder)}
-    _stamp().unlink(missing_ok=True)
+    stamp, target = _home() / "passed", _home() / "target"
+    stamp.unlink(missing_ok=True)
     seen = _state()
-    crate = _copied()
-    process.run([cargo, "build", "--quiet", "--example", EXAMPLE], BUILD_S, crate, _cargo_environment())
-    process.run([_target() / "debug/examples" / EXAMPLE, folder], RUN_S, folder, extra)
+    # everything that is built goes to the cache folder; downloads too, unless the user has a place for them
+    downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
+    downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
+    building = {"CARGO_TARGET_DIR": str(target), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
+    process.run([cargo, "build", "--quiet", "--example", EXAMPLE], BUILD_S, _copied(), building)
+    process.run([target / "debug/examples" / EXAMPLE, folder], RUN_S, folder, extra)
     if capture.read(folder).ok:
-        _stamp().write_text(seen, encoding="ascii")
+        stamp.write_text(seen, encoding="ascii")
 
 
 def changed() -> bool:
@@ -42,7 +46,7 @@ def changed() -> bool:
     False where there was none yet: the first build takes a quarter of an hour, and is to be asked for.
     """
     try:
-        return _stamp().read_text(encoding="ascii") != _state()
+        return (_home() / "passed").read_text(encoding="ascii") != _state()
     except OSError:
         return False
 
@@ -56,14 +60,6 @@ def sources() -> list[Path]:
 
 def _home() -> Path:
     return paths.cache_folder() / "engines" / "bevy"
-
-
-def _target() -> Path:
-    return _home() / "target"
-
-
-def _stamp() -> Path:
-    return _home() / "passed"
 
 
 def _state() -> str:
@@ -88,17 +84,6 @@ def _copied() -> Path:
         if old not in copies:
             old.unlink()
     return root / SAMPLE.relative_to(paths.ROOT)
-
-
-def _cargo_environment() -> dict[str, str]:
-    """Everything that is built goes to the cache folder; downloads too, unless the user has a place for them."""
-    named = os.environ.get("CARGO_HOME")
-    home = Path(named) if named else Path.home() / ".cargo"
-    return {
-        "CARGO_TARGET_DIR": str(_target()),
-        "CARGO_HOME": str(home if home.is_dir() else paths.ensured(_home() / "cargo")),
-        "CARGO_TERM_COLOR": "never",
-    }
 
 
 def _cargo() -> Path:

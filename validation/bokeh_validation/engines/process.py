@@ -12,47 +12,33 @@ from bokeh_validation import paths
 LAST_LINES = 15
 
 
-def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
-    """The caller's, with the caches of Python and Mesa in the cache folder."""
-    cache = paths.cache_folder()
-    return {
-        "XDG_RUNTIME_DIR": str(paths.ensured(cache)),
-        **os.environ,
-        "PYTHONPYCACHEPREFIX": str(cache / "pycache"),
-        "MESA_SHADER_CACHE_DIR": str(cache / "mesa"),
-        **(extra or {}),
-    }
-
-
 def run(
     command: Sequence[str | Path], seconds: float, folder: Path | None = None, extra: Mapping[str, str] | None = None
 ) -> str:
     """Run a command and return what it said, both streams. `folder` is where it runs, `extra` more environment.
 
     Raises RuntimeError with its last words where it fails or takes longer than `seconds`; its children end with it.
+    The caches of Python and Mesa are in the cache folder.
     """
+    cache, words = paths.ensured(paths.cache_folder()), [str(part) for part in command]
+    environment = {"XDG_RUNTIME_DIR": str(cache), **os.environ, "PYTHONPYCACHEPREFIX": str(cache / "pycache")}
+    environment |= {"MESA_SHADER_CACHE_DIR": str(cache / "mesa"), **(extra or {})}
     process = subprocess.Popen(
-        [str(part) for part in command],
-        cwd=folder,
-        env=environment(extra),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        errors="replace",
-        start_new_session=True,
-    )
+        words, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace", start_new_session=True,
+    )  # fmt: skip
+    failed = ""
     try:
         said, _ = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
         _end(process)
-        said, _ = process.communicate()
-        raise RuntimeError(f"{_named(command)}: not done after {seconds:.0f} s\n{_last(said)}") from None
+        said, failed = process.communicate()[0], f"not done after {seconds:.0f} s"
     except BaseException:
         _end(process)
         raise
-    if process.returncode:
-        raise RuntimeError(f"{_named(command)}: exit code {process.returncode}\n{_last(said)}")
+    if failed or process.returncode:
+        name, last = " ".join(Path(part).name for part in words[:2]), "\n".join(said.strip().splitlines()[-LAST_LINES:])
+        raise RuntimeError(f"{name}: {failed or f'exit code {process.returncode}'}\n{last}")
     return said
 
 
@@ -60,11 +46,3 @@ def _end(process: subprocess.Popen) -> None:
     """The process and its children, which are a group of their own."""
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-
-
-def _named(command: Sequence[str | Path]) -> str:
-    return " ".join(Path(part).name for part in command[:2])
-
-
-def _last(said: str) -> str:
-    return "\n".join(said.strip().splitlines()[-LAST_LINES:])

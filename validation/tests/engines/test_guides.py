@@ -1,7 +1,6 @@
 """The guides of integration/ against their samples: the code that they show, tables, pictures drawn again."""
 
 import re
-import sys
 import textwrap
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from PIL import Image
 from support import needed
 
 from bokeh_validation import passes, paths
-from bokeh_validation.engines import direct3d, opengl, panda3d, process
+from bokeh_validation.engines import direct3d, process, scripts
 from bokeh_validation.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
@@ -63,12 +62,12 @@ def test_code_is_the_samples(name):
 @pytest.mark.parametrize("name", direct3d.BUILDS)
 def test_build_command(name):
     """The guide builds as the tests do."""
-    assert any(f"{direct3d.BUILDS[name].command} -o {name}.exe" in text for _, text in blocks(name))
+    assert any(f"{' '.join(direct3d.BUILDS[name])} -o {name}.exe" in text for _, text in blocks(name))
 
 
 def test_panda3d_version():
     """The guide's is the locked one."""
-    (version,) = re.findall(r"^panda3d==(\S+)", panda3d.REQUIREMENTS.read_text(encoding="utf-8"), re.MULTILINE)
+    (version,) = re.findall(r"^panda3d==(\S+)", scripts.REQUIREMENTS.read_text(encoding="utf-8"), re.MULTILINE)
     shown = (INTEGRATION / "panda3d/README.md").read_text(encoding="utf-8")
     assert set(re.findall(r"panda3d==(\d[\d.]*\d)", shown)) == {version}
 
@@ -105,10 +104,9 @@ def test_bevy_passes():
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide, but for what another device rounds: half a step of 255 on average."""
     with needed(name):
-        opengl.require()
-        python = sys.executable if name == "opengl" else panda3d.python()
+        python = scripts.python(name)
     drawn = tmp_path / "picture.png"
-    process.run([python, INTEGRATION / name / "sample.py", drawn], opengl.SECONDS)
+    process.run([python, INTEGRATION / name / "sample.py", drawn], scripts.SECONDS)
     with Image.open(drawn) as a, Image.open(INTEGRATION / name / "picture.png") as b:
         assert a.size == b.size
         off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()

@@ -1,4 +1,6 @@
-"""integration/panda3d: Panda3D in a virtual environment of its own, off screen through EGL."""
+"""integration/opengl and panda3d: scripts in Python, off screen through EGL. Panda3D has a virtual environment of its
+own.
+"""
 
 import hashlib
 import shutil
@@ -6,18 +8,27 @@ import sys
 from pathlib import Path
 
 from bokeh_validation import locks, paths
-from bokeh_validation.engines import opengl, process
+from bokeh_validation.drivers import gl
+from bokeh_validation.engines import process
 from bokeh_validation.errors import Unavailable
 
-SAMPLE = paths.ROOT / "integration/panda3d"
-REQUIREMENTS = SAMPLE / "requirements.txt"
-SECONDS = 120
-INSTALL_SECONDS = 400
+REQUIREMENTS = paths.ROOT / "integration/panda3d/requirements.txt"
+SECONDS, INSTALL_SECONDS = 120, 400
+
+
+def run(name: str, folder: Path) -> None:
+    """Leave the capture of 'opengl' or 'panda3d' in `folder`. Raises errors.Unavailable, RuntimeError."""
+    process.run([python(name), paths.ROOT / "integration" / name / "capture.py", folder], SECONDS)
+
+
+def python(name: str) -> Path:
+    """Interpreter of a sample. Raises errors.Unavailable, also where there is no OpenGL 3.3 without a window."""
+    gl.EGL().context.release()
+    return Path(sys.executable) if name == "opengl" else _with_panda3d()
 
 
 @locks.one_at_a_time("panda3d")
-def python() -> Path:
-    """Interpreter of the environment that has Panda3D; made on first use. Raises errors.Unavailable."""
+def _with_panda3d() -> Path:
     base = paths.cache_folder() / "engines/panda3d"
     # the lock file and the Python decide what is in it
     key = hashlib.sha256(REQUIREMENTS.read_bytes() + f"{sys.version}{sys.base_prefix}".encode()).hexdigest()[:16]
@@ -37,9 +48,3 @@ def python() -> Path:
             raise Unavailable(f"Panda3D is not to be had here ({last}); pip install panda3d==1.10.16") from error
         complete.touch()
     return target / "bin/python"
-
-
-def run(name: str, folder: Path) -> None:
-    """Leave the capture of the sample `name` in `folder`. Raises errors.Unavailable, RuntimeError."""
-    opengl.require()
-    process.run([python(), SAMPLE / "capture.py", folder], SECONDS)
