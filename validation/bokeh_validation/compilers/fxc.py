@@ -1,7 +1,7 @@
 """Microsoft's fxc: HLSL of shader models 3, 4 and 5 to Direct3D bytecode, by d3dcompiler_47.dll.
 
 The library ships in a Windows package of kivy-deps-angle, which is fetched once into the cache folder, pinned by
-version and hash. A small program of ours (windows/fxc.c) loads it, on Windows or under Wine.
+version and hash. A small program of ours (windows/fxc.cpp) loads it, on Windows or under Wine.
 """
 
 import hashlib
@@ -90,7 +90,7 @@ class Compiler:
     """The running compiler, for any number of programs. Several threads may call it: they take turns."""
 
     def __init__(self) -> None:
-        program = programs.build("fxc", ["fxc.c"], ["-lversion"])
+        program = programs.build("fxc", "-lversion")
         beside = program.with_name(LIBRARY)
         if not beside.exists():
             partial = beside.with_suffix(f".{os.getpid()}.partial")

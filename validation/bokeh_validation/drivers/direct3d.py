@@ -1,6 +1,6 @@
 """HLSL on Direct3D, compiled by fxc: `d3d9` (ps_3_0) and `d3d11` (ps_5_0), on Windows or on Wine's Direct3D.
 
-A program of ours (windows/d3d9run.c, d3d11run.c) runs whole lists of passes; it stays up between calls.
+A program of ours (windows/d3d9run.cpp, d3d11run.cpp) runs whole lists of passes; it stays up between calls.
 """
 
 import hashlib
@@ -37,7 +37,7 @@ class Direct3D:
     def __init__(self, adapter: str | None = None):
         self._compiled: dict[tuple[str, str], str] = {}
         fxc.load()
-        program = programs.build(f"{self.name}run", [f"{self.name}run.c"], self.libraries)
+        program = programs.build(f"{self.name}run", *self.libraries)
         self.server = server.Server(program, display=True)
         self.server.start()
         self.adapter = self.server.greeting

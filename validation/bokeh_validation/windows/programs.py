@@ -1,4 +1,4 @@
-"""The C programs of this folder, built with mingw-w64 into the cache folder on first use."""
+"""The programs of this folder, in C++, built with mingw-w64 into the cache folder on first use."""
 
 import hashlib
 import os
@@ -12,14 +12,14 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import wine
 
 SOURCES = Path(__file__).resolve().parent
-COMMAND = ("x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-Wextra", "-static")
+COMMAND = ("x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-static")
 BUILD_S = 120.0
 
 
-def build(name: str, sources: Sequence[str], libraries: Sequence[str] = ()) -> Path:
-    """NAME.exe from C files of this folder, such as ['fxc.c'], and libraries, such as ['-ld3d9']; see compiled()."""
-    files = {*(SOURCES / source for source in sources), *SOURCES.glob("*.h")}
-    return compiled(name, (*COMMAND, *sources, *libraries), files, SOURCES)
+def build(name: str, *libraries: str) -> Path:
+    """NAME.exe from NAME.cpp of this folder and its headers, and libraries, such as '-ld3d9'; see compiled()."""
+    source = f"{name}.cpp"
+    return compiled(name, (*COMMAND, source, *libraries), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
 
 
 @locks.one_at_a_time("windows")

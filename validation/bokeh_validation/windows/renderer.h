@@ -19,7 +19,10 @@ static const char *wine_version(void)
 /* GL_RENDERER of an OpenGL context, which is what Wine's Direct3D draws with; empty where there is none. */
 static void opengl_renderer(char *text, size_t size)
 {
-    PIXELFORMATDESCRIPTOR format = {.nSize = sizeof format, .nVersion = 1, .cColorBits = 24};
+    static PIXELFORMATDESCRIPTOR format;
+    format.nSize = sizeof format;
+    format.nVersion = 1;
+    format.cColorBits = 24;
     format.dwFlags = PFD_DRAW_TO_WINDOW | PFD_SUPPORT_OPENGL | PFD_DOUBLEBUFFER;
     HWND window = CreateWindowA("STATIC", "", WS_POPUP, 0, 0, 16, 16, NULL, NULL, GetModuleHandleA(NULL), NULL);
     HDC surface = window ? GetDC(window) : NULL;

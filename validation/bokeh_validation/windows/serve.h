@@ -6,93 +6,92 @@
  *   answer   "ok", or "failed" and what went wrong, one line
  *   end      when standard input ends
  */
-#ifndef BOKEH_SERVE_H
-#define BOKEH_SERVE_H
+#pragma once
 
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
 
-static char problem_text[1024];
+#include <wrl/client.h>
 
-/* Remember what went wrong; returns 0. */
-static int problem(const char *format, ...)
+using Microsoft::WRL::ComPtr;
+
+/* Say what is wrong, as printf does, to whoever asked. */
+template <typename... Values> [[noreturn]] void fail(const char *format, Values... values)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(problem_text, sizeof problem_text, format, arguments);
-    va_end(arguments);
-    return 0;
+    char text[1024];
+    snprintf(text, sizeof text, format, values...);
+    throw std::runtime_error(text);
+}
+
+/* Fail where a call of Windows fails. */
+#define TRY(call)                                                                                                      \
+    do {                                                                                                               \
+        if (HRESULT status_ = (call); FAILED(status_))                                                                 \
+            fail("%.200s returned %08lx", #call, (unsigned long)status_);                                              \
+    } while (0)
+
+inline std::string read_file(const std::string &name)
+{
+    std::ifstream file(name, std::ios::binary);
+    if (!file)
+        fail("cannot read %s", name.c_str());
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void write_file(const std::string &name, const void *data, size_t size)
+{
+    std::ofstream file(name, std::ios::binary);
+    file.write((const char *)data, size);
+    file.close();
+    if (!file)
+        fail("cannot write %s", name.c_str());
+}
+
+/* Take each line of a job file: its first word, and what comes after. */
+inline void each_line(const std::string &name, const std::function<bool(const std::string &, std::istream &)> &take)
+{
+    std::istringstream text(read_file(name));
+    for (std::string line, word; std::getline(text, line);) {
+        std::istringstream rest(line);
+        if (rest >> word && !take(word, rest))
+            fail("cannot use the line '%.200s'", line.c_str());
+    }
 }
 
 /* One line to standard output, at once. */
-static void say(const char *kind, const char *text)
+inline void say(const char *kind, std::string text)
 {
-    printf("%s ", kind);
-    for (; *text; text++)
-        putchar(*text == '\r' || *text == '\n' ? ' ' : *text);
-    printf("\n");
-    fflush(stdout);
+    for (char &letter : text)
+        if (letter == '\r' || letter == '\n')
+            letter = ' ';
+    std::cout << kind << ' ' << text << std::endl;
 }
 
-/* A whole file with a zero byte behind it, to be freed; NULL, after problem(), where it cannot be read. */
-static char *read_file(const char *name, size_t *size)
+/* Say what `start` says of itself, and answer requests until standard input ends. */
+inline int serve(const std::function<std::string()> &start, const std::function<void(const std::string &)> &work)
 {
-    FILE *file = fopen(name, "rb");
-    char *data = NULL;
-    long length = -1;
-    if (file && fseek(file, 0, SEEK_END) == 0)
-        length = ftell(file);
-    if (length >= 0 && fseek(file, 0, SEEK_SET) == 0)
-        data = calloc((size_t)length + 1, 1);
-    if (data && fread(data, 1, (size_t)length, file) != (size_t)length) {
-        free(data);
-        data = NULL;
+    try {
+        say("ready", start());
+    } catch (const std::exception &error) {
+        say("unavailable", error.what());
+        return 1;
     }
-    if (file)
-        fclose(file);
-    if (!data)
-        problem("cannot read %s", name);
-    *size = (size_t)length;
-    return data;
-}
-
-/* 1 where all of it was written, else 0, after problem(). */
-static int write_file(const char *name, const void *data, size_t size)
-{
-    FILE *file = fopen(name, "wb");
-    int whole = file && fwrite(data, 1, size, file) == size;
-    return (file && fclose(file) == 0 && whole) || problem("cannot write %s", name);
-}
-
-/* Take each line of a text that is not empty, until one fails. 0 on failure, after problem(). */
-static int each_line(char *text, int (*take)(void *state, char *line), void *state)
-{
-    for (char *line = text, *after; line; line = after) {
-        after = strchr(line, '\n');
-        if (after)
-            *after++ = 0;
-        line[strcspn(line, "\r")] = 0;
-        if (*line && !take(state, line))
-            return 0;
-    }
-    return 1;
-}
-
-/* Answer requests until standard input ends. `work` returns 0 on failure, after problem(). */
-static void serve(int (*work)(const char *job))
-{
-    char line[1024];
-    while (fgets(line, sizeof line, stdin)) {
-        line[strcspn(line, "\r\n")] = 0;
-        if (!line[0])
+    for (std::string line; std::getline(std::cin, line);) {
+        while (!line.empty() && line.back() == '\r')
+            line.pop_back();
+        if (line.empty())
             continue;
-        if (work(line))
+        try {
+            work(line);
             say("ok", "");
-        else
-            say("failed", problem_text);
+        } catch (const std::exception &error) {
+            say("failed", error.what());
+        }
     }
+    return 0;
 }
-
-#endif

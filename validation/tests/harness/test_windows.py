@@ -133,7 +133,7 @@ class TestDirect3D:
             ("input 16 0 linear", "no slot 16"),
             ("input 0 7 linear", "texture 7 is not there"),
             ("values" + 37 * " 1.0", "no parameter 36"),
-            ("draw 1", "draw needs viewport, vertex and pixel before it, and 1 to 4 numbers"),
+            ("draw 0", "draw needs viewport, vertex and pixel before it"),
         ],
     )
     def test_a_wrong_job_is_told(self, line, words, d3d9):

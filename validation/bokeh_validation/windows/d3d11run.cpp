@@ -1,0 +1,157 @@
+/* Passes of shader model 5 on Direct3D 11 (jobs: passes.h).
+ *
+ * The vertex shader makes its three vertices itself. Samplers: s0 linear, s1 nearest, both clamp; the shader chooses,
+ * so the filter of an input is not used here. Parameters: b0.
+ */
+#include <windows.h>
+#include <d3d11.h>
+#include <dxgi.h>
+
+#include "passes.h"
+
+static const DXGI_FORMAT FORMATS[] = {
+    DXGI_FORMAT_R16G16B16A16_FLOAT, DXGI_FORMAT_R32G32B32A32_FLOAT, DXGI_FORMAT_R16G16_FLOAT,
+    DXGI_FORMAT_R32G32_FLOAT,       DXGI_FORMAT_R32_FLOAT,
+};
+
+struct D3D11 {
+    using Handle = ID3D11Texture2D;
+    using Vertex = ID3D11VertexShader;
+    using Pixel = ID3D11PixelShader;
+    using Texture = ::Texture<Handle>;
+
+    ComPtr<ID3D11Device> device;
+    ComPtr<ID3D11DeviceContext> context;
+    ComPtr<ID3D11Buffer> parameters;
+    std::map<std::string, ComPtr<Vertex>> vertices;
+    std::map<std::string, ComPtr<Pixel>> pixels;
+
+    void make(const Texture &like, D3D11_USAGE usage, UINT bind, UINT access, const void *pixels, Handle **made)
+    {
+        D3D11_TEXTURE2D_DESC wanted{};
+        wanted.Width = like.width;
+        wanted.Height = like.height;
+        wanted.MipLevels = wanted.ArraySize = wanted.SampleDesc.Count = 1;
+        wanted.Format = FORMATS[like.format];
+        wanted.Usage = usage;
+        wanted.BindFlags = bind;
+        wanted.CPUAccessFlags = access;
+        D3D11_SUBRESOURCE_DATA data{pixels, (UINT)like.row_bytes(), 0};
+        TRY(device->CreateTexture2D(&wanted, pixels ? &data : nullptr, made));
+    }
+
+    void fill(Texture &texture, const void *pixels)
+    {
+        make(texture, D3D11_USAGE_IMMUTABLE, D3D11_BIND_SHADER_RESOURCE, 0, pixels, &texture.handle);
+    }
+
+    ComPtr<ID3D11RenderTargetView> view(const Texture &target)
+    {
+        ComPtr<ID3D11RenderTargetView> made;
+        TRY(device->CreateRenderTargetView(target.handle.Get(), nullptr, &made));
+        return made;
+    }
+
+    void make_target(Texture &texture)
+    {
+        static const float ZERO[4]{};
+        UINT bind = D3D11_BIND_SHADER_RESOURCE | D3D11_BIND_RENDER_TARGET;
+        make(texture, D3D11_USAGE_DEFAULT, bind, 0, nullptr, &texture.handle);
+        context->ClearRenderTargetView(view(texture).Get(), ZERO);
+    }
+
+    Vertex *vertex(const std::string &name)
+    {
+        return cached(vertices, name, [&](const std::string &code, Vertex **made) {
+            TRY(device->CreateVertexShader(code.data(), code.size(), nullptr, made));
+        });
+    }
+
+    Pixel *pixel(const std::string &name)
+    {
+        return cached(pixels, name, [&](const std::string &code, Pixel **made) {
+            TRY(device->CreatePixelShader(code.data(), code.size(), nullptr, made));
+        });
+    }
+
+    void draw(const Job<D3D11> &job, const std::vector<Texture *> &targets)
+    {
+        std::vector<ComPtr<ID3D11RenderTargetView>> owned;
+        std::vector<ID3D11RenderTargetView *> views;
+        for (const Texture *target : targets)
+            views.push_back(owned.emplace_back(view(*target)).Get());
+        const auto &[x, y, width, height] = job.viewport;
+        D3D11_VIEWPORT viewport{(float)x, (float)y, (float)width, (float)height, 0, 1};
+        context->RSSetViewports(1, &viewport);
+        context->OMSetRenderTargets((UINT)views.size(), views.data(), nullptr);
+        for (int slot = 0; slot < NUM_SLOTS; slot++) {
+            ComPtr<ID3D11ShaderResourceView> input;
+            if (const Texture *texture = job.inputs[slot].texture)
+                TRY(device->CreateShaderResourceView(texture->handle.Get(), nullptr, &input));
+            context->PSSetShaderResources(slot, 1, input.GetAddressOf());
+        }
+        context->UpdateSubresource(parameters.Get(), 0, nullptr, job.values.data(), 0, 0);
+        context->VSSetShader(job.vertex, nullptr, 0);
+        context->PSSetShader(job.pixel, nullptr, 0);
+        context->Draw(3, 0);
+        /* a texture cannot be read while it is bound as the target */
+        context->OMSetRenderTargets(0, nullptr, nullptr);
+    }
+
+    void read_back(const Texture &texture, char *pixels)
+    {
+        ComPtr<Handle> copy;
+        make(texture, D3D11_USAGE_STAGING, 0, D3D11_CPU_ACCESS_READ, nullptr, &copy);
+        context->CopyResource(copy.Get(), texture.handle.Get());
+        D3D11_MAPPED_SUBRESOURCE mapped;
+        TRY(context->Map(copy.Get(), 0, D3D11_MAP_READ, 0, &mapped));
+        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
+            memcpy(pixels, (char *)mapped.pData + (size_t)row * mapped.RowPitch, texture.row_bytes());
+        context->Unmap(copy.Get(), 0);
+    }
+
+    /* States and buffers that last as long as the device. */
+    void set_states()
+    {
+        D3D11_SAMPLER_DESC wanted{};
+        wanted.AddressU = wanted.AddressV = wanted.AddressW = D3D11_TEXTURE_ADDRESS_CLAMP;
+        wanted.MaxAnisotropy = 1;
+        wanted.ComparisonFunc = D3D11_COMPARISON_NEVER;
+        wanted.MaxLOD = D3D11_FLOAT32_MAX;
+        UINT slot = 0;
+        for (D3D11_FILTER filter : {D3D11_FILTER_MIN_MAG_LINEAR_MIP_POINT, D3D11_FILTER_MIN_MAG_MIP_POINT}) {
+            ComPtr<ID3D11SamplerState> sampler;
+            wanted.Filter = filter;
+            TRY(device->CreateSamplerState(&wanted, &sampler));
+            context->PSSetSamplers(slot++, 1, sampler.GetAddressOf());
+        }
+        D3D11_BUFFER_DESC buffer{sizeof(float) * NUM_VALUES, D3D11_USAGE_DEFAULT, D3D11_BIND_CONSTANT_BUFFER, 0, 0, 0};
+        TRY(device->CreateBuffer(&buffer, nullptr, &parameters));
+        context->PSSetConstantBuffers(0, 1, parameters.GetAddressOf());
+        context->IASetPrimitiveTopology(D3D11_PRIMITIVE_TOPOLOGY_TRIANGLELIST);
+    }
+
+    /* Names of the adapter and of what the device is. */
+    std::pair<std::string, std::string> start()
+    {
+        D3D_FEATURE_LEVEL level;
+        TRY(D3D11CreateDevice(nullptr, D3D_DRIVER_TYPE_HARDWARE, nullptr, 0, nullptr, 0, D3D11_SDK_VERSION, &device,
+                              &level, &context));
+        if (level < D3D_FEATURE_LEVEL_11_0)
+            fail("feature level %x: shader model 5 needs b000", level);
+        set_states();
+        ComPtr<IDXGIDevice> dxgi;
+        ComPtr<IDXGIAdapter> adapter;
+        DXGI_ADAPTER_DESC known;
+        char name[256], kind[64];
+        TRY(device.As(&dxgi));
+        TRY(dxgi->GetAdapter(&adapter));
+        TRY(adapter->GetDesc(&known));
+        if (!WideCharToMultiByte(CP_UTF8, 0, known.Description, -1, name, sizeof name, nullptr, nullptr))
+            fail("the adapter has no name");
+        snprintf(kind, sizeof kind, "Direct3D 11, feature level %x", level);
+        return {name, kind};
+    }
+};
+
+int main() { return serve_device<D3D11>(); }

@@ -1,0 +1,173 @@
+/* Passes of shader model 3 on Direct3D 9 (jobs: passes.h).
+ *
+ * The vertex shader takes a quad: corner as POSITION, uv as TEXCOORD0, uv (0,0) at the first row. c20.xy of its
+ * constants is 1 / width and 1 / height of the viewport: pixel centres are at whole numbers in Direct3D 9.
+ */
+#include <windows.h>
+#include <d3d9.h>
+
+#include "passes.h"
+
+#define TEXEL_SIZE_REGISTER 20
+
+/* Of two channels a shader reads blue 1, in later versions of Direct3D 0. */
+static const D3DFORMAT FORMATS[] = {
+    D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_G16R16F, D3DFMT_G32R32F, D3DFMT_R32F,
+};
+
+struct D3D9 {
+    using Handle = IDirect3DTexture9;
+    using Vertex = IDirect3DVertexShader9;
+    using Pixel = IDirect3DPixelShader9;
+    using Texture = ::Texture<Handle>;
+
+    ComPtr<IDirect3D9> direct3d;
+    ComPtr<IDirect3DDevice9> device;
+    D3DCAPS9 caps;
+    std::map<std::string, ComPtr<Vertex>> vertices;
+    std::map<std::string, ComPtr<Pixel>> pixels;
+
+    void make(Texture &texture, DWORD usage, D3DPOOL pool)
+    {
+        TRY(device->CreateTexture(texture.width, texture.height, 1, usage, FORMATS[texture.format], pool,
+                                  &texture.handle, nullptr));
+    }
+
+    void fill(Texture &texture, const char *pixels)
+    {
+        make(texture, 0, D3DPOOL_MANAGED);
+        D3DLOCKED_RECT locked;
+        TRY(texture.handle->LockRect(0, &locked, nullptr, 0));
+        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
+            memcpy((char *)locked.pBits + (size_t)row * locked.Pitch, pixels, texture.row_bytes());
+        TRY(texture.handle->UnlockRect(0));
+    }
+
+    ComPtr<IDirect3DSurface9> surface(const Texture &texture)
+    {
+        ComPtr<IDirect3DSurface9> found;
+        TRY(texture.handle->GetSurfaceLevel(0, &found));
+        return found;
+    }
+
+    void make_target(Texture &texture)
+    {
+        make(texture, D3DUSAGE_RENDERTARGET, D3DPOOL_DEFAULT);
+        TRY(device->ColorFill(surface(texture).Get(), nullptr, 0));
+    }
+
+    Vertex *vertex(const std::string &name)
+    {
+        return cached(vertices, name, [&](const std::string &code, Vertex **made) {
+            TRY(device->CreateVertexShader((const DWORD *)code.data(), made));
+        });
+    }
+
+    Pixel *pixel(const std::string &name)
+    {
+        return cached(pixels, name, [&](const std::string &code, Pixel **made) {
+            TRY(device->CreatePixelShader((const DWORD *)code.data(), made));
+        });
+    }
+
+    void set_inputs(const Job<D3D9> &job)
+    {
+        for (int slot = 0; slot < NUM_SLOTS; slot++) {
+            const auto &[texture, linear] = job.inputs[slot];
+            TRY(device->SetTexture(slot, texture ? texture->handle.Get() : nullptr));
+            for (D3DSAMPLERSTATETYPE filter : {D3DSAMP_MINFILTER, D3DSAMP_MAGFILTER})
+                TRY(device->SetSamplerState(slot, filter, linear ? D3DTEXF_LINEAR : D3DTEXF_POINT));
+        }
+    }
+
+    void draw(const Job<D3D9> &job, const std::vector<Texture *> &targets)
+    {
+        if (targets.size() > caps.NumSimultaneousRTs)
+            fail("%zu targets, but the device has %lu at once", targets.size(), caps.NumSimultaneousRTs);
+        for (DWORD i = 1; i < caps.NumSimultaneousRTs; i++) /* those of the draw before may have another size */
+            TRY(device->SetRenderTarget(i, nullptr));
+        for (size_t i = 0; i < targets.size(); i++)
+            TRY(device->SetRenderTarget(i, surface(*targets[i]).Get()));
+        /* after the targets: setting the first one makes the viewport as large as it */
+        const auto &[x, y, width, height] = job.viewport;
+        D3DVIEWPORT9 viewport{(DWORD)x, (DWORD)y, (DWORD)width, (DWORD)height, 0.0f, 1.0f};
+        TRY(device->SetViewport(&viewport));
+        TRY(device->SetVertexShader(job.vertex));
+        TRY(device->SetPixelShader(job.pixel));
+        set_inputs(job);
+        float texel[4]{1.0f / width, 1.0f / height};
+        TRY(device->SetVertexShaderConstantF(TEXEL_SIZE_REGISTER, texel, 1));
+        for (int i = 0; i < NUM_VALUES; i++) {
+            float value[4]{job.values[i]};
+            TRY(device->SetPixelShaderConstantF(i, value, 1));
+        }
+        static const float QUAD[4][6] = {
+            {-1, 1, 0, 1, 0, 0}, {1, 1, 0, 1, 1, 0}, {-1, -1, 0, 1, 0, 1}, {1, -1, 0, 1, 1, 1}};
+        TRY(device->BeginScene());
+        HRESULT drawn = device->DrawPrimitiveUP(D3DPT_TRIANGLESTRIP, 2, QUAD, sizeof QUAD[0]);
+        TRY(device->EndScene());
+        TRY(drawn);
+    }
+
+    void read_back(const Texture &texture, char *pixels)
+    {
+        ComPtr<IDirect3DSurface9> copy;
+        D3DLOCKED_RECT locked;
+        TRY(device->CreateOffscreenPlainSurface(texture.width, texture.height, FORMATS[texture.format],
+                                                D3DPOOL_SYSTEMMEM, &copy, nullptr));
+        TRY(device->GetRenderTargetData(surface(texture).Get(), copy.Get()));
+        TRY(copy->LockRect(&locked, nullptr, D3DLOCK_READONLY));
+        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
+            memcpy(pixels, (char *)locked.pBits + (size_t)row * locked.Pitch, texture.row_bytes());
+        TRY(copy->UnlockRect());
+    }
+
+    /* States that no draw changes. */
+    void set_states()
+    {
+        static const D3DVERTEXELEMENT9 ELEMENTS[] = {
+            {0, 0, D3DDECLTYPE_FLOAT4, D3DDECLMETHOD_DEFAULT, D3DDECLUSAGE_POSITION, 0},
+            {0, 16, D3DDECLTYPE_FLOAT2, D3DDECLMETHOD_DEFAULT, D3DDECLUSAGE_TEXCOORD, 0},
+            D3DDECL_END(),
+        };
+        ComPtr<IDirect3DVertexDeclaration9> declaration;
+        TRY(device->CreateVertexDeclaration(ELEMENTS, &declaration));
+        TRY(device->SetVertexDeclaration(declaration.Get()));
+        TRY(device->SetDepthStencilSurface(nullptr));
+        TRY(device->SetRenderState(D3DRS_ZENABLE, FALSE));
+        TRY(device->SetRenderState(D3DRS_CULLMODE, D3DCULL_NONE));
+        TRY(device->SetRenderState(D3DRS_ALPHABLENDENABLE, FALSE));
+        for (int slot = 0; slot < NUM_SLOTS; slot++) {
+            TRY(device->SetSamplerState(slot, D3DSAMP_MIPFILTER, D3DTEXF_NONE));
+            TRY(device->SetSamplerState(slot, D3DSAMP_ADDRESSU, D3DTADDRESS_CLAMP));
+            TRY(device->SetSamplerState(slot, D3DSAMP_ADDRESSV, D3DTADDRESS_CLAMP));
+        }
+    }
+
+    /* Names of the adapter and of what the device is. */
+    std::pair<std::string, std::string> start()
+    {
+        HWND window = CreateWindowA("STATIC", "d3d9run", WS_POPUP, 0, 0, 16, 16, NULL, NULL, GetModuleHandleA(NULL), NULL);
+        if (!window)
+            fail("no window: no display?");
+        direct3d.Attach(Direct3DCreate9(D3D_SDK_VERSION));
+        if (!direct3d)
+            fail("no Direct3D 9");
+        D3DPRESENT_PARAMETERS present{};
+        present.Windowed = TRUE;
+        present.SwapEffect = D3DSWAPEFFECT_DISCARD;
+        present.BackBufferWidth = present.BackBufferHeight = 16;
+        present.BackBufferFormat = D3DFMT_X8R8G8B8;
+        present.hDeviceWindow = window;
+        TRY(direct3d->CreateDevice(D3DADAPTER_DEFAULT, D3DDEVTYPE_HAL, window,
+                                   D3DCREATE_HARDWARE_VERTEXPROCESSING | D3DCREATE_FPU_PRESERVE, &present, &device));
+        TRY(device->GetDeviceCaps(&caps));
+        set_states();
+        D3DADAPTER_IDENTIFIER9 adapter;
+        if (FAILED(direct3d->GetAdapterIdentifier(D3DADAPTER_DEFAULT, 0, &adapter)))
+            strcpy(adapter.Description, "adapter without a name");
+        return {adapter.Description, "Direct3D 9"};
+    }
+};
+
+int main() { return serve_device<D3D9>(); }
