@@ -2,17 +2,16 @@
 
 import base64
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from bokeh_validation import browser, shaders
 from bokeh_validation.drivers.base import (
+    Driver,
     Textures,
     drawn_over,
     four_channels,
-    half_rounding,
     require_targets,
     storage_type,
 )
@@ -24,7 +23,7 @@ SOFTWARE_DEVICE = "swiftshader"
 
 
 def packed(pixels: np.ndarray) -> dict[str, object]:
-    """(H, W, 4) or (H, W), float16 or float32, as page/pixels.js takes it."""
+    """(H, W, 4) or (H, W), float16 or float32, as page/job.js takes it."""
     pixels = np.ascontiguousarray(pixels)
     return {
         "width": pixels.shape[1],
@@ -42,7 +41,7 @@ def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
     return four_channels(data.reshape(shape).astype(storage_type(storage)))
 
 
-class BrowserDriver:
+class BrowserDriver(Driver):
     """What both share: the job as data. A subclass says which program a pass is.
 
     adapter  None: the software device that comes with Chromium; else a part of the name of the machine's GPU, as
@@ -85,20 +84,8 @@ class BrowserDriver:
         """What is the same for all passes of a job."""
         raise NotImplementedError
 
-    @cached_property
-    def rounding(self) -> str:
-        """See drivers.base.Driver."""
-        return half_rounding(self)
-
-    def run(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        keep: Iterable[str] = ("result",),
-    ) -> dict[str, np.ndarray]:
-        """See drivers.base.Driver.run."""
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+        """See Driver."""
         self._require_filter(passes, textures, storage)
         require_targets(self, passes, storage, self.attachment_bytes)
         over = drawn_over(passes, size)

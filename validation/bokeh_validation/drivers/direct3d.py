@@ -5,14 +5,13 @@ A program of ours (windows/d3d9run.cpp, d3d11run.cpp) runs whole lists of passes
 
 import hashlib
 import itertools
-from collections.abc import Iterable, Sequence
-from functools import cached_property
+from collections.abc import Sequence
 
 import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Textures, drawn_over, four_channels, half_rounding, storage_type
+from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 from bokeh_validation.windows import programs, server
@@ -27,7 +26,7 @@ FORMATS = {
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
 
 
-class Direct3D:
+class Direct3D(Driver):
     """What both share. A subclass names its program, libraries and shader model."""
 
     name = ""
@@ -46,11 +45,6 @@ class Direct3D:
         if adapter is not None and adapter.lower() not in self.adapter.lower():
             raise Unavailable(f"{self.name} has no device but {self.adapter}")
 
-    @cached_property
-    def rounding(self) -> str:
-        """See drivers.base.Driver."""
-        return half_rounding(self)
-
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """File name of the bytecode of an entry point, in the program's folder. `stage` is 'ps' or 'vs'."""
         source = shaders.hlsl(self.model, values)
@@ -62,15 +56,8 @@ class Direct3D:
             self._compiled[key] = name
         return self._compiled[key]
 
-    def run(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        keep: Iterable[str] = ("result",),
-    ) -> dict[str, np.ndarray]:
-        """See drivers.base.Driver.run. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+        """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
         over = drawn_over(passes, size)
         folder, dtype = self.server.folder, np.dtype(storage_type(storage))
         numbers: dict[str, int] = {}

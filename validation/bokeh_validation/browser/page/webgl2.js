@@ -1,7 +1,7 @@
 // WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on
 // a framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
 
-import { decode, elements, encode } from "./pixels.js";
+import { decode, elements, encode, walk } from "./job.js";
 
 let gl = null;
 let floatLinear = null; // OES_texture_float_linear, or null where 32-bit textures cannot be filtered
@@ -134,24 +134,23 @@ function onto(targets, step) {
 }
 
 // Draw one pass into the framebuffer that is bound.
-function draw(pass, live, vertex) {
+function draw(pass, inputs, vertex) {
   const made = linked(vertex, pass.fragment);
+  gl.viewport(...(pass.viewport ?? [0, 0, ...pass.size])); // a triangle is clipped to it
   gl.useProgram(made.program);
-  const inputs = Object.entries(pass.inputs);
-  inputs.forEach(([slot, { texture: name, linear }], unit) => {
+  const bind = (unit, texture, sampler) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, live.get(name));
-    gl.bindSampler(unit, samplers[linear]);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindSampler(unit, sampler);
+  };
+  [...inputs].forEach(([slot, { texture, linear }], unit) => {
+    bind(unit, texture, samplers[linear]);
     gl.uniform1i(place(made, "Bokeh" + slot), unit);
   });
   for (const [name, value] of Object.entries(pass.values)) gl.uniform1f(place(made, name), value);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   // or the next upload or target, bound to unit 0, would stay bound to a pass that reads fewer slots
-  inputs.forEach((input, unit) => {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, null);
-    gl.bindSampler(unit, null);
-  });
+  for (let unit = 0; unit < inputs.size; unit++) bind(unit, null, null);
 }
 
 // The framebuffer that is bound, as RGBA, which is what 32-bit floats of any target can be read as; half floats only
@@ -167,32 +166,20 @@ function read(size, storage) {
 }
 
 // Run a job and return the targets that it keeps, by name.
-export function run({ storage, textures, passes, keep, vertex }) {
+export function run(job) {
   start();
-  const live = new Map();
-  const sizes = new Map(); // of the targets, by name
-  const made = []; // all textures: a later one may take the name of an earlier one
+  const made = [];
   try {
-    for (const [name, pixels] of Object.entries(textures)) {
-      live.set(name, upload(pixels));
-      made.push(live.get(name));
-    }
-    for (const pass of passes) {
-      const targets = pass.outputs.map(({ name, over }) => {
-        if (over) return live.get(name);
-        const target = texture(pass.size, format(storage, pass.channels).internal); // 0 everywhere, as WebGL has it
-        made.push(target);
-        return target;
-      });
-      gl.viewport(...(pass.viewport ?? [0, 0, ...pass.size])); // a triangle is clipped to it
-      onto(targets, () => draw(pass, live, vertex));
-      pass.outputs.forEach(({ name }, index) => {
-        live.set(name, targets[index]);
-        sizes.set(name, pass.size);
-      });
-    }
+    const live = walk(job, made, {
+      upload,
+      target: (size, channels) => texture(size, format(job.storage, channels).internal), // 0 everywhere, as WebGL has it
+      draw: (pass, inputs, targets) => onto(targets, () => draw(pass, inputs, job.vertex)),
+    });
     const kept = {};
-    for (const name of keep) kept[name] = onto([live.get(name)], () => read(sizes.get(name), storage));
+    for (const name of job.keep) {
+      const { texture, size } = live.get(name);
+      kept[name] = onto([texture], () => read(size, job.storage));
+    }
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
     return kept;

@@ -1,6 +1,6 @@
 // WebGPU: WGSL through tint and Dawn. Row 0 of every image is v = 0, in uploads, targets and copies alike.
 
-import { BYTES, decode, elements, encode } from "./pixels.js";
+import { BYTES, decode, elements, encode, walk } from "./job.js";
 
 const FORMATS = {
   half4: "rgba16float",
@@ -140,7 +140,7 @@ function upload(device, pixels) {
   return made;
 }
 
-function bind({ device, sampler, dummy }, slots, pass, live) {
+function bind({ device, sampler, dummy }, slots, pass, inputs) {
   const values = new Float32Array(Object.values(pass.values));
   const buffer = device.createBuffer({
     size: Math.ceil(values.byteLength / 16) * 16, // of a uniform block
@@ -148,8 +148,7 @@ function bind({ device, sampler, dummy }, slots, pass, live) {
   });
   device.queue.writeBuffer(buffer, 0, values);
   // a pass has something at every binding, also where it reads nothing
-  const bound = (slot) => (slot in pass.inputs ? live.get(pass.inputs[slot].texture) : dummy);
-  const textures = Object.keys(slots).map((slot) => bound(slot).createView());
+  const textures = Object.keys(slots).map((slot) => (inputs.get(slot)?.texture ?? dummy).createView());
   const resources = [{ buffer }, ...textures];
   resources.splice(SAMPLER, 0, sampler);
   const entries = resources.map((resource, binding) => ({ binding, resource }));
@@ -157,15 +156,12 @@ function bind({ device, sampler, dummy }, slots, pass, live) {
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-function copy(device, encoder, texture, channels, storage) {
-  const { width, height } = texture;
-  const bytesPerRow = Math.ceil((width * channels * BYTES[storage]) / 256) * 256;
-  const buffer = device.createBuffer({
-    size: bytesPerRow * height,
-    usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
-  });
-  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, [width, height]);
-  return { buffer, bytesPerRow, size: [width, height], channels };
+function copy(device, encoder, { texture, size, channels }, storage) {
+  const bytesPerRow = Math.ceil((size[0] * channels * BYTES[storage]) / 256) * 256;
+  const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
+  const buffer = device.createBuffer({ size: bytesPerRow * size[1], usage });
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, size);
+  return { buffer, bytesPerRow, size, channels };
 }
 
 async function read({ buffer, bytesPerRow, size, channels }, storage) {
@@ -190,50 +186,36 @@ export async function run(job) {
 }
 
 async function record(gpu, job, made) {
-  const { storage, textures, passes, keep } = job;
   const { device } = gpu;
-  const live = new Map();
-  const channels = new Map(); // of the targets, by name
-  for (const [name, pixels] of Object.entries(textures)) {
-    live.set(name, upload(device, pixels));
-    made.push(live.get(name));
-  }
+  const format = (channels) => FORMATS[job.storage + channels];
   const ready = [];
-  for (const pass of passes) ready.push(await pipeline(device, job, pass, FORMATS[storage + pass.channels]));
+  for (const pass of job.passes) ready.push(await pipeline(device, job, pass, format(pass.channels)));
   const encoder = device.createCommandEncoder();
-  passes.forEach((pass, index) => {
-    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
-    const targets = pass.outputs.map(({ name, over }) => {
-      if (over) return live.get(name);
-      const format = FORMATS[storage + pass.channels];
-      const target = device.createTexture({ size: pass.size, format, usage });
-      made.push(target);
-      return target;
-    });
-    const { buffer, group } = bind(gpu, job.slots, pass, live);
-    made.push(buffer);
-    const colorAttachments = targets.map((target, output) => ({
-      view: target.createView(),
-      loadOp: pass.outputs[output].over ? "load" : "clear",
-      storeOp: "store",
-      clearValue: [0, 0, 0, 0],
-    }));
-    const render = encoder.beginRenderPass({ colorAttachments });
-    render.setPipeline(ready[index]);
-    render.setBindGroup(0, group);
-    if (pass.viewport) render.setViewport(...pass.viewport, 0, 1); // a triangle is clipped to it
-    render.draw(3);
-    render.end();
-    pass.outputs.forEach(({ name }, output) => {
-      live.set(name, targets[output]);
-      channels.set(name, pass.channels);
-    });
+  const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
+  const live = walk(job, made, {
+    upload: (pixels) => upload(device, pixels),
+    target: (size, channels) => device.createTexture({ size, format: format(channels), usage }),
+    draw(pass, inputs, targets, index) {
+      const { buffer, group } = bind(gpu, job.slots, pass, inputs);
+      made.push(buffer);
+      const colorAttachments = targets.map((target, output) => ({
+        view: target.createView(),
+        loadOp: pass.outputs[output].over ? "load" : "clear",
+        storeOp: "store",
+        clearValue: [0, 0, 0, 0],
+      }));
+      const render = encoder.beginRenderPass({ colorAttachments });
+      render.setPipeline(ready[index]);
+      render.setBindGroup(0, group);
+      if (pass.viewport) render.setViewport(...pass.viewport, 0, 1); // a triangle is clipped to it
+      render.draw(3);
+      render.end();
+    },
   });
-  const copied = (name) => copy(device, encoder, live.get(name), channels.get(name), storage);
-  const copies = new Map(keep.map((name) => [name, copied(name)]));
-  for (const { buffer } of copies.values()) made.push(buffer);
+  const copies = job.keep.map((name) => [name, copy(device, encoder, live.get(name), job.storage)]);
+  for (const [, { buffer }] of copies) made.push(buffer);
   device.queue.submit([encoder.finish()]);
   const kept = {};
-  for (const [name, filled] of copies) kept[name] = await read(filled, storage);
+  for (const [name, filled] of copies) kept[name] = await read(filled, job.storage);
   return kept;
 }
