@@ -1,7 +1,7 @@
 """What we say may be half. The budget and the frames measure it; the tests hold it to the limits below."""
 
 from bokeh_validation.half import domain
-from bokeh_validation.half.evaluate import FETCHES, RETURNED, Choice
+from bokeh_validation.half.interpreter import EVERYTHING, FETCHES, RETURNED, Choice
 
 # A function by itself may be off by so much, in its unit:
 #   pixels    an eighth: a place gets its CoC from two such functions, and may be a quarter off
@@ -15,7 +15,7 @@ LIMITS = {
     domain.CELLS: 0.125 * domain.MAX_SAMPLES / (domain.MAX_COC * domain.ROWS),
 }
 
-WHOLE = (Choice.EVERYTHING,)
+WHOLE = (EVERYTHING,)
 
 # Function -> variables that may be half, struct -> members; what is not here must be float altogether. BokehMakeOffsets
 # is not, within the limits as it is: a place beside the edge of a texel that is a tenth of a pixel off reads another

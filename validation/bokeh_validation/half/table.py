@@ -1,94 +1,93 @@
-"""What `validation/run precision` prints and validation/precision.md shows."""
+"""The error budget and whole methods by precision: what `validation/run precision` prints and precision.md shows."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
 
 from bokeh_validation import terminal
-from bokeh_validation.half import budget, frames
+from bokeh_validation.half import frames
 from bokeh_validation.half.choice import ALLOWED, MAY_BE_HALF, WHOLE
-from bokeh_validation.half.domain import DOMAINS
-from bokeh_validation.half.evaluate import ALL_FLOAT, ALL_HALF
+from bokeh_validation.half.domain import DOMAINS, MAX_SAMPLES, Domain
+from bokeh_validation.half.interpreter import ALL_FLOAT, ALL_HALF, Choice, Evaluator, Rounded
 
-STORAGES = ("half", "r11g11b10", "rgba8")
-STORAGE_NAMES = {"half": "RGBA16F", "r11g11b10": "R11G11B10F, CoC elsewhere", "rgba8": "RGBA8"}
-
-
-@dataclass(frozen=True)
-class Findings:
-    """All that is measured.
-
-    budget     a row for each of DOMAINS
-    methods    (name, all half, half where allowed) of each of frames.METHODS
-    storages   (name, outcome) of each of STORAGES at display exposure
-    """
-
-    budget: list[budget.Row]
-    methods: list[tuple[str, frames.Outcome, frames.Outcome]]
-    storages: list[tuple[str, frames.Outcome]]
+INPUTS = 4000
+SEED = 20120
+STORAGES = {"half": "RGBA16F", "r11g11b10": "R11G11B10F, CoC elsewhere", "rgba8": "RGBA8"}
+# the columns of the budget: numbers and what is half
+PRECISIONS = {
+    "float": (Rounded(), ALL_FLOAT),
+    "half": (Rounded(), ALL_HALF),
+    "flushed": (Rounded(flush=True), ALL_HALF),
+    "allowed": (Rounded(), ALLOWED),
+}
 
 
-def steps() -> int:
-    """How often measured() calls `step`."""
-    return len(DOMAINS) + len(frames.METHODS)
+def errors(domain: Domain) -> Mapping[str, np.ndarray]:
+    """By precision, (N,) of every input in the function's unit, the largest of its components; infinite where lost."""
+    arguments = domain.arguments(np.random.default_rng(SEED), INPUTS)
+    exact = called(Rounded(np.float64), ALL_FLOAT, domain.function, arguments)
+    scale = domain.scale(exact, arguments)
+    found = {}
+    for name, (numbers, choice) in PRECISIONS.items():
+        with np.errstate(invalid="ignore"):
+            off = np.abs(called(numbers, choice, domain.function, arguments) - exact)
+        found[name] = (np.where(np.isfinite(off), off, np.inf) * scale).max(axis=1)
+    return found
 
 
-def measured(step: Callable[[str], None] = lambda _: None) -> Findings:
-    """Measure everything: some seconds."""
-    rows = []
+def called(numbers: Rounded, choice: Choice, function: str, arguments: list) -> np.ndarray:
+    """Result (N, components) in float64, with as many samples as the domain has; members of a struct side by side."""
+    found = Evaluator(numbers, choice, {"BOKEH_NUM_SAMPLES": MAX_SAMPLES}).call(function, *arguments)
+    if isinstance(found, dict):
+        found = np.concatenate(np.broadcast_arrays(*found.values()), axis=1)
+    return found.astype(np.float64)
+
+
+def largest(off: np.ndarray) -> float:
+    """Of those that are finite."""
+    return float(np.max(off, where=np.isfinite(off), initial=0.0))
+
+
+def lost(off: np.ndarray) -> float:
+    """Share of the inputs whose result is not finite."""
+    return float(np.isinf(off).mean())
+
+
+def measured(step: Callable[[str], None] = lambda _: None) -> tuple[list, list, list]:
+    """(domain, errors), (method, all half, half where allowed), (storage, outcome at the exposure of the scene)."""
+    budget, methods = [], []
     for item in DOMAINS:
-        rows.append(budget.row(item, ALLOWED))
+        budget.append((item, errors(item)))
         step(item.function)
-    methods = []
     for name in frames.METHODS:
-        frame = frames.frame(name)
-        methods.append((name, frame.outcome(ALL_HALF), frame.outcome(ALLOWED)))
+        methods.append((name, frames.outcome(name, ALL_HALF), frames.outcome(name, ALLOWED)))
         step(name)
-    displayed = frames.frame("exact", frames.LARGE, 1.0, None)
-    storages = [(name, displayed.outcome(ALL_FLOAT, storage=name)) for name in STORAGES]
-    return Findings(rows, methods, storages)
+    storages = [(name, frames.outcome("exact", exposure=1.0, storage=name, wanted=None)) for name in STORAGES]
+    return budget, methods, storages
 
 
-def markdown(findings: Findings) -> Iterator[str]:
+def markdown(budget: list, methods: list, storages: list) -> Iterator[str]:
     """The tables, a line each."""
-    yield from _budget(findings.budget)
-    yield ""
-    yield from _methods(findings.methods)
-    yield ""
-    yield from _storages(findings.storages)
-
-
-def _budget(rows: list[budget.Row]) -> Iterator[str]:
     yield "| function | error in | float | half | median | flushed | not finite | as allowed | may be half |"
     yield "|---|---|---|---|---|---|---|---|---|"
-    for row in rows:
-        item = row.domain
+    for item, off in budget:
         name = f"`{item.function}`" + (f", {item.note}" if item.note else "")
         names = MAY_BE_HALF.get(item.function, ())
-        allowed = "all" if names == WHOLE else ", ".join(names) or "nothing"
-        cells = [number(row.float32.largest), number(row.half.largest), number(row.half.median)]
-        cells += [number(row.flushed.largest), share(row.half.lost), number(row.chosen.largest)]
-        yield f"| {name} | {item.unit} | {' | '.join(cells)} | {allowed} |"
-
-
-def _methods(rows: list[tuple[str, frames.Outcome, frames.Outcome]]) -> Iterator[str]:
+        cells = [name, item.unit, number(largest(off["float"])), number(largest(off["half"]))]
+        cells += [number(float(np.median(off["half"]))), number(largest(off["flushed"])), share(lost(off["half"]))]
+        cells += [number(largest(off["allowed"])), "all" if names == WHOLE else ", ".join(names) or "nothing"]
+        yield f"| {' | '.join(cells)} |"
+    yield ""
     yield "| method | all half: PSNR | sample moved by | not finite | as allowed: PSNR | sample moved by |"
     yield "|---|---|---|---|---|---|"
-    for name, half, chosen in rows:
-        yield (
-            f"| {name} | {half.psnr:.0f} dB | {number(half.moved)} px | {share(half.lost)} | {chosen.psnr:.0f} dB | "
-            f"{number(chosen.moved)} px |"
-        )
-
-
-def _storages(rows: list[tuple[str, frames.Outcome]]) -> Iterator[str]:
+    for name, half, allowed in methods:
+        cells = [name, f"{half.psnr:.0f} dB", f"{number(half.moved)} px", share(half.lost)]
+        yield f"| {' | '.join(cells)} | {allowed.psnr:.0f} dB | {number(allowed.moved)} px |"
+    yield ""
     yield "| targets between the passes | PSNR | sample moved by |"
     yield "|---|---|---|"
-    for name, outcome in rows:
-        yield f"| {STORAGE_NAMES[name]} | {_decibel(outcome)} | {number(outcome.moved)} px |"
-
-
-def _decibel(outcome: frames.Outcome) -> str:
-    return "same" if outcome.psnr == float("inf") else f"{outcome.psnr:.0f} dB"
+    for name, outcome in storages:
+        yield f"| {STORAGES[name]} | {outcome.psnr:.0f} dB | {number(outcome.moved)} px |"
 
 
 def number(x: float) -> str:
@@ -107,6 +106,6 @@ def share(x: float) -> str:
 
 def precision() -> None:
     """What half precision does to every function and pass, emulated: the tables of validation/precision.md."""
-    with terminal.progress("precision", steps()) as step:
-        findings = measured(step)
-    terminal.tell(*markdown(findings))
+    with terminal.progress("precision", len(DOMAINS) + len(frames.METHODS)) as step:
+        found = measured(step)
+    terminal.tell(*markdown(*found))

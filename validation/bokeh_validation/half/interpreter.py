@@ -1,4 +1,12 @@
-"""Runs functions of the shaders on numbers of numbers.py, for many inputs at once.
+"""Runs functions of the shaders in NumPy, for many inputs at once, with any mix of half and float.
+
+A scalar is an array (N, 1), a vector (N, components): N inputs at once, or N = 1 where they all agree. Integers are
+int64 arrays, conditions bool arrays. A literal is a Python number and takes the precision of what it meets.
+
+Rounding. IEEE 754 binary16, to nearest even, after every operation: NumPy computes one in float32 and rounds it, which
+is the same for + - * / and sqrt, since 24 bits are at least 2 * 11 + 2. sin, cos, exp2 and log2 come rounded from
+float32. What does not fit becomes infinite. Numbers below 2^-14 keep what bits they have, or become 0 (`flush`):
+devices do either.
 
 Precision follows the rules of GLSL ES: a variable, parameter or return value has one, an operation has that of the
 wider operand, and what is assigned is rounded to the variable's. What is made of literals or integers alone has the
@@ -15,12 +23,12 @@ import numpy as np
 from pycparser import c_ast
 
 from bokeh_validation.half import program
-from bokeh_validation.half.numbers import FLOAT, HALF, Precision, Rounded
 
+HALF, FLOAT = "half", "float"
+SMALLEST_NORMAL = 2.0**-14
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 FETCHES = ("BokehFetch", "BokehFetchNearest", "BokehFetchTable")
-RETURNED = "return"
-MAIN = "main"
+RETURNED, MAIN, EVERYTHING = "return", "main", "*"
 
 
 @dataclass(frozen=True)
@@ -32,24 +40,104 @@ class Choice:
            function is, with its members.
     """
 
-    EVERYTHING = "*"
-
     names: Mapping[str, frozenset[str]] = field(default_factory=dict)
     everywhere: bool = False
 
-    def of(self, function: str, name: str) -> Precision:
+    def of(self, function: str, name: str) -> str:
         """Precision of a variable; of a function's literals with the name EVERYTHING."""
         chosen = self.names.get(function, frozenset())
-        return HALF if self.everywhere or self.EVERYTHING in chosen or name in chosen else FLOAT
+        return HALF if self.everywhere or EVERYTHING in chosen or name in chosen else FLOAT
 
 
 ALL_FLOAT = Choice()
 ALL_HALF = Choice(everywhere=True)
 
+
+class Rounded:
+    """Half floats and one wider type; what two precisions meet in is the wider.
+
+    wide   what 'float' stands for: np.float32 or np.float64
+    flush  half floats below 2^-14 become 0
+    """
+
+    def __init__(self, wide: type = np.float32, flush: bool = False):
+        self.types = {HALF: np.float16, FLOAT: wide}
+        self.flush = flush
+
+    def convert(self, x, precision: str) -> np.ndarray:
+        """A number in a precision; integers and literals too."""
+        return self._kept(np.atleast_2d(np.asarray(x)).astype(self.types[precision]))
+
+    def _kept(self, x):
+        """What literals make is a literal again, not one of NumPy's float64, which would make all that it meets one."""
+        if isinstance(x, np.generic):
+            return x.item()
+        if self.flush and getattr(x, "dtype", None) == np.float16:
+            return np.where(np.abs(x) < SMALLEST_NORMAL, np.float16(0), x)
+        return x
+
+    def call(self, name: str, *arguments):
+        """An operator, or a function that GLSL has itself: arithmetic, comparison or logic."""
+        if name in _COMPOSED:
+            return _COMPOSED[name](self.call, *arguments)
+        return self._kept(_OPERATIONS[name](*arguments))
+
+    def join(self, parts: list, precision: str) -> np.ndarray:
+        """A constructor: components side by side; literals alone get `precision`."""
+        arrays = [part for part in parts if isinstance(part, np.ndarray)]
+        dtype = np.result_type(*arrays) if arrays else self.types[precision]
+        columns = [np.atleast_2d(np.asarray(part, dtype)) for part in parts]
+        count = max(len(column) for column in columns)
+        return np.concatenate([np.broadcast_to(c, (count, c.shape[1])) for c in columns], axis=1)
+
+
+def _divided(a, b):
+    """GLSL cuts integers off; those of the shaders are not negative."""
+    whole = all(np.asarray(x).dtype.kind == "i" for x in (a, b))
+    return a // b if whole else np.divide(a, b)
+
+
+_OPERATIONS = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": _divided,
+    "%": np.remainder,
+    "<": np.less,
+    ">": np.greater,
+    "<=": np.less_equal,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "&&": np.logical_and,
+    "||": np.logical_or,
+    "!": np.logical_not,
+    "min": np.minimum,
+    "max": np.maximum,
+    **{name: getattr(np, name) for name in ("abs", "floor", "ceil", "sin", "cos", "sqrt", "exp2", "log2")},
+}
+
+
+def _dot(call, a, b):
+    """Sum of products from left to right, each step rounded."""
+    products = call("*", a, b)
+    total = products[:, [0]]
+    for column in range(1, a.shape[-1]):
+        total = call("+", total, products[:, [column]])
+    return total
+
+
+# made of the others, each step rounded
+_COMPOSED = {
+    "dot": _dot,
+    "clamp": lambda call, x, low, high: call("min", call("max", x, low), high),
+    "length": lambda call, x: call("sqrt", _dot(call, x, x)),
+}
+
 # (one of FETCHES, texture, uv or index, mask) -> (N, 4); the mask says which inputs really read
 Fetch = Callable[[str, str, object, object], object]
 
 
+@dataclass
 class Evaluator:
     """Functions of the shaders with numbers of a kind and a choice of precisions.
 
@@ -57,11 +145,10 @@ class Evaluator:
     fetch    what a texture read returns; None where none is to be read
     """
 
-    def __init__(
-        self, numbers: Rounded, choice: Choice, globals_: Mapping[str, object] | None = None, fetch: Fetch | None = None
-    ):
-        self.numbers, self.choice, self.fetch = numbers, choice, fetch
-        self.globals = {**program.constants(), **(globals_ or {})}
+    numbers: Rounded
+    choice: Choice
+    globals: Mapping[str, object] = field(default_factory=dict)
+    fetch: Fetch | None = None
 
     def call(self, name: str, *arguments):
         """One of program.library(): arrays (N,), (N, components), numbers, or dictionaries of them for structs."""
@@ -84,7 +171,7 @@ def _column(argument):
 
 
 class _Frame:
-    """One call of a function."""
+    """One call of a function. A mask is True or (N, 1): the inputs that go this way."""
 
     def __init__(self, evaluator: Evaluator, function: program.Function, mask):
         self.evaluator, self.numbers, self.function = evaluator, evaluator.numbers, function
@@ -115,7 +202,7 @@ class _Frame:
             return value
         return self.numbers.convert(value, self.evaluator.choice.of(struct, member))
 
-    def _precision(self, name: str = Choice.EVERYTHING) -> Precision:
+    def _precision(self, name: str = EVERYTHING) -> str:
         return self.evaluator.choice.of(self.name, name)
 
     # ------------------------------------------------------------------------------------------------------ statements
@@ -141,7 +228,7 @@ class _Frame:
     def _do_Assignment(self, node: c_ast.Assignment) -> None:
         value = self._value(node.rvalue)
         if node.op != "=":
-            value = self.numbers.binary(node.op[0], self._value(node.lvalue), value)
+            value = self.numbers.call(node.op[0], self._value(node.lvalue), value)
         if isinstance(node.lvalue, c_ast.StructRef):
             name = node.lvalue.field.name
             place = self.variables[node.lvalue.name.name]
@@ -150,7 +237,7 @@ class _Frame:
             name, place = node.lvalue.name, self.variables
             value = self._typed(name, self.types.get(name, "vec4"), value)
         old = place.get(name)
-        place[name] = value if self.mask is True or old is None else self.numbers.select(self.mask, value, old)
+        place[name] = value if self.mask is True or old is None else np.where(self.mask, value, old)
 
     def _do_FuncCall(self, node: c_ast.FuncCall) -> None:
         """What every pass begins with: images fill their textures here, so there is no viewport to set."""
@@ -165,42 +252,30 @@ class _Frame:
 
     def _do_If(self, node: c_ast.If) -> None:
         before, condition = self.mask, self._value(node.cond)
-        for branch, taken in ((node.iftrue, condition), (node.iffalse, self.numbers.inverted(condition))):
-            mask = taken if before is True else self.numbers.both(before, taken)
-            if branch is not None and self.numbers.anywhere(mask):
-                self.mask = mask if self._varies(mask) else True
+        for branch, taken in ((node.iftrue, condition), (node.iffalse, np.logical_not(condition))):
+            mask = _both(before, taken)
+            if branch is not None and np.any(mask):
+                self.mask = True if np.all(mask) else mask
                 self._statement(branch)
-        self.mask = before
-        if self.loops and self.loops[-1] is not True:
-            self.mask = self.loops[-1] if before is True else self.numbers.both(before, self.loops[-1])
-
-    def _varies(self, mask) -> bool:
-        """Whether not all inputs go this way."""
-        return self.numbers.anywhere(self.numbers.inverted(mask))
+        self.mask = _both(before, self.loops[-1]) if self.loops else before
 
     def _do_For(self, node: c_ast.For) -> None:
         before = self.mask
         self._statement(node.init)
         self.loops.append(before)
         while True:
-            going = self._value(node.cond)
-            if self.loops[-1] is not True:
-                going = self.numbers.both(self.loops[-1], going)
-            if not self.numbers.anywhere(going):
+            going = _both(self.loops[-1], self._value(node.cond))
+            if not np.any(going):
                 break
-            self.loops[-1] = self.mask = going if self._varies(going) else True
+            self.loops[-1] = self.mask = True if np.all(going) else going
             self._statement(node.stmt)
-            self._advance(node.next)
+            self.mask = True
+            self._statement(node.next)
         self.loops.pop()
         self.mask = before
 
-    def _advance(self, node: c_ast.Node) -> None:
-        self.mask = True
-        self._statement(node)
-
     def _do_Break(self, node: c_ast.Break) -> None:
-        left = self.numbers.inverted(self.mask) if self.mask is not True else False
-        self.loops[-1] = left if self.loops[-1] is True else self.numbers.both(self.loops[-1], left)
+        self.loops[-1] = _both(self.loops[-1], np.logical_not(self.mask))
 
     def _do_Return(self, node: c_ast.Return) -> None:
         if self.loops or self.result is not None:
@@ -222,25 +297,26 @@ class _Frame:
             return node.name == "true"
         if node.name in self.variables:
             return self.variables[node.name]
-        value = self.evaluator.globals[node.name]
+        given = self.evaluator.globals
+        value = given[node.name] if node.name in given else program.constants()[node.name]
         # a define is a literal
         if isinstance(value, str) or node.name in program.constants():
             return value
         return self.numbers.convert(value, self.evaluator.choice.of(MAIN, node.name))
 
     def _of_BinaryOp(self, node: c_ast.BinaryOp):
-        return self.numbers.binary(node.op, self._value(node.left), self._value(node.right))
+        return self.numbers.call(node.op, self._value(node.left), self._value(node.right))
 
     def _of_UnaryOp(self, node: c_ast.UnaryOp):
         value = self._value(node.expr)
-        return {"-": self.numbers.negative, "!": self.numbers.inverted}[node.op](value)
+        return -value if node.op == "-" else self.numbers.call(node.op, value)
 
     def _of_StructRef(self, node: c_ast.StructRef):
         """A member, or components of a vector."""
         value = self._value(node.name)
         if isinstance(value, dict):
             return value[node.field.name]
-        return self.numbers.part(value, [COMPONENTS[letter] for letter in node.field.name])
+        return value[:, [COMPONENTS[letter] for letter in node.field.name]]
 
     def _of_FuncCall(self, node: c_ast.FuncCall):
         name = node.name.name
@@ -248,16 +324,20 @@ class _Frame:
         if name in FETCHES:
             read = self.evaluator.fetch(name, arguments[0], arguments[1], self.mask)
             return self.numbers.convert(read, self.evaluator.choice.of(name, RETURNED))
+        if name == "new_int":
+            return np.asarray(arguments[0], np.float64).astype(np.int64)
+        if name == "new_float":
+            return self.numbers.convert(arguments[0], self._precision())
         if name.startswith("new_"):
-            return self._constructed(name.removeprefix("new_"), arguments)
+            return self.numbers.join(arguments, self._precision())
         for functions in (program.library(), program.helpers()):
             if name in functions:
                 return _Frame(self.evaluator, functions[name], self.mask).run(arguments)
-        return self.numbers.call(name, arguments)
+        return self.numbers.call(name, *arguments)
 
-    def _constructed(self, kind: str, arguments: list):
-        if kind == "int":
-            return self.numbers.values(arguments[0]).astype("int64")
-        if kind == "float":
-            return self.numbers.convert(arguments[0], self._precision())
-        return self.numbers.join(arguments, self._precision())
+
+def _both(a, b):
+    """Where two masks hold."""
+    if a is True:
+        return b
+    return a if b is True else np.logical_and(a, b)
