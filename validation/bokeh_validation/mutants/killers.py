@@ -1,54 +1,99 @@
-"""The tests that are run first, by the part of the shaders that they look at; each takes a few seconds."""
+"""The tests that are asked first, by the function that a mutant changes: the quickest that notice.
 
-from bokeh_validation.mutants.model import Selection
+A test is FILE::TEST, or FILE::TEST[WORDS] for those of its parameters whose id holds every word. The run checks that
+each is there.
+"""
 
-DRIVERS, INPUTS, EXACT, SURVIVORS = "test_drivers.py", "test_inputs.py", "test_exact.py", "test_survivors.py"
-
-
-def on(driver: str, file: str, *names: str) -> Selection:
-    """Tests of a file on a driver whose id holds all of `names`."""
-    return Selection((file,), " and ".join((*names, driver)))
-
-
-PARITY = Selection(("test_parity.py",), "test_the_checkout_passes")
-LIMITS = on("egl", INPUTS, "test_camera_at_its_limits")
-DEPTHS = on("egl", INPUTS, "test_same_coc_from_every_convention", "32")
-BAD_DEPTHS = on("egl", INPUTS, "test_bad_depth_of_every_convention")
-DEPTH_ENDS = on("egl", INPUTS, "test_ends_of_the_range")
-HOSTILE = on("egl", DRIVERS, "test_first_pass_makes_hostile_pixels_safe")
-REJECTED = on("egl", DRIVERS, "rejected")
-PAPER = on("egl", DRIVERS, "test_settings", "paper")
-STAR = on("egl", DRIVERS, "test_settings", "paper", "star")
-NAIVE = Selection((DRIVERS,), "egl and test_settings and naive and not grid")
-GRID = on("egl", DRIVERS, "test_settings", "grid")
-EXACT_FIXED = on("egl", DRIVERS, "test_settings", "exact")
-EXACT_TARGETS = on("egl", DRIVERS, "test_several_targets")
-EXACT_HEXAGON = on("egl", EXACT, "test_exact_on_noise", "hexagon")
-EXACT_DECAGON = on("egl", EXACT, "test_exact_on_noise", "decagon")
-ADAPTIVE_HEXAGON = on("egl", EXACT, "test_adaptive_paper_on_noise", "hexagon")
-ADAPTIVE_TRIANGLE = on("egl", EXACT, "test_adaptive_paper_on_noise", "triangle")
-DEBUG = on("egl", DRIVERS, "test_debug_views")
-TINY = on("egl", DRIVERS, "test_depth_of_a_tenth_of_a_millimetre")
-COUNTED = on("d3d9", "test_hostile.py", "test_bad_pixels_count_as_documented")
-VIEWPORTS = on("egl", "test_viewport.py", "test_nothing_leaks_in")
-DEFAULTS = Selection((SURVIVORS,), "test_defaults")
-PRESETS = Selection((SURVIVORS,), "test_presets")
-SIGNED = on("egl", SURVIVORS, "test_signed_map")
-# runs BokehDefaultFilter in NumPy
-STRUCTS = Selection(("test_precision.py",), "test_the_default_filter_is_section_1")
-EACH_PASS = on("egl", EXACT, "test_every_frame_and_pass_has_its_own_noise")
-DENSE = Selection((EXACT,), "test_jitter_leaves_dense_samples_alone")
+PARITY = "test_parity.py::test_the_checkout_passes"
+HOSTILE = "test_drivers.py::test_first_pass_makes_hostile_pixels_safe[osmesa]"
+LIMITS = "test_inputs.py::test_camera_at_its_limits[osmesa]"
+TINY = "test_drivers.py::test_depth_of_a_tenth_of_a_millimetre[osmesa]"
+DEPTHS = "test_inputs.py::test_same_coc_from_every_convention[osmesa 32]"
+BAD_DEPTHS = "test_inputs.py::test_bad_depth_of_every_convention[osmesa]"
+DEPTH_ENDS = "test_inputs.py::test_ends_of_the_range[osmesa]"
+SIGNED = "test_survivors.py::test_signed_map[osmesa]"
+PAPER = "test_drivers.py::test_settings[osmesa paper]"
+STAR = "test_drivers.py::test_settings[osmesa paper star]"
+REJECTED = "test_drivers.py::test_every_sample_rejected[osmesa]"
+NAIVE = "test_drivers.py::test_settings[osmesa naive-{]"
+GRID = "test_drivers.py::test_settings[osmesa naive-grid]"
+# on Direct3D 9 alone is every sample nearer than NaN
+COUNTED = "test_hostile.py::test_bad_pixels_count_as_documented[d3d9]"
+EXACT = "test_drivers.py::test_settings[osmesa exact]"
+TARGETS = "test_drivers.py::test_several_targets[osmesa]"
+HEXAGON = "test_exact.py::test_exact_on_noise[osmesa hexagon]"
+DECAGON = "test_exact.py::test_exact_on_noise[osmesa decagon]"
+ADAPTIVE = "test_exact.py::test_adaptive_paper_on_noise[osmesa hexagon]"
+TRIANGLE = "test_exact.py::test_adaptive_paper_on_noise[osmesa triangle]"
+DENSE = "test_exact.py::test_jitter_leaves_dense_samples_alone"
 # few samples on a wide blur, where the noise counts
-JITTER = on("egl", SURVIVORS, "test_jitter_of_the_exact_passes", "hexagon")
-OUT_OF_RANGE = Selection(("test_hostile.py",), "test_parameters_out_of_range and egl and (BokehSides or BokehEdge)")
-LAYERS = "test_layers.py"
-LAYERED_MUTANTS = "test_layers_mutants.py"
+JITTER = "test_survivors.py::test_jitter_of_the_exact_passes[osmesa hexagon]"
+EACH_PASS = "test_exact.py::test_every_frame_and_pass_has_its_own_noise[egl]"
+LEAKS = "test_viewport.py::test_nothing_leaks_in[osmesa]"
+COLUMN = "test_viewport.py::test_a_column[osmesa]"
+DEBUG = "test_drivers.py::test_debug_views[osmesa]"
+OUT_OF_RANGE = (
+    "test_hostile.py::test_parameters_out_of_range[osmesa BokehSides]",
+    "test_hostile.py::test_parameters_out_of_range[osmesa BokehEdge]",
+)
 # pass by pass within the reference's intervals; where both layers are full, then all settings
-LAYERED = on("osmesa", LAYERED_MUTANTS, "(test_both_layers or test_half_a_layer)")
-LAYERED_MANY = on("osmesa", LAYERS, "test_settings")
-LAYERED_ONE_TARGET = on("osmesa", LAYERS, "test_settings", "targets")
-LAYERED_PLACE = on("osmesa", LAYERED_MUTANTS, "test_layers_of_a_viewport")
-LAYERED_LEAKS = on("osmesa", LAYERED_MUTANTS, "test_nothing_leaks")
-LAYERED_INVERSE = Selection((LAYERED_MUTANTS,), "test_a_size_whose_inverse")
-LAYERED_LEVELS = on("osmesa", LAYERED_MUTANTS, "test_black_and_bright")
-LAYERED_MADE = Selection((LAYERED_MUTANTS,), "test_layers_without_jitter")
+LAYERED = (
+    "test_layers_mutants.py::test_half_a_layer[osmesa]",
+    "test_layers_mutants.py::test_both_layers[osmesa]",
+    "test_layers.py::test_settings[osmesa]",
+)
+LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
+LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[osmesa]"
+LAYERED_LEAKS = "test_layers_mutants.py::test_nothing_leaks_into_layers[osmesa]"
+LAYERED_INVERSE = "test_layers_mutants.py::test_a_size_whose_inverse_is_small"
+LAYERED_LEVELS = "test_layers_mutants.py::test_black_and_bright[osmesa]"
+LAYERED_MADE = "test_layers_mutants.py::test_layers_without_jitter"
+
+
+def survivor(name: str) -> str:
+    """A test of test_survivors.py."""
+    return f"test_survivors.py::{name}[osmesa]"
+
+
+def on_device(driver: str) -> tuple[str, ...]:
+    """Tests that show what a device makes of a language's porting, bindings and vertex shader."""
+    return (
+        f"test_drivers.py::test_first_pass_makes_hostile_pixels_safe[{driver}]",
+        f"test_drivers.py::test_sizes[{driver} (61, 37)]",
+        f"test_drivers.py::test_several_targets[{driver}]",
+    )
+
+
+# functions without 'Bokeh' -> killers; a name ends in * where more follow it
+FIRST = {
+    "CoC": (LIMITS, survivor("test_a_sensor_of_no_height")),
+    "SafeChannel SafeDepth PackCoC CoCMap": (HOSTILE, LIMITS, survivor("test_every_channel_is_made_safe")),
+    "LinearDepth DepthFrom*": (DEPTHS, BAD_DEPTHS, DEPTH_ENDS),
+    "SignedCoC*": (SIGNED,),
+    "LineEnd LeakageWeight DepthOfField Combine DepthOfFieldFinal": (PAPER,),
+    "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample[egl]", PAPER),
+    "DefaultFilter": ("test_precision.py::test_the_default_filter_is_section_1",),
+    "FilterCoC": (ADAPTIVE, survivor("test_half_a_pixel_is_in_focus"), HEXAGON),
+    "Cells": (ADAPTIVE, survivor("test_a_line_of_no_length"), JITTER, HEXAGON),
+    "Noise": (ADAPTIVE, survivor("test_noise_comes_again"), JITTER, HEXAGON),
+    "Segment DepthOfFieldAdaptive AdaptiveLine": (ADAPTIVE, TRIANGLE, EACH_PASS),
+    "Resolve": (REJECTED, PAPER),
+    "NaiveGather": (NAIVE,),
+    "NaiveGrid": (GRID,),
+    "SignedLeakageWeight MakePolygon Rotated PolygonEdge ExactWeight": (EXACT, HEXAGON),
+    "ExactTarget ExactFirst ExactSecond": (EXACT, TARGETS, HEXAGON, DECAGON),
+    "LineSum": (HEXAGON, EXACT, JITTER, DENSE, survivor("test_squeezed_lines_have_means")),
+    "ExactEdge": (DECAGON, *OUT_OF_RANGE, JITTER),
+    "Begin First Second": (EXACT, HEXAGON, JITTER, LEAKS),
+    "OctagonFirst DecagonFirst": (TARGETS,),
+    "UseViewport ToTexture SetViewport": (LEAKS, COLUMN),
+    "Debug*": (DEBUG, survivor("test_debug_views_of_a_pinhole"), survivor("test_debug_views_of_the_near_field")),
+}
+
+
+def first(within: str | None) -> tuple[str, ...]:
+    """For a function."""
+    for names, killers in FIRST.items():
+        if any(within == name or (name[-1] == "*" and within.startswith(name[:-1])) for name in names.split()):
+            return killers
+    return LAYERED

@@ -10,7 +10,7 @@ import numpy as np
 
 from bokeh_validation import __version__, doctor, files, metrics, paths, pictures
 from bokeh_validation.engines.capture import Capture
-from bokeh_validation.mutants import results as mutant_results
+from bokeh_validation.mutants import outcomes
 from bokeh_validation.patterns.model import CaseResult, Check, ProbeResult
 from bokeh_validation.suite import SceneResult
 
@@ -81,7 +81,7 @@ def write(
         probes=_probe_sections(probes),
         scenes=_scene_strips(scenes),
         engines=[_engine_strip(capture) for capture in captures or []],
-        mutants=mutant_results.read(),
+        mutants=outcomes.read(),
         missing=missing,
         difference_steps=DIFFERENCE_STEPS,
         counts=_counts(probes, scenes),
