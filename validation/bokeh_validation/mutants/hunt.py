@@ -8,6 +8,7 @@ import io
 import multiprocessing
 import os
 import re
+import shutil
 import signal
 import sys
 import tempfile
@@ -61,7 +62,9 @@ class _Plugin:
 
     def __init__(self, action: Callable):
         self.action = action
-        self.error: BaseException | None = UserError("the tests of the shaders cannot be collected: see validation/test.")
+        self.error: BaseException | None = UserError(
+            "the tests of the shaders cannot be collected: see validation/test."
+        )
         self.reports: list[pytest.TestReport] = []
 
     def pytest_runtestloop(self, session):
@@ -79,7 +82,7 @@ class _Plugin:
 
 
 def run(
-    mutants: Sequence[Mutant], killers: Iterable[str], step: Callable[[str], None] = lambda _: None, tests: Path = TESTS
+    mutants: Sequence[Mutant], killers: Iterable[str], step: Callable[[str], None] = lambda _: None
 ) -> list[Result]:
     """What becomes of each. Raises UserError where an edit does not fit the shaders, or there is no such killer."""
     results = [Result(m.name, m.kind, m.languages, m.place, m.change) for m in mutants]
@@ -101,7 +104,7 @@ def run(
     plugin = _Plugin(action)
     options = ["-c", str(paths.VALIDATION / "pytest.ini"), "--rootdir", str(paths.VALIDATION), "-n", "0", "-s"]
     with contextlib.redirect_stdout(io.StringIO()):
-        pytest.main([*options, "-p", "no:cacheprovider", str(tests)], plugins=[plugin])
+        pytest.main([*options, "-p", "no:cacheprovider", str(TESTS)], plugins=[plugin])
     if plugin.error is not None:
         raise plugin.error
     return results
@@ -226,6 +229,7 @@ def _child(job: Job, folder: Path, reports: list[pytest.TestReport], end: connec
         end.send(("", "begun", repr(error)))
     finally:
         wine.stop()
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _ask(job: Job, reports: list[pytest.TestReport], end: connection.Connection) -> None:

@@ -20,8 +20,8 @@ GRIDS = (
     row("layers-reduced-texel", "off-by-one", "ReducedGrid", "1.0 / ceil(floor(", "1.0 / floor(floor("),
     row("layers-reduced-rounding", "guard", "ReducedGrid", "floor(1.0 / full.texel + 0.5)", "(1.0 / full.texel)",
         LAYERED_INVERSE,
-        argument="1 / (1 / 122) is above 122 in float32, and half of it would be 62. All compilers here fold it to 122. "
-        "On a device whose compiler does not, test_a_size_whose_inverse_is_small notices."),
+        argument="1 / (1 / 122) is above 122 in float32, and half of it would be 62. All compilers here fold it to "
+        "122. On a device whose compiler does not, test_a_size_whose_inverse_is_small notices."),
     row("layers-reduced-origin", "constant", "ReducedGrid", "full.origin / scale", "full.origin", LAYERED_PLACE),
     row("layers-viewport-texel", "axis", "MakeGrid", "1.0 / wholeSize", "1.0 / viewport.zw", LAYERED_PLACE),
     row("layers-viewport-origin", "axis", "MakeGrid", "= viewport.xy", "= viewport.yx", LAYERED_PLACE),

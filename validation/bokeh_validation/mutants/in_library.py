@@ -2,7 +2,17 @@
 
 from functools import partial
 
-from bokeh_validation.mutants.killers import ADAPTIVE, COUNTED, DEPTH_ENDS, HEXAGON, HOSTILE, LIMITS, OUT_OF_RANGE, STAR, TINY
+from bokeh_validation.mutants.killers import (
+    ADAPTIVE,
+    COUNTED,
+    DEPTH_ENDS,
+    HEXAGON,
+    HOSTILE,
+    LIMITS,
+    OUT_OF_RANGE,
+    STAR,
+    TINY,
+)
 from bokeh_validation.mutants.mutant import row as any_row
 
 row = partial(any_row, "library")
@@ -285,4 +295,15 @@ DEBUG_VIEWS = (
 )
 # fmt: on
 
-IN_LIBRARY = (*CONFIGURATION, *CIRCLE_OF_CONFUSION, *SAMPLE_OFFSETS, *LINE_FILTER, *LINE, *COMBINE, *NAIVE_GATHER, *EXACT_POLYGONS, *VIEWPORT, *DEBUG_VIEWS)
+IN_LIBRARY = (
+    *CONFIGURATION,
+    *CIRCLE_OF_CONFUSION,
+    *SAMPLE_OFFSETS,
+    *LINE_FILTER,
+    *LINE,
+    *COMBINE,
+    *NAIVE_GATHER,
+    *EXACT_POLYGONS,
+    *VIEWPORT,
+    *DEBUG_VIEWS,
+)

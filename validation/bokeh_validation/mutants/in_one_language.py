@@ -8,7 +8,9 @@ D3D9 = on_device("d3d9")
 MANY = "test_survivors.py::test_many_offsets[d3d9]"
 
 
-def row(name: str, kind: str, file: str, within: str | None, old: str, new: str, *killers: str, count: int = 1) -> Mutant:
+def row(
+    name: str, kind: str, file: str, within: str | None, old: str, new: str, *killers: str, count: int = 1
+) -> Mutant:
     """In the language that the name begins with; parity is asked first, then the tests named or those of a device."""
     return _mutant(name, kind, file, within, ((old, new),), killers, count)
 

@@ -82,10 +82,20 @@ class Mutant:
 
 
 def row(
-    file: str, name: str, kind: str, within: str | None, old: str, new: str, *named: str, count: int = 1, argument: str = ""
+    file: str,
+    name: str,
+    kind: str,
+    within: str | None,
+    old: str,
+    new: str,
+    *named: str,
+    count: int = 1,
+    argument: str = "",
 ) -> Mutant:
     """A mutant of one edit in all languages; its function's killers, unless others are named."""
-    return Mutant(name, kind, file, within, ((old, new),), named or killers.first(within), count=count, argument=argument)
+    return Mutant(
+        name, kind, file, within, ((old, new),), named or killers.first(within), count=count, argument=argument
+    )
 
 
 @cache

@@ -49,7 +49,8 @@ def lines(results: Sequence[Result], seconds: float) -> Iterator[str]:
     for result in results:
         if result.outcome != CAUGHT:
             said = " ".join(part for part in (result.test, result.detail) if part)[:500]
-            yield f"{result.name} ({result.place}: {result.change}): {result.outcome}, {MEANINGS[result.outcome]} ({said})"
+            became = f"{result.outcome}, {MEANINGS[result.outcome]}"
+            yield f"{result.name} ({result.place}: {result.change}): {became} ({said})"
     caught = [result for result in results if result.outcome == CAUGHT]
     for file, count in Counter(result.test.partition("::")[0] for result in caught).most_common():
         yield f"caught by {file}: {count}"
