@@ -10,12 +10,13 @@ from bokeh_validation.mutants.killers import (
     LAYERED_PLACE,
     LAYERED_TARGET,
 )
+from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
 row = partial(any_row, "layers")
 # fmt: off
-
-GRIDS = (
+IN_LAYERS: tuple[Mutant, ...] = (
+    # grids
     row("layers-reduced-size", "off-by-one", "ReducedGrid", "ceil(full.size / scale)", "floor(full.size / scale)"),
     row("layers-reduced-texel", "off-by-one", "ReducedGrid", "1.0 / ceil(floor(", "1.0 / floor(floor("),
     row("layers-reduced-rounding", "guard", "ReducedGrid", "floor(1.0 / full.texel + 0.5)", "(1.0 / full.texel)",
@@ -29,9 +30,7 @@ GRIDS = (
     row("layers-far-side", "guard", "FetchGrid", "grid.size - inset", "grid.size", LAYERED_LEAKS),
     row("layers-largest", "axis", "MakeLayers", "MaxCoC * imageSize.y", "MaxCoC * imageSize.x"),
     row("layers-no-jitter", "constant", "MakeLayers", "= 0.0;", "= 1.0;", LAYERED_MADE),
-)
-
-SHARES = (
+    # shares
     row("layers-brightest", "min for max", "Brightest", "max(max(", "min(max("),
     row("layers-slope", "constant", "LayerSlope", "5.0 / max", "4.0 / max"),
     row("layers-gate", "condition", "LayerSlope", "(whole - none)", "whole"),
@@ -42,9 +41,7 @@ SHARES = (
     row("layers-far-whole", "condition", "FarSlope", "10.0, 16.0", "10.0, 12.0"),
     row("layers-share-from", "condition", "LayerShare", "- 2.0", "- 1.5"),
     row("layers-share-clamp", "guard", "LayerShare", "0.0, 1.0)", "0.0, 2.0)"),
-)
-
-TILES = (
+    # tiles
     row("layers-tiles-sign", "sign", "LayerTiles", "max(found.r, -s)", "max(found.r, s)"),
     row("layers-tiles-last", "dropped sample", "LayerTiles", "x < 8", "x < 7"),
     row("layers-tiles-mean", "constant", "LayerTiles", "/ 64.0", "/ 63.0"),
@@ -60,9 +57,7 @@ TILES = (
     row("layers-reach-level", "constant", "LayerReach", "(2.0 * radius + 1.0)", "(2.0 * radius)"),
     row("layers-weight-least", "constant", "BlurWeight", "0.01 +", "0.1 +"),
     row("layers-weight-most", "guard", "BlurWeight", "10000.0", "100.0", LAYERED_LEVELS),
-)
-
-SPLIT = (
+    # split
     row("layers-split-unit", "sign", "LayerSplit", "exp2(-reach.b)", "exp2(reach.b)"),
     row("layers-split-slopes", "axis", "LayerSplit", "BokehFarSlope(reach.g)", "BokehFarSlope(reach.r)"),
     row("layers-split-leftovers", "constant", "LayerSplit", "4.0 - 4.0 * nearShare", "1.0 - nearShare"),
@@ -88,9 +83,7 @@ SPLIT = (
     row("layers-sizes-far", "condition", "LayerSizes", "reach.g > 10.0", "reach.g > 16.0"),
     row("layers-sizes-layer", "axis", "LayerSizes", "128.0 * sums.b", "128.0 * sums.r"),
     row("layers-sizes-leftovers", "axis", "LayerSizes", "vec4(reach, targets.T2.rg)", "vec4(targets.T2.rg, reach)"),
-)
-
-HOLES = (
+    # holes
     row("layers-holes-near", "constant", "LayerHoles", "1.0 - 2.0 * nearShare", "1.0 - nearShare"),
     row("layers-holes-least", "guard", "LayerHoles", "0.0625 - 0.0625 * nearShare", "0.0"),
     row("layers-holes-bright", "dropped sample", "LayerHoles", "(1.0 + BokehBrightest(pixel.rgb) * unit)", "1.0"),
@@ -108,9 +101,7 @@ HOLES = (
     row("layers-fill-share", "axis", "LayerFill", "shares.r / max", "shares.g / max"),
     row("layers-fill-middle", "dropped sample", "LayerFill", "vec4(middle.rgb / middle.a, share)", "vec4(both, share)"),
     row("layers-fill-nothing", "guard", "LayerFill", "if (far.a > 0.000001)", "if (far.a >= 0.0)"),
-)
-
-POLYGONS = (
+    # polygons
     row("layers-line-cells", "constant", "LayerLine", "lengthInTexels, 2.0,", "lengthInTexels, 4.0,"),
     row("layers-line-weight", "dropped sample", "LayerLine", "sum += cell *", "sum +="),
     row("layers-line-start", "sign", "LayerLine", "segment.xy - segment.zw", "segment.xy + segment.zw"),
@@ -131,9 +122,7 @@ POLYGONS = (
     row("layers-edge-lines", "off-by-one", "LayerEdge", "min(k, 5)", "min(k, 4)"),
     row("layers-edge-area", "dropped sample", "LayerEdge", "max(sin(float(k - i) * angle), 0.0)", "1.0"),
     row("layers-pick", "off-by-one", "PickTarget", "k == 4", "k == 6", LAYERED_TARGET),
-)
-
-PICTURE = (
+    # picture
     row("layers-cubic-before", "constant", "FetchLayer", "1.0 - 0.5 * f", "1.0 - 0.25 * f"),
     row("layers-cubic-texel", "off-by-one", "FetchLayer", "texel.x + 2.0", "texel.x + 1.0"),
     row("layers-cubic-axes", "axis", "FetchLayer", "(t * w0.y + b * w3.y)", "(t * w0.x + b * w3.x)"),
@@ -182,6 +171,3 @@ PICTURE = (
     row("layers-near-over", "dropped sample", "Layered", "result * (1.0 - alpha) + near", "result + near"),
     row("layers-coc", "axis", "Layered", "vec4(result, centerPixel.a)", "vec4(result, 1.0)"),
 )
-# fmt: on
-
-IN_LAYERS = (*GRIDS, *SHARES, *TILES, *SPLIT, *HOLES, *POLYGONS, *PICTURE)

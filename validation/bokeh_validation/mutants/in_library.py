@@ -13,14 +13,43 @@ from bokeh_validation.mutants.killers import (
     STAR,
     TINY,
 )
+from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
 row = partial(any_row, "library")
 DEFAULTS, PRESETS = "test_survivors.py::test_defaults", "test_survivors.py::test_presets"
 # fmt: off
+# Of the samples along a line, which two functions have
+LINE = tuple(
+    row(f"{prefix}-{name}", kind, function, old, new)
+    for prefix, function in (("sum", "LineSum"), ("adaptive", "DepthOfFieldAdaptive"))
+    for name, kind, old, new in (
+        ("half-length", "constant", "2.0 * length", "length"),
+        ("length-unit", "axis", "CoC * settings.imageHeight;", "CoC * settings.aspectRatio;"),
+        ("spacing", "axis", "lengthInPixels, settings.spacing", "lengthInPixels, settings.jitter"),
+        ("last-cell", "dropped sample", "float(i) >= cells", "float(i) + 1.0 >= cells"),
+        ("no-aspect", "aspect", "CoC / settings.aspectRatio", "CoC"),
+        ("axis", "axis", "segment.xy", "segment.yx"),
+        ("sign", "sign", "uv + (segment.xy - ", "uv - (segment.xy - "),
+        ("start", "sign", "(segment.xy - segment.zw)", "(segment.xy + segment.zw)"),
+        ("cell-length", "constant", "(2.0 / cells)", "(1.0 / cells)"),
+        ("cell-weight", "dropped sample", "= cell * Bokeh", "= Bokeh"),
+        ("middle", "constant", "= 0.5 + settings.jitter", "= settings.jitter"),
+        ("jitter", "sign", "0.5 + settings.jitter", "0.5 - settings.jitter"),
+        ("jitter-member", "axis", "settings.jitter", "settings.spacing"),
+        ("dense-jitter", "guard", "cells - 1.0, 0.0, 1.0)", "cells, 0.0, 1.0)"),
+    )
+) + tuple(
+    row(name, "off-by-one", function, "float(i) >= cells", "float(i) > cells", killer,
+        argument="One sample more, past the end of the line, weighs clamp(cells - i, 0, 1) = 0. It costs an iteration, "
+        "and that is all.")
+    for name, function, killer in (
+        ("sum-one-more", "LineSum", HEXAGON), ("adaptive-one-more", "DepthOfFieldAdaptive", ADAPTIVE)
+    )
+)
 
-CONFIGURATION = (
-    # in the table of section [1] and in the definition
+IN_LIBRARY: tuple[Mutant, ...] = (
+    # section [1]: in its table and in the definitions
     row("largest-color", "configuration", None, "65504.0", "60000.0", HOSTILE, count=2),
     row("largest-depth", "configuration", None, "1000000000.0", "1000000.0", DEPTH_ENDS, count=2),
     row("smallest-depth", "configuration", None, "0.000001", "0.001", TINY, LIMITS, count=2),
@@ -28,9 +57,7 @@ CONFIGURATION = (
     row("default-bleeding", "configuration", None, "30.0", "20.0", DEFAULTS, count=2),
     # WGSL has the presets in its table only
     row("preset-row", "configuration", None, "22 20", "22 25", PRESETS),
-)
-
-CIRCLE_OF_CONFUSION = (
+    # Listing 1, and depth
     row("coc-sign", "sign", "CoC", "abs(S2 - focus)", "abs(S2 + focus)"),
     row("coc-near-field", "sign", "CoC", "abs(S2 - focus)", "(S2 - focus)"),
     row("coc-over-focus", "axis", "CoC", "/ S2)", "/ focus)"),
@@ -72,9 +99,7 @@ CIRCLE_OF_CONFUSION = (
     row("signed-map-unsigned", "sign", "SignedCoCMap", "BokehSignedCoC(S2", "BokehCoC(S2"),
     row("signed-map-arguments", "axis", "SignedCoCMap", "A, f, S1", "A, S1, f"),
     row("signed-map-raw-depth", "guard", "SignedCoCMap", "BokehSafeDepth(", "("),
-)
-
-SAMPLE_OFFSETS = (
+    # Listing 2, cells, noise
     row("line-no-aspect", "aspect", "LineEnd", " / aspectRatio", ""),
     row("line-aspect-inverted", "aspect", "LineEnd", "/ aspectRatio", "* aspectRatio"),
     row("line-axes", "axis", "LineEnd", "cos(angle) / aspectRatio, 0.5 * sin(angle)",
@@ -112,9 +137,7 @@ SAMPLE_OFFSETS = (
     row("segment-length", "constant", "Segment", "lineLength * cos(angle)", "cos(angle)"),
     row("segment-squeeze", "aspect", "Segment", "squeeze, 1.0, squeeze, 1.0", "squeeze, 1.0, 1.0, 1.0"),
     row("segment-squeezed-axis", "axis", "Segment", "squeeze, 1.0, squeeze, 1.0", "1.0, squeeze, 1.0, squeeze"),
-)
-
-LINE_FILTER = (
+    # Listing 3
     row("leakage-depth", "sign", "LeakageWeight", "sampleDepth < centerDepth", "sampleDepth > centerDepth"),
     row("leakage-bias", "sign", "LeakageWeight", "sampleCoC + settings.bleedingBias",
         "sampleCoC - settings.bleedingBias"),
@@ -149,45 +172,12 @@ LINE_FILTER = (
     row("adaptive-total", "dropped sample", "DepthOfFieldAdaptive", "totalWeight += weight", "totalWeight += cell"),
     row("adaptive-blur-coc", "condition", "DepthOfFieldAdaptive", "centerPixel, blurCoC)", "centerPixel, true)"),
     row("adaptive-threshold", "condition", "DepthOfFieldAdaptive", "CoC > 0.0", "CoC > 0.05"),
-)
-
-# Of the samples along a line, which two functions have
-LINE = tuple(
-    row(f"{prefix}-{name}", kind, function, old, new)
-    for prefix, function in (("sum", "LineSum"), ("adaptive", "DepthOfFieldAdaptive"))
-    for name, kind, old, new in (
-        ("half-length", "constant", "2.0 * length", "length"),
-        ("length-unit", "axis", "CoC * settings.imageHeight;", "CoC * settings.aspectRatio;"),
-        ("spacing", "axis", "lengthInPixels, settings.spacing", "lengthInPixels, settings.jitter"),
-        ("last-cell", "dropped sample", "float(i) >= cells", "float(i) + 1.0 >= cells"),
-        ("no-aspect", "aspect", "CoC / settings.aspectRatio", "CoC"),
-        ("axis", "axis", "segment.xy", "segment.yx"),
-        ("sign", "sign", "uv + (segment.xy - ", "uv - (segment.xy - "),
-        ("start", "sign", "(segment.xy - segment.zw)", "(segment.xy + segment.zw)"),
-        ("cell-length", "constant", "(2.0 / cells)", "(1.0 / cells)"),
-        ("cell-weight", "dropped sample", "= cell * Bokeh", "= Bokeh"),
-        ("middle", "constant", "= 0.5 + settings.jitter", "= settings.jitter"),
-        ("jitter", "sign", "0.5 + settings.jitter", "0.5 - settings.jitter"),
-        ("jitter-member", "axis", "settings.jitter", "settings.spacing"),
-        ("dense-jitter", "guard", "cells - 1.0, 0.0, 1.0)", "cells, 0.0, 1.0)"),
-    )
-) + tuple(
-    row(name, "off-by-one", function, "float(i) >= cells", "float(i) > cells", killer,
-        argument="One sample more, past the end of the line, weighs clamp(cells - i, 0, 1) = 0. It costs an iteration, "
-        "and that is all.")
-    for name, function, killer in (
-        ("sum-one-more", "LineSum", HEXAGON), ("adaptive-one-more", "DepthOfFieldAdaptive", ADAPTIVE)
-    )
-)
-
-COMBINE = (
+    # Listing 4
     row("combine-max", "min for max", "Combine", "min(a, b)", "max(a, b)"),
     row("combine-star", "min for max", "Combine", "max(a, b)", "min(a, b)", STAR),
     row("combine-condition", "condition", "Combine", "if (useMax)", "if (!useMax)"),
     row("final-one-side", "axis", "DepthOfFieldFinal", "BokehCombine(a, Bokeh", "BokehCombine(a, a + 0.0 * Bokeh"),
-)
-
-NAIVE_GATHER = (
+    # naive gather
     row("naive-no-aspect", "aspect", "NaiveGather", " / settings.aspectRatio", ""),
     row("naive-member", "axis", "NaiveGather", "settings.aspectRatio", "settings.imageHeight"),
     row("naive-next-texel", "off-by-one", "NaiveGather", "KernelSamp, i,", "KernelSamp, i + 1,"),
@@ -199,9 +189,7 @@ NAIVE_GATHER = (
     row("grid-row", "dropped sample", "NaiveGrid", "j < BOKEH_NUM_SAMPLES", "j < BOKEH_NUM_SAMPLES - 1"),
     row("grid-column", "dropped sample", "NaiveGrid", "i < BOKEH_NUM_SAMPLES", "i < BOKEH_NUM_SAMPLES - 1"),
     row("grid-weight", "dropped sample", "NaiveGrid", "totalWeight += weight", "totalWeight += 1.0"),
-)
-
-EXACT_POLYGONS = (
+    # exact polygons
     row("polygon-squeeze", "axis", "MakePolygon", "squeeze = squeeze", "squeeze = rotation"),
     row("polygon-rotation", "axis", "MakePolygon", "rotation = rotation", "rotation = squeeze"),
     row("polygon-sides", "off-by-one", "MakePolygon", "sides = sides", "sides = sides + 2"),
@@ -268,9 +256,7 @@ EXACT_POLYGONS = (
     row("one-by-one-angle", "angle", "ExactEdge", "6.28318531", "3.14159265"),
     row("one-by-one-edge", "axis", "ExactEdge", "BokehPolygonEdge(i,", "BokehPolygonEdge(k,"),
     row("one-by-one-pass", "condition", "ExactEdge", "polygon, false)", "polygon, true)"),
-)
-
-VIEWPORT = (
+    # the viewport; uniforms reach it through the passes of one language
     row("viewport-corner", "dropped sample", "ToTexture", "BokehViewport.xy + uv", "uv"),
     row("viewport-size", "aspect", "ToTexture", "uv * BokehViewport.zw", "uv"),
     row("viewport-low", "guard", "ToTexture", "BokehViewportBounds.xy, Bok", "vec2(0.0, 0.0), Bok"),
@@ -282,9 +268,7 @@ VIEWPORT = (
     row("viewport-kernel", "porting", "NaiveGather", "BokehFetchTable(KernelSamp, i, BOKEH_NUM_SAMPLES)",
         "BokehFetchNearest(KernelSamp, vec2((float(i) + 0.5) / float(BOKEH_NUM_SAMPLES), 0.5))",
         "test_viewport.py::test_nothing_leaks_in[osmesa naive]"),
-)
-
-DEBUG_VIEWS = (
+    # debug views
     row("debug-depth", "axis", "DebugDepth", "S2 / (", "S1 / ("),
     row("debug-coc", "constant", "DebugCoC", "clamp(abs(CoC) /", "clamp(0.5 * abs(CoC) /"),
     row("debug-coc-guard", "guard", "DebugCoC", "max(MaxCoC, BOKEH_MIN_DEPTH)", "MaxCoC"),
@@ -292,18 +276,5 @@ DEBUG_VIEWS = (
     row("debug-focus-sign", "sign", "DebugFocus", "abs(CoC)", "CoC"),
     row("debug-sides", "condition", "DebugFocus", "S2 < S1", "S2 > S1"),
     row("debug-focus-guard", "guard", "DebugFocus", "max(MaxCoC, BOKEH_MIN_DEPTH)", "MaxCoC"),
-)
-# fmt: on
-
-IN_LIBRARY = (
-    *CONFIGURATION,
-    *CIRCLE_OF_CONFUSION,
-    *SAMPLE_OFFSETS,
-    *LINE_FILTER,
     *LINE,
-    *COMBINE,
-    *NAIVE_GATHER,
-    *EXACT_POLYGONS,
-    *VIEWPORT,
-    *DEBUG_VIEWS,
 )

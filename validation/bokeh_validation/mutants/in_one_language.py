@@ -27,7 +27,8 @@ def _mutant(name, kind, file, within, edits, killers, count=1) -> Mutant:
 
 
 # fmt: off
-LAYERS_FORGOTTEN = (
+IN_ONE_LANGUAGE: tuple[Mutant, ...] = (
+    # layers forgotten
     row("hlsl-layers-share", "one language", "layers", "LayerShare", "- 2.0", "- 1.0"),
     row("glsl-layers-share", "one language", "layers", "LayerShare", "- 2.0", "- 1.0"),
     row("wgsl-layers-share", "one language", "layers", "LayerShare", "- 2.0", "- 1.0"),
@@ -38,9 +39,7 @@ LAYERS_FORGOTTEN = (
         "BOKEH_LAYER_RINGS: i32 = 2;"),
     row("hlsl-layers-gather", "one language", "layers", "Layered", "outer * outer - inner * inner", "outer * outer"),
     row("wgsl-layers-cubic", "one language", "layers", "FetchLayer", "texel.y + 2.0", "texel.y + 1.0"),
-)
-
-FORGOTTEN = (
+    # forgotten; the parity check sees them
     row("hlsl-coc-sign", "one language", "library", "CoC", "S2 - focus", "S2 + focus"),
     row("hlsl-combine", "one language", "library", "Combine", "min(a, b)", "max(a, b)"),
     row("glsl-leakage", "one language", "library", "LeakageWeight", "sampleDepth < centerDepth",
@@ -63,9 +62,7 @@ FORGOTTEN = (
     row("hlsl-second-loop", "one language", "library", "NaiveGather", "min(j + BOKEH_LOOP_LIMIT, BOKEH_NUM_SAMPLES)",
         "min(j + BOKEH_LOOP_LIMIT - 1, BOKEH_NUM_SAMPLES)", MANY),
     swap("hlsl-parameters", "one language", "passes", None, "(float, BokehAngle, 7)", "(float, BokehAngleB, 8)"),
-)
-
-PORTING = (
+    # porting
     row("hlsl-fetch", "porting", "library", "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0", count=2),
     row("hlsl-fetch-sm3", "porting", "library", "FetchTexture", "coords, 0.0, 0.0", "coords + 0.01, 0.0, 0.0", *D3D9),
     row("glsl-fetch", "porting", "library", "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
@@ -79,19 +76,14 @@ PORTING = (
     row("glsl-table", "porting", "library", "FetchTable", "min(i, count - 1)", "min(i, count - 2)"),
     row("hlsl-table-sm3", "porting", "library", "FetchTable", "float(i) + 0.5", "float(i) + 1.5", *D3D9),
     row("wgsl-table", "porting", "library", "FetchTable", "min(i, count - 1)", "min(i, count - 2)"),
-)
-
-# two declarations with each other's number
-BINDINGS = (
+    # bindings: two declarations with each other's number
     swap("hlsl-textures", "binding", "passes", None, "BokehColorSampB : register(t", "BokehColorSampC : register(t"),
     swap("hlsl-textures-sm3", "binding", "passes", None, "BokehColorSampB : register(s", "BokehColorSampC : register(s",
          *D3D9),
     swap("wgsl-textures", "binding", "passes", None, " var BokehColorSampB:", " var BokehColorSampC:"),
     swap("wgsl-depth", "binding", "passes", None, " var BokehDepthSamp:", " var BokehColorSampD:"),
     swap("hlsl-kernel", "binding", "passes", None, "BokehKernelSamp : register(t", "BokehColorSampD : register(t"),
-)
-
-VERTEX_SHADERS = (
+    # vertex shaders
     row("hlsl-upside-down", "vertex shader", "passes", "FullScreen", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
     row("hlsl-half-pixel", "vertex shader", "passes", "FullScreen", "float2(-1.0, 1.0)", "float2(0.0, 0.0)", *D3D9),
     row("glsl-upside-down", "vertex shader", "passes", "FullScreen", "vec4(BokehUV * 2.0 - 1.0,",
@@ -99,9 +91,7 @@ VERTEX_SHADERS = (
     row("glsl-small-triangle", "vertex shader", "passes", "FullScreen", "== 1 ? 2.0", "== 1 ? 1.0"),
     row("wgsl-upside-down", "vertex shader", "passes", "FullScreen", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
     row("wgsl-mirrored", "vertex shader", "passes", "FullScreen", "uv.x * 2.0 - 1.0", "1.0 - uv.x * 2.0"),
-)
-
-PASSES = (
+    # passes; the parity check sees them
     row("hlsl-viewport", "pass", "passes", "UseViewport", "BokehViewportX, BokehViewportY",
         "BokehViewportY, BokehViewportX"),
     row("glsl-viewport-forgotten", "pass", "passes", "Begin", "BokehUseViewport();", ""),
@@ -119,6 +109,3 @@ PASSES = (
     row("wgsl-jitter", "pass", "passes", "Begin", "BokehJitter * noise", "0.0 * noise"),
     row("wgsl-debug-depth", "pass", "passes", "Debug", "BokehDebugMode > 1.5", "BokehDebugMode > 0.75"),
 )
-# fmt: on
-
-IN_ONE_LANGUAGE = (*LAYERS_FORGOTTEN, *FORGOTTEN, *PORTING, *BINDINGS, *VERTEX_SHADERS, *PASSES)

@@ -3,12 +3,12 @@
 from functools import partial
 
 from bokeh_validation.mutants.killers import JITTER, LAYERED_TARGET
+from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
 row = partial(any_row, "passes")
 # fmt: off
-
-READY_MADE = (
+IN_PASSES: tuple[Mutant, ...] = (
     row("begin-no-viewport", "dropped sample", "Begin", "BokehUseViewport();", ""),
     row("begin-index", "dropped sample", "Begin", "BokehFrame, passIndex", "BokehFrame, 0.0"),
     row("begin-frame", "dropped sample", "Begin", "BokehFrame, passIndex", "0.0, passIndex"),
@@ -37,9 +37,7 @@ READY_MADE = (
     row("decagon-last-target", "axis", "DecagonFirst", "targets.T5", "targets.T4"),
     row("octagon-sides", "off-by-one", "OctagonFirst", ", 8)", ", 10)"),
     row("linear-kind", "off-by-one", "LinearDepth", "BokehDepthKind + 0.5", "BokehDepthKind - 0.5"),
-)
-
-LAYER_PASSES = (
+    # of the layers
     row("layers-pass-noise", "pass", "BeginLayers", "ceil(imageSize / scale)", "imageSize"),
     row("layers-pass-first-layer", "pass", "LayerPolygon", "BokehLayer > 0.5", "BokehLayer < 0.5"),
     row("layers-pass-second-layer", "pass", "HexagonLayerSecond", "BokehLayer > 0.5", "BokehLayer < 0.5"),
@@ -49,6 +47,3 @@ LAYER_PASSES = (
     row("layers-pass-pick", "pass", "LayerHolesOne", "BokehEdge + 0.5", "BokehEdge - 0.5", LAYERED_TARGET),
     row("layers-pass-edge", "pass", "LayerEdge", "int(BokehEdge + 0.5)", "int(BokehEdge - 0.5)"),
 )
-# fmt: on
-
-IN_PASSES = (*READY_MADE, *LAYER_PASSES)

@@ -71,7 +71,7 @@ FIRST = {
     "LinearDepth DepthFrom*": (DEPTHS, BAD_DEPTHS, DEPTH_ENDS),
     "SignedCoC*": (SIGNED,),
     "LineEnd LeakageWeight DepthOfField Combine DepthOfFieldFinal": (PAPER,),
-    "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample[egl]", PAPER),
+    "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample", PAPER),
     "DefaultFilter": ("test_precision.py::test_the_default_filter_is_section_1",),
     "FilterCoC": (ADAPTIVE, survivor("test_half_a_pixel_is_in_focus"), HEXAGON),
     "Cells": (ADAPTIVE, survivor("test_a_line_of_no_length"), JITTER, HEXAGON),

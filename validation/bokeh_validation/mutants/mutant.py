@@ -10,25 +10,10 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.mutants import killers
 from bokeh_validation.passes import PARAMETERS
 
-# What kinds of mistakes the mutants stand for
-KINDS = {
-    "sign": "a sign reversed",
-    "axis": "x for y, one argument for another of its type",
-    "dropped sample": "a sample or a weight left out",
-    "off-by-one": "a count or an index one off",
-    "one language": "a function edited in one language and forgotten in the others",
-    "min for max": "min for max, or the other way round",
-    "angle": "a wrong angle",
-    "aspect": "the aspect ratio or the squeeze forgotten",
-    "guard": "a guard against bad input removed",
-    "condition": "a comparison reversed or its bound moved",
-    "constant": "a wrong factor or constant",
-    "configuration": "a wrong value in section [1]",
-    "porting": "section [2] of one language",
-    "binding": "a wrong register, sampler or parameter",
-    "vertex shader": "the full-screen triangle",
-    "pass": "a ready-made pass",
-}
+KINDS = (
+    *("sign", "axis", "dropped sample", "off-by-one", "one language", "min for max", "angle", "aspect", "guard"),
+    *("condition", "constant", "configuration", "porting", "binding", "vertex shader", "pass"),
+)
 # Names that GLSL has for what the other languages call otherwise
 SPELLINGS = {
     "glsl": (),

@@ -5,16 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import load
 from test_drivers import HOSTILE_COLOR, compared, noise_case
+from test_precision import exactly
 
-from bokeh_validation import methods, metrics, parity, passes, paths, shaders
+from bokeh_validation import methods, metrics, parity, passes, paths
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import depth_of, flat
 from bokeh_validation.reference import listings
-
-# The drivers that run programs of the harness's own (passes.Pass.sources), one of each language
-OWN_PROGRAMS = ("egl", "dxc", "wgpu")
 
 
 def changed(plain: np.ndarray, output: np.ndarray) -> bool:
@@ -53,30 +50,14 @@ def test_every_channel_is_made_safe(driver):
     np.testing.assert_array_equal(output[..., :3], wanted)
 
 
-CALLS = {
-    "glsl": "layout(location = 0) out vec4 Result;\nin vec2 BokehUV;\nvoid main()\n{\n"
-    "    Result = vec4(BokehMakeOffsets(vec2(0.25, 0.5), 0, 1), BokehMakeOffsets(vec2(0.25, 0.5), 1, 2));\n}\n",
-    "hlsl": "float4 BokehCall_PS(BOKEH_INPUT) : BOKEH_OUTPUT\n{\n"
-    "    return float4(BokehMakeOffsets(float2(0.25, 0.5), 0, 1), BokehMakeOffsets(float2(0.25, 0.5), 1, 2));\n}\n",
-    "wgsl": "@fragment fn BokehCall_PS(input: BokehVertex) -> @location(0) vec4f\n{\n"
-    "    return vec4f(BokehMakeOffsets(vec2f(0.25, 0.5), 0, 1), BokehMakeOffsets(vec2f(0.25, 0.5), 1, 2));\n}\n",
-}
-
-
-@pytest.mark.parametrize("name", OWN_PROGRAMS)
-def test_a_line_of_one_sample(name):
+def test_a_line_of_one_sample():
     """BokehMakeOffsets of one sample is one end of the line, where the distance between samples would be 0 / 0.
 
     WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
     """
-    sources = {
-        "glsl": f"{shaders.GLSL_VERSIONS['330']}\n{paths.library('glsl').read_text(encoding='ascii')}{CALLS['glsl']}",
-        "hlsl": shaders.hlsl(6) + CALLS["hlsl"],
-        "wgsl": shaders.wgsl() + CALLS["wgsl"],
-    }
-    item = Pass("BokehCall", {}, "result", sources=sources)
-    output = load(name).run([item], {}, (1, 1))["result"][0, 0]
-    np.testing.assert_array_equal(output, [-0.25, -0.5, 0.25, 0.5])
+    line = np.array([[0.25, 0.5]])
+    for sample, count, wanted in ((0, 1, -line), (0, 2, -line), (1, 2, line)):
+        np.testing.assert_array_equal(exactly("BokehMakeOffsets", line, sample, count), wanted)
 
 
 def test_a_line_of_no_length(driver):
