@@ -6,10 +6,10 @@ import numpy as np
 
 from bokeh_validation import methods
 from bokeh_validation.entries import GRID, LINE, TABLE
-from bokeh_validation.passes import Pass
 from bokeh_validation.reference import sampling, segments
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
+from bokeh_validation.reference.segments import Segment
 
 # A half-float channel and what it counts as; 6e-8 is the smallest denormal half float
 COLOR = (
@@ -33,6 +33,13 @@ DEPTH = (
     (1e-30, MIN_DEPTH),
     (1e30, MAX_DEPTH),
 )
+STEP = 0.8
+
+
+def sprinkled(random: np.random.Generator, pixels: np.ndarray, pairs, share: float) -> np.ndarray:
+    """The pixels with about `share` of their numbers replaced by the first numbers of some of `pairs`."""
+    chosen = random.choice(np.array([bad for bad, _ in pairs]), pixels.shape).astype(pixels.dtype)
+    return np.where(random.random(pixels.shape) < share, chosen, pixels)
 
 
 def reach(plan: methods.Plan, clean: Mapping[str, np.ndarray], bad: np.ndarray, bad_depth: np.ndarray) -> np.ndarray:
@@ -51,58 +58,35 @@ def reach(plan: methods.Plan, clean: Mapping[str, np.ndarray], bad: np.ndarray, 
     centres are less than 1 from the place: i - 1, i, i + 1 and no others. Hence 3 x 3 texels around each step.
     """
     touched = {"coc": bad}
+    height = len(bad)
     for item in plan.passes[1:]:
-        alpha = clean[item.inputs["ColorSamp"]][..., 3].astype(np.float64)
-        found = np.zeros_like(bad)
         read_depth = bad_depth if "DepthSamp" in item.inputs else np.zeros_like(bad)
-        for name in _colors(item).values():
-            found |= _grown(touched[name] | read_depth)
-        for slot, middle, half in _lines(item, plan):
-            found |= _on_line(_grown(touched[item.inputs[slot]] | read_depth), _used(item, alpha), middle, half)
+        near = {
+            slot: sampling.neighbourhood((touched[name] | read_depth)[..., None])[..., 0]
+            for slot, name in item.inputs.items()
+            if slot.startswith("ColorSamp")
+        }
+        found = np.any(list(near.values()), axis=0)
+        fixed = item.spec.role in (LINE, GRID, TABLE)
+        coc = np.abs(clean[item.inputs["ColorSamp"]][..., 3].astype(np.float64))
+        used = height * segments.filter_coc(coc, height, 0.0 if fixed else item.values()["BokehSpacing"])
+        read = [(line.slot, line.segment) for line in lines(item)]
+        if item.spec.role == TABLE:
+            table = plan.tables["kernel"][0, :, :2].astype(np.float64) * [item.values()["BokehSqueeze"], 1.0]
+            read = [("ColorSamp", Segment(offset, np.zeros(2))) for offset in table]
+        for slot, segment in read:
+            found |= _on_line(near[slot], used, segment)
         touched |= dict.fromkeys(item.outputs, found)
     return touched[plan.result]
 
 
-STEP = 0.8
-
-
-def _colors(item: Pass) -> dict[str, str]:
-    return {slot: name for slot, name in item.inputs.items() if slot.startswith("ColorSamp")}
-
-
-def _grown(mask: np.ndarray) -> np.ndarray:
-    """3 x 3 texels around each."""
-    return sampling.neighbourhood(mask[..., None])[..., 0]
-
-
-def _used(item: Pass, coc: np.ndarray) -> np.ndarray:
-    """The CoC that a pass scales its lines by, texels."""
-    values = item.values()
-    fixed = item.spec.role in (LINE, GRID, TABLE)
-    return coc.shape[0] * segments.filter_coc(np.abs(coc), coc.shape[0], 0.0 if fixed else values["BokehSpacing"])
-
-
-def _on_line(mask: np.ndarray, coc: np.ndarray, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Where a line, in units of the pixel's CoC, meets a texel of the mask. `coc` in texels."""
+def _on_line(mask: np.ndarray, coc: np.ndarray, line: Segment) -> np.ndarray:
+    """Where a line meets a texel of the mask. `coc` in texels."""
     height, width = mask.shape
     y, x = np.mgrid[0:height, 0:width] + 0.5
-    count = 2 + int(np.ceil(2.0 * np.abs(half).max() * coc.max() / STEP))
+    count = 2 + int(np.ceil(2.0 * np.abs(line.half).max() * coc.max() / STEP))
     found = np.zeros_like(mask)
     for t in np.linspace(-1.0, 1.0, count):
-        place = middle + t * half
+        place = line.middle + t * line.half
         found |= mask.reshape(-1)[sampling.nearest_index(x + place[0] * coc, y + place[1] * coc, (width, height))]
     return found
-
-
-def _lines(item: Pass, plan: methods.Plan) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """(slot, middle, half) of every line that a pass samples, units of the CoC, x right, y down."""
-    if item.spec.role != TABLE:
-        return [(line.slot, line.segment.middle, line.segment.half) for line in lines(item)]
-    table = plan.tables["kernel"][0, :, :2].astype(np.float64) * [item.values()["BokehSqueeze"], 1.0]
-    return [("ColorSamp", offset, np.zeros(2)) for offset in table]
-
-
-def sprinkled(random: np.random.Generator, pixels: np.ndarray, pairs, share: float) -> np.ndarray:
-    """The pixels with about `share` of their numbers replaced by the first numbers of some of `pairs`."""
-    chosen = random.choice(np.array([bad for bad, _ in pairs]), pixels.shape).astype(pixels.dtype)
-    return np.where(random.random(pixels.shape) < share, chosen, pixels)

@@ -14,6 +14,9 @@ from bokeh_validation import cli, drivers
 from bokeh_validation.errors import Unavailable
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
+# One of each language that starts at once; the rest compile the same text, in a browser or in Wine
+LANGUAGES = ("egl", "wgpu", "dxc")
+in_each_language = pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 _loaded: dict[str, object] = {}
 
 
@@ -40,6 +43,12 @@ def load(name: str) -> drivers.Driver:
         if isinstance(found, Unavailable):
             raise found
     return found
+
+
+def spread(name: str, values, everywhere) -> pytest.MarkDecorator:
+    """Each value in each language, those of `everywhere` on every driver."""
+    pairs = [(v, d) for v in values for d in REAL if d in LANGUAGES or v in everywhere]
+    return pytest.mark.parametrize((name, "driver"), pairs, indirect=["driver"], ids=[f"{v}-{d}" for v, d in pairs])
 
 
 def called(*arguments: object) -> subprocess.CompletedProcess:

@@ -8,8 +8,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 from PIL import Image
-from support import load
-from test_render import refused, run
+from support import called, in_each_language
+from test_render import refused
 
 from bokeh_validation import apertures, decomposition, methods, paths, sheet
 from bokeh_validation.decomposition import Decomposition, decompose
@@ -19,6 +19,7 @@ from bokeh_validation.patterns.model import depth_of, pixel_center
 from bokeh_validation.reference import polygons
 from bokeh_validation.reference.device import Reference
 
+DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
 REGULAR = range(3, 13)
 # No two sides parallel, and parallel sides of several kinds
 PENTAGON = "-0.35,-0.3 0.1,-0.45 0.45,-0.1 0.3,0.4 -0.3,0.35"
@@ -51,48 +52,77 @@ def random_polygon(seed: int) -> np.ndarray:
     polygon = apertures.rotated(polygon, random.uniform(0.0, 360.0))
     if seed % 3 == 0:
         for turn in random.uniform(0.0, 180.0, 2):
-            polygon = polygons.clip_convex(polygon, apertures.rotated(strip_corners(random.uniform(0.2, 0.4)), turn))
+            strip = np.array([[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]) * [1.0, random.uniform(0.2, 0.4)]
+            polygon = polygons.clip_convex(polygon, apertures.rotated(strip, turn))
     return polygon + random.uniform(-0.1, 0.1, 2)
-
-
-def strip_corners(half: float) -> np.ndarray:
-    """A long rectangle."""
-    return np.array([[-2.0, -half], [2.0, -half], [2.0, half], [-2.0, half]])
 
 
 def shapes() -> dict[str, np.ndarray]:
     """Every polygon of these tests by name."""
     named = {name: sheet.parsed(text) for name, text in SHAPES.items()}
     named |= {f"{n} sides": apertures.regular_polygon(n) for n in (*REGULAR, 16, 22)}
-    return named | {f"random {seed}": random_polygon(seed) for seed in range(40)}
+    return named | {f"random {seed}": random_polygon(seed) for seed in range(20)}
 
 
-@pytest.fixture(params=shapes())
-def polygon(request) -> np.ndarray:
-    """Each polygon in turn."""
-    return shapes()[request.param]
+def normals(polygon: np.ndarray) -> np.ndarray:
+    """Outward, of length 1, for each side of a polygon in the order of `polygons.signed_area` above 0, (N, 2)."""
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    return np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
 
 
 def assert_same_shape(shape: Decomposition, polygon: np.ndarray, tolerance: float) -> None:
     """The parallelograms have exactly the polygon in common: all hold its corners, and each side bounds one of them."""
     polygon = polygon if polygons.signed_area(polygon) > 0 else polygon[::-1]
-    sides = np.roll(polygon, -1, axis=0) - polygon
-    outward = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
+    outward = normals(polygon)
     reach = (polygon * outward).sum(axis=1)
     assert (polygon @ outward.T <= reach + 1e-9).all(), "the test's own normals"
     parts = np.array([(part.corners @ outward.T).max(axis=0) for part in shape.parts])
     np.testing.assert_allclose(parts.min(axis=0), reach, atol=tolerance)
     for part in shape.parts:
         corners = part.corners if polygons.signed_area(part.corners) > 0 else part.corners[::-1]
-        edges = np.roll(corners, -1, axis=0) - corners
-        normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
-        assert (polygon @ normals.T <= (corners * normals).sum(axis=1) + 1e-9).all()
+        assert (polygon @ normals(corners).T <= (corners * normals(corners)).sum(axis=1) + 1e-9).all()
 
 
-def test_parallelograms_have_the_polygon_in_common(polygon):
-    """For each polygon, exactly; and within the tolerance where sides or chords are made equal."""
-    assert_same_shape(decompose(polygon, 0.0), polygon, 1e-5)
-    assert_same_shape(decompose(polygon), polygon, 2 * decomposition.TOLERANCE)
+@pytest.mark.parametrize("name", shapes())
+def test_every_polygon(name):
+    """The parallelograms have the polygon in common: exactly, or within the tolerance where sides are made equal.
+
+    Their lines make them; passes, parallelograms and light are within what docs/apertures.md proves. Up to four
+    directions, the search finds the best of all sets of pairs.
+    """
+    polygon = shapes()[name]
+    shape, tolerant = decompose(polygon, 0.0), decompose(polygon)
+    assert_same_shape(shape, polygon, 1e-5)
+    assert_same_shape(tolerant, polygon, 2 * decomposition.TOLERANCE)
+    assert_lines_make_parts(tolerant)
+    assert tolerant.shared == len(tolerant.parts) - len({part.first for part in tolerant.parts})
+    assert all(tolerant.lines[part.first].center == (0.0, 0.0) for part in tolerant.parts)
+    p, sides = len(shape.directions), len(shape.polygon)
+    assert p <= len(shape.lines) <= p + p % 2
+    assert (p + 1) // 2 <= len(shape.parts) < p
+    # on the polygon min is 1 / (largest area), so its sum is the area over that
+    area = abs(polygons.signed_area(polygon))
+    assert shape.light == pytest.approx(area / max(part.area for part in shape.parts))
+    assert shape.light <= shape.bound + 1e-9
+    if p == sides:
+        assert len(shape.lines) == p and shape.light == pytest.approx(shape.bound)
+    # The bound holds for any direction of the other side, not only those of the polygon. The angles tried are 0.00015
+    # apart; the shadow of a corner 1 away moves by that over cos^2
+    largest = max(least_area(polygon, side) for side in np.roll(polygon, -1, axis=0) - polygon)
+    assert area / largest == pytest.approx(shape.bound, rel=5e-3)
+    if p <= 4:
+        passes, largest = brute_force(decomposition.strips(shape.polygon, 0.0))
+        assert len(shape.lines) == passes
+        assert max(part.area for part in shape.parts) == pytest.approx(largest)
+
+
+def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
+    """Smallest parallelogram around a polygon with one side along `side`, by trying 20000 directions of the other."""
+    along = side / np.linalg.norm(side)
+    across = np.array([-along[1], along[0]])
+    slopes = np.tan(np.linspace(-1.5, 1.5, 20001))
+    shadows = (polygon @ along)[:, None] - (polygon @ across)[:, None] * slopes
+    return np.ptp(polygon @ across) * np.ptp(shadows, axis=0).min()
 
 
 @pytest.mark.parametrize("rotation", [0.0, 17.3, 90.0, 181.0, -45.0])
@@ -124,56 +154,18 @@ def assert_lines_make_parts(shape: Decomposition) -> None:
     assert finished[-1] == len(shape.lines) - 1
 
 
-def test_lines_make_the_parallelograms(polygon):
-    """Angles, lengths and centres; a line that is shared is one line with one angle, length and centre."""
-    shape = decompose(polygon)
-    assert_lines_make_parts(shape)
-    assert shape.shared == len(shape.parts) - len({part.first for part in shape.parts})
-    for part in shape.parts:
-        assert shape.lines[part.first].center == (0.0, 0.0)
-
-
-def test_numbers(polygon):
-    """Passes, parallelograms and light within what docs/apertures.md proves."""
-    shape = decompose(polygon, 0.0)
-    p, sides = len(shape.directions), len(shape.polygon)
-    assert p <= len(shape.lines) <= p + p % 2
-    assert (p + 1) // 2 <= len(shape.parts) < p
-    # on the polygon min is 1 / (largest area), so its sum is the area over that
-    assert shape.light == pytest.approx(abs(polygons.signed_area(polygon)) / max(part.area for part in shape.parts))
-    assert shape.light <= shape.bound + 1e-9
-    if p == sides:
-        assert len(shape.lines) == p and shape.light == pytest.approx(shape.bound)
-
-
 @pytest.mark.parametrize("n", REGULAR)
 def test_regular(n):
-    """As few parallelograms and passes as there can be, and the closed forms of the light."""
+    """As few parallelograms and passes as there can be, and the closed forms of the light; as the document's table."""
     shape = decompose(apertures.regular_polygon(n))
+    (row,) = re.findall(rf"^\| {n} \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d\.\d+) \|$", DOCUMENT, re.MULTILINE)
+    numbers = (len(shape.directions), len(shape.parts), len(shape.lines), shape.shared)
+    assert row == (*map(str, numbers), f"{shape.light:.3f}")
     p = n if n % 2 else n // 2
     assert len(shape.directions) == len(shape.lines) == p
     assert len(shape.parts) == (p + 1) // 2 and shape.shared == p % 2
     assert shape.light == pytest.approx(closed_form(n)) == pytest.approx(shape.bound)
     assert max(part.area for part in shape.parts) == pytest.approx(min(part.area for part in shape.parts))
-
-
-def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
-    """Smallest parallelogram around a polygon with one side along `side`, by trying 20000 directions of the other."""
-    along = side / np.linalg.norm(side)
-    across = np.array([-along[1], along[0]])
-    width = np.ptp(polygon @ across)
-    slopes = np.tan(np.linspace(-1.5, 1.5, 20001))
-    shadows = (polygon @ along)[:, None] - (polygon @ across)[:, None] * slopes
-    return width * np.ptp(shadows, axis=0).min()
-
-
-def test_bound_holds_for_every_parallelogram(polygon):
-    """Any direction of the other side, not only those of the polygon: none is smaller than the bound says."""
-    shape = decompose(polygon, 0.0)
-    sides = np.roll(polygon, -1, axis=0) - polygon
-    largest = max(least_area(polygon, side) for side in sides)
-    # the angles tried are 0.00015 apart; the shadow of a corner 1 away moves by that over cos^2
-    assert abs(polygons.signed_area(polygon)) / largest == pytest.approx(shape.bound, rel=5e-3)
 
 
 def brute_force(found: list[decomposition.Strip]) -> tuple[int, float]:
@@ -202,19 +194,6 @@ def cost(found: list[decomposition.Strip], chosen: tuple[tuple[int, int], ...]) 
     return passes, largest
 
 
-FEW = [name for name, polygon in shapes().items() if len(decompose(polygon, 0.0).directions) <= 4]
-
-
-@pytest.mark.parametrize("name", FEW)
-def test_search_finds_the_best(name):
-    """Against all sets of pairs, for polygons of up to four directions."""
-    shape = decompose(shapes()[name], 0.0)
-    found = decomposition.strips(shape.polygon, 0.0)
-    passes, largest = brute_force(found)
-    assert len(shape.lines) == passes
-    assert max(part.area for part in shape.parts) == pytest.approx(largest)
-
-
 def test_examples():
     """What the document says of single shapes."""
     passes = {name: len(decompose(sheet.parsed(text), 0.0).lines) for name, text in SHAPES.items()}
@@ -229,122 +208,75 @@ def test_examples():
 # ------------------------------------------------------------------------------------------------- the paper's shapes
 
 
-def test_hexagon_of_the_paper():
-    """The rule's hexagon is the paper's: the same passes in the same order, and its light."""
-    shape = decompose(apertures.regular_polygon(6))
-    plan = methods.paper(methods.Settings("paper", "hexagon"), (64, 64))
+# The octagon is turned by 22.5 degrees and larger, since its squares have the CoC as their side
+@pytest.mark.parametrize(("sides", "turn", "light"), [(6, 0.0, 0.75), (8, 22.5, 0.8284)])
+def test_polygons_of_the_paper(sides, turn, light):
+    """The rule's hexagon and octagon are the paper's: the same passes in the same order, and its light."""
+    aperture, scale = {6: ("hexagon", 1.0), 8: ("octagon", np.cos(np.pi / 8))}[sides]
+    shape = decompose(apertures.rotated(apertures.regular_polygon(sides), turn) / scale)
+    plan = methods.paper(methods.Settings("paper", aperture), (64, 64))
     own = methods.paper_polygon(shape, methods.Settings(), (64, 64))
     for line, item, mine in zip(shape.lines, plan.passes[1:], own.passes[1:], strict=True):
         assert np.radians(line.angle) == pytest.approx(item.parameters["BokehAngle"])
         assert line.length == pytest.approx(1.0) and line.center == (0.0, 0.0)
         assert dict(item.inputs) == dict(mine.inputs) and item.output == mine.output
-    assert shape.light == pytest.approx(impulse.light_kept("hexagon")) == pytest.approx(0.75)
+    assert shape.light == pytest.approx(impulse.light_kept(aperture)) == pytest.approx(light, abs=5e-5)
 
 
-def test_octagon_of_the_paper():
-    """Turned by 22.5 degrees and larger, since its squares have the CoC as their side; the same lines."""
-    larger = apertures.rotated(apertures.regular_polygon(8), 22.5) / np.cos(np.pi / 8)
-    shape = decompose(larger)
-    plan = methods.paper(methods.Settings("paper", "octagon"), (64, 64))
-    own = methods.paper_polygon(shape, methods.Settings(), (64, 64))
-    for line, item, mine in zip(shape.lines, plan.passes[1:], own.passes[1:], strict=True):
-        assert np.radians(line.angle) == pytest.approx(item.parameters["BokehAngle"])
-        assert line.length == pytest.approx(1.0) and line.center == (0.0, 0.0)
-        assert dict(item.inputs) == dict(mine.inputs) and item.output == mine.output
-    assert shape.light == pytest.approx(impulse.light_kept("octagon")) == pytest.approx(0.828, abs=5e-4)
+# -------------------------------------------------------------------------------------------------------------- drivers
 
 
-@pytest.mark.parametrize("aperture", apertures.APERTURES)
-def test_passes_of_the_paper_are_untouched(aperture):
-    """No line of the fixed shapes got a length or a centre."""
-    for item in methods.paper(methods.Settings("paper", aperture), (64, 48)).passes:
-        values = item.values()
-        line = [values[f"BokehLine{name}"] for name in ("Length", "CenterX", "CenterY")]
-        assert line == [1.0, 0.0, 0.0] and not item.entry.startswith("BokehAdaptive")
+def drawn(driver, plan: methods.Plan) -> np.ndarray:
+    """Green channel of one bright pixel, (H, W), over the ambient light."""
+    textures = {"color": impulse.impulse_image(), "depth": depth_of(impulse.SIZE, 10.0), **plan.tables}
+    output = driver.run(plan.passes, textures, impulse.SIZE)["result"]
+    return output[..., 1].astype(np.float64) - impulse.AMBIENT
 
 
-# --------------------------------------------------------------------------------------------------------------- raster
-
-SIZE = (130, 120)
-COC = 60.0
-CENTER = (65, 60)
-
-
-def shifted(image: np.ndarray, x: float, y: float) -> np.ndarray:
-    """What every pixel sees at (x, y) from itself, bilinear; the borders are dark."""
-    column, row = int(np.floor(x)), int(np.floor(y))
-    fx, fy = x - column, y - row
-    total = np.zeros_like(image)
-    for dx, dy, share in ((0, 0, (1 - fx) * (1 - fy)), (1, 0, fx * (1 - fy)), (0, 1, (1 - fx) * fy), (1, 1, fx * fy)):
-        total += share * np.roll(image, (-row - dy, -column - dx), axis=(0, 1))
-    return total
+def settings(method: str, aperture: str, **changes) -> methods.Settings:
+    """Two samples a pixel of a constant CoC."""
+    camera = methods.Camera(max_coc=1.0)
+    coc = impulse.COC / impulse.SIZE[1]
+    return methods.Settings(method, aperture, impulse.SAMPLES, camera=camera, coc=coc, **changes)
 
 
-def simulated(shape: Decomposition) -> tuple[list[np.ndarray], np.ndarray]:
-    """The passes as plain sums of shifted images, from nothing but the parameters of the shaders.
-
-    Returns the blur of each parallelogram and the last pass, (H, W).
-    """
-    start = np.zeros(SIZE[::-1])
-    start[CENTER[1], CENTER[0]] = 1.0
-    blurs: list[np.ndarray] = []
-    results: list[np.ndarray] = []
-    for line in shape.lines:
-        values = line.parameters()
-        end = 0.5 * values["BokehLineLength"] * apertures.direction(values["BokehAngle"])
-        middle = np.array([values["BokehLineCenterX"], values["BokehLineCenterY"]])
-        count = int(np.ceil(2 * line.length * COC))
-        places = COC * (middle + ((2 * np.arange(count) + 1) / count - 1)[:, None] * end)
-        source = start if line.reads is None else results[line.reads]
-        blurred = sum(shifted(source, *place) for place in places) / count
-        results.append(blurred if line.combines is None else np.minimum(blurred, results[line.combines]))
-        if line.reads is not None:
-            blurs.append(blurred)
-    return blurs, results[-1]
-
-
-def compare(seen: np.ndarray, polygon: np.ndarray, center: tuple[int, int]) -> tuple[float, float]:
+def compare(seen: np.ndarray, polygon: np.ndarray) -> tuple[float, float]:
     """Overlap over union of what is seen and a polygon in pixels, and the least that half a pixel allows."""
-    truth = polygons.coverage(polygon, seen.shape[::-1], pixel_center(*center))
+    truth = polygons.coverage(polygon, seen.shape[::-1], pixel_center(*impulse.CENTER))
     edge, area = 0.5 * polygons.perimeter(polygon), abs(polygons.signed_area(polygon))
     seen = np.clip(seen, 0.0, 1.0)
     return np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum(), (area - edge) / (area + edge)
 
 
-@pytest.mark.parametrize(
-    "name", ["3 sides", "5 sides", "6 sides", "7 sides", "8 sides", *SHAPES, "random 3", "random 4"]
-)
-def test_raster(name):
-    """One bright pixel becomes the polygon as it was given, not its reflection, as bright as the largest area says."""
-    polygon = shapes()[name]
-    shape = decompose(polygon)
-    blurs, result = simulated(shape)
-    ripple = 0.0
-    for part, blur in zip(shape.parts, blurs, strict=True):
-        # a mean, since the light of a single pixel ripples by a sixth where both lines slant
-        middle = part.corners.mean(axis=0)
-        inner = polygons.coverage(COC * (middle + 0.8 * (part.corners - middle)), SIZE, pixel_center(*CENTER)) == 1.0
-        if inner.any() and name != "needle":
-            assert blur[inner].mean() * part.area * COC**2 == pytest.approx(1.0, abs=0.01)
-            ripple = max(ripple, blur[inner].std() / blur[inner].mean())
-    plateau = 1.0 / max(part.area for part in shape.parts) / COC**2
-    overlap, least = compare(result / plateau, COC * polygon, CENTER)
+def assert_drawn(driver, plan: methods.Plan, shape: Decomposition, squeeze: float = 1.0) -> None:
+    """The polygon as it was given, not its reflection, as bright as the largest area says."""
+    polygon = impulse.COC * shape.polygon * [squeeze, 1.0]
+    largest = max(part.area for part in shape.parts) * squeeze * impulse.COC**2
+    seen = drawn(driver, plan)
+    overlap, least = compare(seen * largest / impulse.PEAK, polygon)
     assert overlap >= least
-    if name in ("3 sides", "off the pixel"):
-        assert compare(result / plateau, -COC * polygon, CENTER)[0] < 0.7 * least
-    edge = 0.5 * COC * polygons.perimeter(polygon)
-    assert result.sum() == pytest.approx(shape.light, abs=edge * plateau + ripple * shape.light)
+    if len(polygon) % 2:
+        assert overlap > compare(seen * largest / impulse.PEAK, -polygon)[0] + 0.02
+    edge = 0.5 * polygons.perimeter(polygon)
+    assert seen.sum() / impulse.PEAK == pytest.approx(shape.light, abs=edge / largest)
 
 
-def test_triangle_points_up():
-    """Rows get wider downwards."""
-    _, seen = simulated(decompose(apertures.regular_polygon(3)))
-    widths = (seen > 0.5 * seen.max()).sum(axis=1)
-    lit = np.flatnonzero(widths)
-    assert widths[lit[3]] < 0.2 * widths[lit[-3]]
-    assert CENTER[1] - lit[0] == pytest.approx(0.5 * COC, abs=3) and lit[-1] - CENTER[1] == pytest.approx(
-        0.25 * COC, abs=2
-    )
+@pytest.mark.parametrize("name", [*SHAPES, "random 3", "random 4"])
+def test_any_polygon(name):
+    """One bright pixel by the reference."""
+    shape = decompose(shapes()[name])
+    assert_drawn(Reference(), methods.paper_polygon(shape, settings("paper", "hexagon"), impulse.SIZE), shape)
+
+
+@pytest.mark.parametrize("squeeze", [1.0, 0.6])
+@pytest.mark.parametrize("rotation", [0.0, 10.0])
+@pytest.mark.parametrize("aperture", apertures.POLYGONS)
+@in_each_language
+def test_highlight_on_a_driver(aperture, rotation, squeeze, driver):
+    """The shaders draw the polygon as the command draws it: upright, turned, squeezed."""
+    shape = decompose(apertures.regular_polygon(apertures.POLYGONS[aperture])).rotated(rotation)
+    chosen = settings("paper", aperture, rotation=rotation, squeeze=squeeze)
+    assert_drawn(driver, methods.plan(chosen, impulse.SIZE), shape, squeeze)
 
 
 @pytest.mark.parametrize("aperture", apertures.POLYGONS)
@@ -357,53 +289,10 @@ def test_naive_kernel(aperture):
         area, cell = abs(polygons.signed_area(polygon)), 1.0 / (samples - 1)
         assert len(table) * cell**2 == pytest.approx(area, abs=0.5 * cell * polygons.perimeter(polygon))
         # every offset, seen from the other side, is in the polygon but for the shift of the mean
-        sides = np.roll(polygon, -1, axis=0) - polygon
-        outward = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
+        outward = normals(polygon)
         assert (-table @ outward.T <= (polygon * outward).sum(axis=1) + 0.5 * cell).all()
     turned = apertures.kernel(aperture, 13, 30.0)
     np.testing.assert_allclose(turned, apertures.rotated(apertures.kernel(aperture, 13), 30.0))
-
-
-# -------------------------------------------------------------------------------------------------------------- drivers
-
-
-def highlight(driver, method: str, aperture: str, samples: int, rotation: float, squeeze: float) -> np.ndarray:
-    """Green channel of one bright pixel through a driver, (H, W)."""
-    size = impulse.SIZE
-    camera = methods.Camera(max_coc=1.0)
-    settings = methods.Settings(method, aperture, samples, rotation, camera, coc=impulse.COC / size[1], squeeze=squeeze)
-    plan = methods.plan(settings, size)
-    textures = {"color": impulse.impulse_image(), "depth": depth_of(size, 10.0), **plan.tables}
-    return driver.run(plan.passes, textures, size)["result"][..., 1].astype(np.float64) - impulse.AMBIENT
-
-
-@pytest.mark.parametrize("squeeze", [1.0, 0.6])
-@pytest.mark.parametrize("rotation", [0.0, 10.0])
-@pytest.mark.parametrize("aperture", apertures.POLYGONS)
-@pytest.mark.parametrize("name", ["reference", "osmesa", "wgpu", "dxc"])
-def test_highlight_on_a_driver(name, aperture, rotation, squeeze):
-    """The shaders draw the polygon as the command draws it: upright, turned, squeezed."""
-    driver = Reference() if name == "reference" else load(name)
-    shape = decompose(apertures.regular_polygon(apertures.POLYGONS[aperture])).rotated(rotation)
-    polygon = impulse.COC * shape.polygon * [squeeze, 1.0]
-    largest = max(part.area for part in shape.parts) * squeeze * impulse.COC**2
-    seen = highlight(driver, "paper", aperture, impulse.SAMPLES, rotation, squeeze)
-    overlap, least = compare(seen * largest / impulse.PEAK, polygon, impulse.CENTER)
-    assert overlap >= least
-    if apertures.POLYGONS[aperture] % 2:
-        assert overlap > compare(seen * largest / impulse.PEAK, -polygon, impulse.CENTER)[0] + 0.02
-    edge = 0.5 * polygons.perimeter(polygon)
-    assert seen.sum() / impulse.PEAK == pytest.approx(shape.light, abs=edge / largest)
-
-
-@pytest.mark.parametrize("aperture", apertures.POLYGONS)
-def test_naive_highlight_on_a_driver(aperture):
-    """The naive gather's polygon the same way up: two offsets a pixel make a plateau."""
-    driver = load("osmesa")
-    polygon = impulse.COC * apertures.regular_polygon(apertures.POLYGONS[aperture])
-    seen = highlight(driver, "naive", aperture, impulse.SAMPLES, 0.0, 1.0)
-    overlap, least = compare(seen * abs(polygons.signed_area(polygon)) / impulse.PEAK, polygon, impulse.CENTER)
-    assert overlap >= least
 
 
 # ------------------------------------------------------------------------------------------------------------ bad input
@@ -425,9 +314,7 @@ def test_polygons_are_tidied():
 
 
 BAD_POLYGONS = {
-    "0,0 0.1,0": "2 corners",
     "0,0 0.1,0 nan,0.2": "corner 3 is not a finite number",
-    "0,0 0.1,0 0.2,inf": "corner 3 is not a finite number",
     "0,0 0.1,0 0.2,0": "on one line",
     "0.1,0.1 0.1,0.1 0.1,0.1": "on one line",
     "0,0 0.4,0 0.1,0.1 0,0.4": "not convex at corner 3",
@@ -438,7 +325,6 @@ BAD_POLYGONS = {
     "0,0 0.4,0 0.2,0.001": "thinner than 0.01",
     "": "0 corners",
     "0,0 1,0 1": "corner 3 is '1'",
-    "0,0 1,0,2 1,1": "corner 2 is '1,0,2'",
     "0,0 1,x 1,1": "corner 2 is '1,x'",
     " ".join(f"{0.5 * np.cos(a):.4f},{0.5 * np.sin(a):.4f}" for a in np.arange(13) / 13 * 2 * np.pi): "13 directions",
 }
@@ -458,35 +344,32 @@ def test_bad_polygon(text):
         ([], ["--sides", "--vertices"]),
         (["--sides", "3", "--vertices", PENTAGON], ["--sides", "--vertices"]),
         (["--sides", "2"], ["--sides 2", "3 to 12"]),
-        (["--sides", "13"], ["--sides 13"]),
         (["--sides", "26"], ["--sides 26", "24"]),
-        (["--sides", "many"], ["--sides"]),
         (["--vertices", "0,0 1,0 half"], ["--vertices: corner 3", "'half'"]),
-        (["--vertices", "0,0 0.4,0 0.1,0.1 0,0.4"], ["not convex at corner 3"]),
         (["--sides", "3", "--rotation", "nan"], ["--rotation nan"]),
         (["--sides", "3", "--squeeze", "0"], ["--squeeze 0", "at most 16"]),
-        (["--sides", "3", "--squeeze", "nan"], ["--squeeze nan"]),
         (["--sides", "3", "--output", "/no/such/folder/x.png"], ["/no/such/folder"]),
-        (["--sides", "3", "--output", "."], ["folder"]),
         (["--sides", "3", "--output", "a.png", "--json", "/no/such/folder/x.json"], ["/no/such/folder"]),
     ],
     ids=lambda value: " ".join(value),
 )
-def test_bad_option(options, words, tmp_path):
+def test_bad_option(options, words, tmp_path, monkeypatch):
     """One line, exit code 2, no file."""
-    refused(run("aperture", *options, cwd=tmp_path), words)
+    monkeypatch.chdir(tmp_path)
+    refused(called("aperture", *options), words)
     assert not list(tmp_path.iterdir())
 
 
 # ------------------------------------------------------------------------------------------------- command and document
 
 
-def test_command_writes_what_it_says(tmp_path):
+def test_command_writes_what_it_says(tmp_path, monkeypatch):
     """Table, JSON and picture of the same passes, into a folder with a space."""
     folder = tmp_path / "a folder"
     folder.mkdir()
+    monkeypatch.chdir(folder)
     options = ["--vertices", PENTAGON, "--rotation", "20", "--squeeze", "0.75"]
-    done = run("aperture", *options, "--output", "pic ture.png", "--json", "pass es.json", cwd=folder)
+    done = called("aperture", *options, "--output", "pic ture.png", "--json", "pass es.json")
     assert done.returncode == 0 and done.stderr == "", done.stderr
     assert sorted(path.name for path in folder.iterdir()) == ["pass es.json", "pic ture.png"]
     shape = decompose(sheet.parsed(PENTAGON)).rotated(20.0)
@@ -506,31 +389,12 @@ def test_command_writes_what_it_says(tmp_path):
     assert picture.shape[1] == 4 * sheet.PANEL and picture.std() > 10
 
 
-def test_picture_is_the_right_way_up():
-    """The triangle's first panel: grey, narrow above, wide below."""
-    panel = sheet.picture(sheet.sheet(3, None))[: sheet.PANEL, : sheet.PANEL]
-    widths = (panel == sheet.SHAPE).all(axis=-1).sum(axis=1)
-    lit = np.flatnonzero(widths)
-    assert widths[lit[5]] < 0.3 * widths[lit[-5]]
-
-
-DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"validation/run (aperture .*? --output docs/images/\w+\.png)", DOCUMENT)
-
-
-def test_table_of_the_document():
-    """docs/apertures.md says what the code computes, for 3 to 12 sides."""
-    rows = re.findall(r"^\| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d\.\d+) \|$", DOCUMENT, re.MULTILINE)
-    assert [int(row[0]) for row in rows] == list(REGULAR)
-    for row in rows:
-        shape = decompose(apertures.regular_polygon(int(row[0])))
-        numbers = (len(shape.directions), len(shape.parts), len(shape.lines), shape.shared)
-        assert row[1:] == (*map(str, numbers), f"{shape.light:.3f}")
 
 
 def test_output_of_the_document():
     """The table that the document shows is the command's."""
-    done = run("aperture", "--sides", "3")
+    done = called("aperture", "--sides", "3")
     assert done.returncode == 0 and f"```\n{done.stdout}```" in DOCUMENT
 
 
@@ -540,13 +404,7 @@ def test_pictures_of_the_document(command, tmp_path):
     words = shlex.split(command)
     picture = paths.ROOT / words[-1]
     assert picture.stat().st_size < 150_000
-    done = run(*words[:-1], tmp_path / "picture.png")
+    done = called(*words[:-1], tmp_path / "picture.png")
     assert done.returncode == 0, done.stderr
     drawn, kept = (np.asarray(Image.open(path)).astype(int) for path in (tmp_path / "picture.png", picture))
     assert drawn.shape == kept.shape and np.abs(drawn - kept).max() <= 2
-
-
-def test_every_picture_has_its_command():
-    """None is left over."""
-    drawn = {shlex.split(command)[-1] for command in COMMANDS}
-    assert drawn == {f"docs/images/{path.name}" for path in (paths.ROOT / "docs/images").glob("apertures_*.png")}

@@ -1,17 +1,18 @@
 """Bad input on every driver: it counts as docs/inputs.md says, and changes no pixels but those that reach it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, lru_cache
 
 import numpy as np
 import pytest
 from hostile import COLOR, DEPTH, reach, sprinkled
-from support import load
+from support import LANGUAGES, in_each_language, load, spread
+from support_cases import everything, within
 
 from bokeh_validation import drivers
 from bokeh_validation.methods import Camera, Settings
 from bokeh_validation.passes import PARAMETERS
-from bokeh_validation.patterns.model import Case, compared
+from bokeh_validation.patterns.model import Case
 from bokeh_validation.reference.listings import safe_color
 
 SIZE = (96, 64)
@@ -31,6 +32,8 @@ METHODS = {
     "layered": Settings("layered", "hexagon", camera=CAMERA, squeeze=0.7),
     "layered, one target": Settings("layered", "octagon", camera=CAMERA, quality="low", jitter=1.0, targets=False),
 }
+# Those that have an entry of their own, in every compiler
+EVERYWHERE = [name for name in METHODS if name not in ("paper star, CoC kept", "paper triangle", "exact adaptive")]
 # Methods whose CoC is signed
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue
@@ -46,63 +49,40 @@ ALPHA = (np.nan, np.inf, -np.inf)
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Scene:
-    """One picture three times; bad pixels are 16 texels and more from each other, in blurs of up to 8.
-
-    bad      with one pixel of every bad value
-    counted  with what each counts as in its place
-    clean    with ordinary pixels there
-    color    (H, W) bool: where the bad colour is
-    depth    (H, W) bool: where the bad depth is
-    """
-
-    bad: Case
-    counted: Case
-    clean: Case
-    color: np.ndarray
-    depth: np.ndarray
-
-
 @cache
-def scene(method: str) -> Scene:
-    """Random colour over a slope with steps: CoC from 0 to 6 texels, and every outcome of the leakage test."""
+def scene(method: str) -> tuple[dict[str, Case], np.ndarray, np.ndarray]:
+    """One picture three times, and where (H, W) bool its bad colour and its bad depth are.
+
+    "bad" has one pixel of every bad value, 16 texels and more from each other, in blurs of up to 8; "counted" what each
+    counts as in its place; "clean" ordinary pixels there. Random colour over a slope with steps: CoC from 0 to 6
+    texels, and every outcome of the leakage test.
+    """
     random = np.random.default_rng(5)
     width, height = SIZE
     color = random.lognormal(0.0, 0.7, (height, width, 4)).astype(np.float16)
     steps = np.kron(random.choice([0.7, 1.0], (8, 12)), np.ones((8, 8)))
     depth = (np.linspace(2.5, 9.0, width) * steps).astype(np.float32)
-    colors, depths = (color.copy(), color.copy()), (depth.copy(), depth.copy())
+    clean = Case("clean", METHODS[method], color, depth)
+    bad, counted = (replace(clean, color=color.copy(), depth=depth.copy()) for _ in range(2))
     where = np.zeros((2, height, width), bool)
     places = iter([(9 + 15 * row, 8 + 16 * column) for row in range(4) for column in range(6)])
-    for pair in COLOR:
+    for wrong, right in COLOR:
         place = next(places)
         where[0][place] = True
-        for pixels, value in zip(colors, pair, strict=True):
-            pixels[place][:3] = value
-    for pair in DEPTH:
+        bad.color[place][:3], counted.color[place][:3] = wrong, right
+    for wrong, right in DEPTH:
         place = next(places)
         where[1][place] = True
-        for pixels, value in zip(depths, pair, strict=True):
-            pixels[place] = value
+        bad.depth[place], counted.depth[place] = wrong, right
     for value in ALPHA:
-        colors[0][next(places)][3] = value
-    settings = METHODS[method]
-    bad, counted = (Case("bad", settings, *pixels) for pixels in zip(colors, depths, strict=True))
-    return Scene(bad, counted, Case("clean", settings, color, depth), *where)
+        bad.color[next(places)][3] = value
+    return {"bad": bad, "counted": counted, "clean": clean}, *where
 
 
 @lru_cache(maxsize=64)
 def outputs(method: str, driver: str, which: str) -> dict[str, np.ndarray]:
     """All textures that the passes write for one of the three pictures of a Scene."""
-    return everything(load(driver), getattr(scene(method), which))
-
-
-def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str, np.ndarray]:
-    """All textures that a case's passes write, with some parameters changed in every pass."""
-    passes = [replace(item, parameters={**item.parameters, **changes}) for item in case.plan.passes]
-    names = [name for item in passes for name in item.outputs]
-    return driver.run(passes, case.textures(), case.size, keep=names)
+    return everything(load(driver), scene(method)[0][which])
 
 
 def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -110,61 +90,65 @@ def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (a != b).any(axis=-1)
 
 
-def assert_safe(found: dict[str, np.ndarray], signed: bool = False) -> None:
+def assert_safe(found: dict[str, np.ndarray], settings: Settings) -> None:
     """Every number of every texture is finite and not negative, but for the CoC where it is signed, and LEVELS."""
     for name, pixels in found.items():
         assert np.isfinite(pixels).all(), f"{name}: {np.count_nonzero(~np.isfinite(pixels))} numbers are not finite"
-        numbers = pixels[..., : 2 if name in LEVELS else 3] if signed else pixels
+        numbers = pixels[..., : 2 if name in LEVELS else 3] if settings.method in SIGNED else pixels
         assert (numbers >= 0).all(), f"{name}: {np.count_nonzero(numbers < 0)} numbers are negative"
 
 
 def assert_right(driver: drivers.Driver, case: Case) -> None:
     """All textures are safe and the result is within the reference's interval."""
-    found = everything(driver, case)
-    assert_safe(found, case.settings.method in SIGNED)
-    assert_within(case, driver)
+    assert_safe(everything(driver, case), case.settings)
+    within(driver, case)
 
 
-def assert_within(case: Case, driver: drivers.Driver) -> None:
-    """What is compared is within the derived interval: the result, or every target of layered."""
-    _, _, comparisons = compared(case, driver)
-    outside = {name: str(comparison) for name, comparison in comparisons.items() if comparison.outside}
-    assert not outside, outside
+def damage(method: str, driver: str) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W) bool: which pixels are others than without the bad ones, and which may be."""
+    cases, color, depth = scene(method)
+    bad, clean = (outputs(method, driver, which) for which in ("bad", "clean"))
+    return differing(bad["result"], clean["result"]), reach(cases["clean"].plan, clean, color | depth, depth)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@spread("method", METHODS, EVERYWHERE)
 def test_bad_pixels_count_as_documented(method, driver):
     """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
     bad, counted = (outputs(method, driver.name, which) for which in ("bad", "counted"))
-    assert_safe(bad, METHODS[method].method in SIGNED)
+    assert_safe(bad, METHODS[method])
     for name in bad:
         where = np.argwhere(differing(bad[name], counted[name]))
         assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
 
 
-@pytest.mark.parametrize("method", CONFINED)
+@spread("method", CONFINED, EVERYWHERE)
 def test_damage_is_confined(method, driver):
     """No pixel but those that reach a bad one (hostile.reach) is another than without it, to the bit.
 
     Each bad pixel itself is another, or the test would show nothing; alpha is none of them and reaches nowhere.
     """
-    seen = scene(method)
-    bad, clean = (outputs(method, driver.name, which) for which in ("bad", "clean"))
-    changed = differing(bad["result"], clean["result"])
-    reached = reach(seen.clean.plan, clean, seen.color | seen.depth, seen.depth)
+    changed, reached = damage(method, driver.name)
     where = np.argwhere(changed & ~reached)
     assert not len(where), f"{len(where)} pixels, the first in row, column {where[0]}"
-    assert changed[seen.color | seen.depth].all()
+    assert changed[np.any(scene(method)[1:], axis=0)].all()
     # 16 pixels of 6144, each in reach of those around it within two blurs of up to 6 texels
     assert reached.mean() < 0.3
 
 
-@pytest.mark.parametrize("method", METHODS)
+def test_reach_is_not_too_wide():
+    """In float64, most of what naive's reach has in it does change: it is no excuse for anything to change."""
+    changed, reached = damage("naive", "reference")
+    assert not (changed & ~reached).any()
+    assert changed.sum() > 0.7 * reached.sum()
+
+
+@spread("method", METHODS, EVERYWHERE)
 def test_damage_is_what_the_reference_says(method, driver):
     """Where bad pixels do reach, and everywhere else, the result is within the derived interval."""
-    assert_within(scene(method).bad, driver)
+    within(driver, scene(method)[0]["bad"])
 
 
+@in_each_language
 def test_damage_of_layered_is_confined(driver):
     """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes say things.
 
@@ -180,28 +164,14 @@ def test_damage_of_layered_is_confined(driver):
     tiles = 2 * (np.ceil(largest / 16) + 2) + 1 + 3
     farthest = int(8 * tiles + largest + 8)
     assert farthest < 200
-    changed = []
-    for value, metres in ((np.nan, None), (np.inf, None), (None, np.nan), (None, np.inf)):
-        case = replace(clean, color=color.copy(), depth=depth.copy())
-        if value is not None:
-            case.color[8, 20] = value
-        if metres is not None:
-            case.depth[8, 20] = metres
-        found = [everything(driver, item)["result"] for item in (case, clean)]
-        changed.append(differing(*found))
-    assert all(item[8, 20] for item in changed)
-    columns = np.flatnonzero(np.any(changed, axis=(0, 1)))
-    assert columns.max() <= 20 + farthest, columns.max()
-
-
-def test_reach_is_not_too_wide():
-    """In float64, most of what naive's reach has in it does change: it is no excuse for anything to change."""
-    seen = scene("naive")
-    bad, clean = outputs("naive", "reference", "bad"), outputs("naive", "reference", "clean")
-    changed = differing(bad["result"], clean["result"])
-    reached = reach(seen.clean.plan, clean, seen.color | seen.depth, seen.depth)
-    assert not (changed & ~reached).any()
-    assert changed.sum() > 0.7 * reached.sum()
+    plain = everything(driver, clean)["result"]
+    for texture in ("color", "depth"):
+        for value in (np.nan, np.inf):
+            case = replace(clean, color=color.copy(), depth=depth.copy())
+            getattr(case, texture)[8, 20] = value
+            changed = differing(everything(driver, case)["result"], plain)
+            assert changed[8, 20]
+            assert np.flatnonzero(changed.any(axis=0)).max() <= 20 + farthest, (texture, value)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -219,6 +189,7 @@ def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> C
 
 
 @pytest.mark.parametrize("method", METHODS)
+@in_each_language
 def test_in_focus_nothing_changes(method, driver):
     """CoC 0 everywhere: the safe colours come out as they are, to the bit.
 
@@ -246,8 +217,9 @@ CAMERAS = {
 
 @pytest.mark.parametrize("method", ["paper", "exact adaptive", "layered"])
 @pytest.mark.parametrize("camera", CAMERAS)
+@in_each_language
 def test_cameras_at_their_limits(camera, method, driver):
-    """Whole pictures, not the CoC alone (test_inputs.py has that): safe, and within the interval."""
+    """Whole pictures: safe, and within the interval. The CoC alone, on every driver: test_inputs.py."""
     assert_right(driver, littered((25, 18), replace(METHODS[method], camera=CAMERAS[camera])))
 
 
@@ -259,6 +231,7 @@ MOST_SIDE = {"naive": 90, "naive-grid": 24}
 
 @pytest.mark.parametrize("count", ["fewest", "most"])
 @pytest.mark.parametrize("method", ["paper", "paper adaptive", "exact", "exact adaptive", "naive", "naive-grid"])
+@pytest.mark.parametrize("driver", [*LANGUAGES, *MOST_SAMPLES], indirect=True)
 def test_sample_counts(method, count, driver):
     """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
@@ -271,6 +244,7 @@ def test_sample_counts(method, count, driver):
 
 @pytest.mark.parametrize("size", [(1, 4096), (4096, 1), (1, 1), (3, 2)], ids=str)
 @pytest.mark.parametrize("method", ["paper", "exact", "naive-grid", "exact adaptive", "layered"])
+@in_each_language
 def test_thin_images(method, size, driver):
     """One column, one row, one pixel; a CoC of 0.02 is 82 texels high in the first.
 
@@ -332,33 +306,26 @@ MISTAKES = {
 
 @pytest.mark.parametrize("name", MISTAKES)
 def test_parameters_out_of_range(name, driver):
-    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
+    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels.
+
+    Every value in each language, the last one on the other drivers.
+    """
     readers, values = MISTAKES[name]
     for method in readers:
         case = littered((24, 16), READERS[method], 0.1)
-        for value in values:
+        for value in values if driver.name in LANGUAGES else values[-1:]:
             try:
-                assert_safe(everything(driver, case, **{name: value}), case.settings.method in SIGNED)
+                assert_safe(everything(driver, case, **{name: value}), case.settings)
             except AssertionError as error:
                 raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
 
 
 def test_all_parameters_have_mistakes():
     """A new parameter needs its row: all that the filters read but switches, and what is in another row's place."""
-    # switches, the second of two alike, and those of BokehLinearDepth: test_inputs.py
-    others = {
-        "BokehAngleB",
-        "BokehBlurCoC",
-        "BokehUseMax",
-        "BokehDebugMode",
-        "BokehLineCenterY",
-        "BokehAxis",
-        "BokehLayer",
-    }
-    others |= {"BokehDepthKind", "BokehNear", "BokehFar"}
-    # read only where BOKEH_VIEWPORT is 1: test_viewport.py
-    others |= {"BokehViewportX", "BokehViewportY", "BokehTextureWidth", "BokehTextureHeight"}
-    assert set(MISTAKES) | others == set(PARAMETERS)
+    # switches, the second of two alike, those of BokehLinearDepth (test_inputs.py) and of a viewport (test_viewport.py)
+    others = """AngleB BlurCoC UseMax DebugMode LineCenterY Axis Layer DepthKind Near Far ViewportX ViewportY
+    TextureWidth TextureHeight"""
+    assert set(MISTAKES) | {f"Bokeh{name}" for name in others.split()} == set(PARAMETERS)
 
 
 # method, a parameter out of range, what docs/inputs.md says it counts as

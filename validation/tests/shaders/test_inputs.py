@@ -59,9 +59,8 @@ def linear_pass(kind: int, near: float = NEAR, far: float = FAR) -> Pass:
 
 def linearised(driver, depth: np.ndarray, kind: int, near: float = NEAR, far: float = FAR) -> np.ndarray:
     """BokehLinearDepth on a driver, (H, W) float32."""
-    size = (depth.shape[1], depth.shape[0])
     item = linear_pass(kind, near, far)
-    return driver.run([item], {"depth": depth}, size, "float", keep=("linear",))["linear"][..., 0]
+    return driver.run([item], {"depth": depth}, depth.shape[::-1], "float", keep=("linear",))["linear"][..., 0]
 
 
 @pytest.mark.parametrize("kind", listings.DEPTH_KINDS.values(), ids=listings.DEPTH_KINDS)
@@ -90,7 +89,11 @@ def test_same_coc_from_every_convention(kind, name, driver):
     metres = distances()
     wanted = listings.stored_depth(metres, kind, NEAR, FAR)
     stored = quantised(wanted, name)
-    found = linearised(driver, stored, kind).astype(np.float64)
+    color = np.ones((*stored.shape, 4), np.float16)
+    coc_map = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "linear"}, "coc", CAMERA.parameters())
+    textures, keep = {"color": color, "depth": stored}, ("linear", "coc")
+    outputs = driver.run([linear_pass(kind), coc_map], textures, stored.shape[::-1], "float", keep)
+    found = outputs["linear"][..., 0].astype(np.float64)
     # 2^-24 of 1 enters where a formula subtracts from far or from 1
     step = FORMATS[name](wanted) + 2.0**-24 * np.maximum(np.abs(wanted), 1.0 if kind in (1, 4, 6) else 0.0) * 3
     # the logarithm is taken of metres + 1, and 1 subtracted again
@@ -99,25 +102,12 @@ def test_same_coc_from_every_convention(kind, name, driver):
     # the slope is that at the wanted distance: where a step moves far, the curve is steeper on the way
     allowed *= np.where(kind in (5, 6, 7, 8, 0), 1.0, 1.0 / np.maximum(1.0 - allowed / metres, 1e-9))
     assert (np.abs(found - metres) <= allowed).all()
-    size = (stored.shape[1], stored.shape[0])
-    color = np.ones((*stored.shape, 4), np.float16)
-    passes = [
-        linear_pass(kind),
-        Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "linear"}, "coc", CAMERA.parameters()),
-    ]
-    coc = driver.run(passes, {"color": color, "depth": stored}, size, "float", keep=("coc",))["coc"][..., 3]
-    wanted_coc = listings.circle_of_confusion(
-        metres,
-        CAMERA.aperture_diameter,
-        CAMERA.focal_length,
-        CAMERA.focus_distance,
-        CAMERA.sensor_height,
-        CAMERA.max_coc,
-    )
+    wanted_coc = listings.circle_of_confusion(metres, *vars(CAMERA).values())
     magnification = CAMERA.focal_length / (CAMERA.focus_distance - CAMERA.focal_length)
     per_metre = CAMERA.aperture_diameter * magnification * CAMERA.focus_distance / CAMERA.sensor_height
     allowed_coc = per_metre * allowed / (metres * (metres - allowed))
-    assert (np.abs(coc - wanted_coc) <= allowed_coc + listings.COC_ROUNDINGS * FLOAT_STEP * wanted_coc).all()
+    off = np.abs(outputs["coc"][..., 3] - wanted_coc)
+    assert (off <= allowed_coc + listings.COC_ROUNDINGS * FLOAT_STEP * wanted_coc).all()
     # it says something: the coarsest, 16 orthographic bits at the near plane, leave open 2 % of the height, of 100 %
     assert allowed_coc.max() < 0.02
 
@@ -185,15 +175,9 @@ def test_camera_at_its_limits(camera, driver):
     textures = {"color": color, "depth": depth}
     coc = driver.run([item], textures, (depth.shape[1], 1), "float", keep=("coc",))["coc"][0, :, 3]
     assert np.isfinite(coc).all() and coc.min() >= 0.0 and coc.max() <= camera.max_coc
-    wanted = listings.circle_of_confusion(
-        listings.safe_depth(depth[0].astype(np.float64)),
-        camera.aperture_diameter,
-        camera.focal_length,
-        # the difference from the focal length is taken of float32 numbers
-        float(np.float32(camera.focus_distance)),
-        camera.sensor_height,
-        camera.max_coc,
-    )
+    # the difference from the focal length is taken of float32 numbers
+    values = vars(camera) | {"focus_distance": float(np.float32(camera.focus_distance))}
+    wanted = listings.circle_of_confusion(listings.safe_depth(depth[0].astype(np.float64)), *values.values())
     # S1 - f and S2 - S1 lose what they have in common: 2^-24 of the larger, over the difference
     focus = min(camera.focus_distance, listings.MAX_DEPTH)
     lost = 2.0**-23 * focus / max(abs(focus - camera.focal_length), 1e-6)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support import load
-from test_drivers import noise_case
-from test_layers import SETTINGS, TEXTURES, VIEWPORTS, fill, within
-from test_viewport import framed, inside
+from support_cases import noise_case, within
+from support_targets import framed, inside, poisoned
+from test_layers import SETTINGS, TEXTURES, VIEWPORTS
 
 from bokeh_validation import methods, shaders
 from bokeh_validation.patterns import layers
@@ -49,7 +49,7 @@ def test_nothing_leaks_into_layers(viewport, driver):
     names = {name: item.scale for item in plan.passes for name in item.outputs}
     nothing = np.full((TEXTURES[1], TEXTURES[0], 4), np.nan, np.float16)
     textures = {"color": framed(image.color, TEXTURES, viewport), "depth": framed(image.depth, TEXTURES, viewport)}
-    outputs = driver.run(fill(plan), textures | {"nan": nothing}, TEXTURES, keep=names)
+    outputs = driver.run(poisoned(plan), textures | {"nan": nothing}, TEXTURES, keep=names)
     for name, scale in names.items():
         part = tuple(-(-length // scale) for length in viewport)
         assert np.isfinite(inside(outputs[name], part)).all(), name

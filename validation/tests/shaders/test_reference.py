@@ -20,15 +20,6 @@ def test_circle_of_confusion_by_similar_triangles():
     np.testing.assert_allclose(got, diameter / sensor, rtol=1e-12, atol=1e-15)
 
 
-def test_make_offsets():
-    """From -1/2 to +1/2 along the angle, evenly, x over the aspect ratio."""
-    offsets = apertures.make_offsets(np.radians(30), 2.0, 5)
-    t = np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-    np.testing.assert_allclose(offsets, np.stack([t * np.cos(np.pi / 6) / 2, t * 0.5], axis=1), atol=1e-15)
-    assert (apertures.make_offsets(1.0, 1.5, 13)[6] == 0).all()
-    assert len(apertures.make_offsets(0.0, 1.0, 2)) == 2
-
-
 def test_bilinear_reproduces_a_plane_and_clamps():
     """A linear filter is exact on a plane; outside, the edge goes on."""
     y, x = np.mgrid[0:5, 0:7] + 0.5

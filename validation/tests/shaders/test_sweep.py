@@ -1,23 +1,21 @@
 """Small steps in, small steps out: the CoC, the focus distance and the place of a small highlight, frame by frame.
 
-test_exact.py shows that the result is continuous; here every pass of every frame is held against a bound that
-follows from how far samples move (bokeh_validation/patterns/sweep.py).
+Every pass of every frame is held against a bound that follows from how far samples move (tests/sweep.py).
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from support import load
-from test_drivers import noise_case
-from test_exact import float_outputs
+import sweep
+from support import LANGUAGES, load
+from support_cases import everything, float_result, noise_case
 
 from bokeh_validation import methods, paths, suite
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.passes import Pass
-from bokeh_validation.patterns import sweep
 from bokeh_validation.patterns.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
 from bokeh_validation.reference.device import Reference
@@ -35,7 +33,7 @@ METHODS = {
     "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, max_samples=4),
 }
 # one driver of each language beside egl, on the two methods whose count changes with the CoC
-RUNS = [("egl", name) for name in METHODS] + [(d, n) for d in ("wgpu", "d3d9") for n in METHODS if "spacing 1" in n]
+RUNS = [("egl", name) for name in METHODS] + [(d, n) for d in LANGUAGES[1:] for n in METHODS if "spacing 1" in n]
 
 
 def picture(settings: methods.Settings) -> Case:
@@ -46,22 +44,20 @@ def picture(settings: methods.Settings) -> Case:
     return case
 
 
-def frames(driver: Driver, case: Case, settings: Iterator[methods.Settings]) -> Iterator[tuple[tuple[Pass, ...], dict]]:
-    """Each frame's passes and everything that they write: green and CoC, (H, W, 2) float64."""
-    for chosen in settings:
-        passes = methods.plan(chosen, case.size).passes
-        names = [name for item in passes for name in item.outputs]
-        outputs = driver.run(passes, case.textures(), case.size, keep=names)
-        yield passes, {name: image[..., [1, 3]].astype(np.float64) for name, image in outputs.items()}
+def frame(driver: Driver, case: Case) -> dict[str, np.ndarray]:
+    """Everything that the passes write: green and CoC, (H, W, 2) float64."""
+    return {name: image[..., [1, 3]].astype(np.float64) for name, image in everything(driver, case).items()}
 
 
-def worst(driver: Driver, case: Case, settings: Iterator[methods.Settings]) -> list[float]:
+def worst(driver: Driver, case: Case, frames: Iterable[methods.Settings]) -> list[float]:
     """From frame to frame, the largest change of a pixel in any pass over what sweep.allowed lets it change."""
     found, before = [], None
-    for passes, after in frames(driver, case, settings):
+    for settings in frames:
+        chosen = replace(case, settings=settings)
+        after = frame(driver, chosen)
         if before is not None:
             shares = [0.0]
-            for item in passes[1:]:
+            for item in chosen.plan.passes[1:]:
                 most = sweep.allowed(item, before, after)[..., 0]
                 shares += [(np.abs(after[name] - before[name])[..., 0] / most).max() for name in item.outputs]
             found.append(max(shares))
@@ -100,8 +96,8 @@ def test_steps_as_stated(method, driver):
     base = METHODS[method]
     case = picture(base)
     pixels = np.arange(0.0, 0.2 * SIZE[1], COARSE)
-    settings = (replace(base, coc=float(c) / SIZE[1]) for c in pixels)
-    results = [outputs["result"][..., 0] for _, outputs in frames(load(driver), case, settings)]
+    cases = (replace(case, settings=replace(base, coc=float(c) / SIZE[1])) for c in pixels)
+    results = [frame(load(driver), item)["result"][..., 0] for item in cases]
     green = case.color[..., 1:2].astype(np.float64)
     shares = []
     for coc, before, after in zip(pixels[1:], results, results[1:], strict=False):
@@ -171,7 +167,7 @@ def test_the_leakage_test_is_a_step():
     shares = {}
     for leak_fix in (False, True):
         settings = [replace(base, leak_fix=leak_fix, camera=replace(camera, focus_distance=float(s))) for s in focus]
-        shares[leak_fix] = np.array(worst(load("egl"), planes(base), iter(settings)))
+        shares[leak_fix] = np.array(worst(load("egl"), planes(base), settings))
     near, far = (
         np.array([listings.circle_of_confusion(depth, 0.0285, 0.05, s, 0.024, 0.2) for s in focus])
         for depth in (2.0, 10.0)
@@ -203,21 +199,17 @@ HIGHLIGHTS = {
 }
 
 
-def peaks(driver: Driver, settings: methods.Settings, diameter: float) -> tuple[np.ndarray, np.ndarray]:
-    """Light kept, and largest value, each over the light put in, for each place of a disc."""
+@cache
+def peaks(name: str, pixels: float, diameter: float) -> tuple[np.ndarray, np.ndarray]:
+    """Light kept, and largest value, each over the light put in, for each place of a disc; CoC in pixels."""
     light, largest = [], []
     for place in PLACES:
-        case = highlight(settings, diameter, place)
+        case = highlight(replace(HIGHLIGHTS[name], coc=pixels / 72), diameter, place)
         put_in = case.color[..., 1].astype(np.float64).sum()
-        found = float_outputs(driver, case)[..., 1]
+        found = float_result(load("egl"), case)[..., 1]
         light.append(found.sum() / put_in)
         largest.append(found.max() / put_in)
     return np.array(light), np.array(largest)
-
-
-def flicker(values: np.ndarray) -> float:
-    """Largest over smallest, less 1."""
-    return float(values.max() / values.min() - 1.0)
 
 
 LINEAR = [name for name in HIGHLIGHTS if name.startswith("exact")]
@@ -239,9 +231,8 @@ def test_a_small_highlight_keeps_its_light(pixels, name):
     each axis; the sums round by (N + 8) 2^-24. docs/invariances.md states that bound, to half of the last digit for the
     largest count, and an upper limit of what was measured.
     """
-    settings = replace(HIGHLIGHTS[name], coc=pixels / 72)
-    light = peaks(load("egl"), settings, 0.7)[0]
-    allowed = 2 * (4 * precision.SOFTWARE.place(96) + (settings.count + 8) * precision.FLOAT_STEP)
+    light = peaks(name, pixels, 0.7)[0]
+    allowed = 2 * (4 * precision.SOFTWARE.place(96) + (HIGHLIGHTS[name].count + 8) * precision.FLOAT_STEP)
     off = np.abs(light - 1.0).max()
     assert off <= allowed, light
     told = re.search(r"off by up to ([\d.]+) %, bound ([\d.]+) % \(`test_a_small_highlight", PROSE)
@@ -260,11 +251,11 @@ def test_flicker_is_the_ripple(name):
     single = highlight(settings, 2.0, 0.0)
     single.color[..., :3] = 0.0
     single.color[36, 48, :3] = 1.0
-    ripple = float_outputs(load("egl"), single)[..., 1]
+    ripple = float_result(load("egl"), single)[..., 1]
     least = -sweep.largest_within(-ripple[..., None], [1, 1])[..., 0]
     slack = peak_slack(settings)
     for diameter in DIAMETERS:
-        found = peaks(load("egl"), settings, diameter)[1]
+        found = peaks(name, LARGE, diameter)[1]
         assert found.max() <= ripple.max() * (1 + slack), (diameter, found.max(), ripple.max())
         assert found.min() >= least.max() * (1 - slack), (diameter, found.min(), least.max())
 
@@ -275,7 +266,7 @@ def test_flicker_as_stated(pixels, name):
     """docs/invariances.md says by how much the peak flickers: to half of the last digit and what two peaks are off."""
     (row,) = re.findall(rf"^\| {pixels:g} \| {re.escape(name)} \| (.*) \|$", DOCUMENT, re.MULTILINE)
     told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
-    settings = replace(HIGHLIGHTS[name], coc=pixels / 72)
-    found = [100 * flicker(peaks(load("egl"), settings, diameter)[1]) for diameter in DIAMETERS]
-    slack = [2 * peak_slack(settings) * (100 + value) for value in found]
+    largest = [peaks(name, pixels, diameter)[1] for diameter in DIAMETERS]
+    found = [100 * float(values.max() / values.min() - 1.0) for values in largest]
+    slack = [2 * peak_slack(HIGHLIGHTS[name]) * (100 + value) for value in found]
     assert all(abs(t - f) <= 0.5 + s for t, f, s in zip(told, found, slack, strict=True)), (told, found)

@@ -16,8 +16,8 @@ that add pictures mix them. A line from -h to +h has the covariance (2h)(2h)^T v
 since cells of length l, cut from a line, each leave out their own l^2 / 12 of the line's 1/12.
 """
 
-from dataclasses import dataclass
 from math import floor, radians
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ from bokeh_validation.reference import polygons, segments
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 
-@dataclass(frozen=True)
-class Spread:
+class Spread(NamedTuple):
     """Where the light of a highlight is, relative to the highlight, pixels, x right, y down.
 
     mean    (2,)
@@ -39,35 +38,27 @@ class Spread:
     second: np.ndarray
     reach: np.ndarray
 
-    def fractions(self, height: int) -> np.ndarray:
-        """Width and height, as of a box with these second moments, in fractions of the image height, (2,)."""
-        return np.sqrt(12.0 * np.diag(self.second)) / height
+
+class Filter(NamedTuple):
+    """Of one pass, pixels: offsets (N, 2), their mean, and their covariance with what the linear filter adds."""
+
+    offsets: np.ndarray
+    mean: np.ndarray
+    second: np.ndarray
 
 
 def measured(light: np.ndarray, center: tuple[float, float]) -> Spread:
     """Spread of a picture (H, W) float64 that is 0 but for the bokeh.
 
     center  of the highlight, in pixels from the image's corner (pixel centres at .5)
-
-    Raises ValueError where the picture is black.
     """
-    if not light.sum() > 0.0:
-        raise ValueError("a black picture has no bokeh to measure")
+    assert light.sum() > 0.0, "a black picture has no bokeh to measure"
     rows, columns = np.nonzero(light)
     places = np.stack([columns + 0.5, rows + 0.5]) - np.array(center)[:, None]
     weights = light[rows, columns] / light.sum()
     mean = places @ weights
     off = places - mean[:, None]
     return Spread(mean, (off * weights) @ off.T, np.stack([-places.min(axis=1), places.max(axis=1)]))
-
-
-@dataclass(frozen=True)
-class _Filter:
-    """Samples of one pass, pixels: offsets (N, 2), weights (N,) with the sum 1, covariance of the offsets (2, 2)."""
-
-    offsets: np.ndarray
-    weights: np.ndarray
-    covariance: np.ndarray
 
 
 def ends(samples: int) -> float:
@@ -86,22 +77,23 @@ def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
 
     `exact`, `naive` and the paper's parallelograms: all of it. The paper's hexagon with a fixed, odd number of samples:
     the reach, with NaN for the moments; its corners are samples of both parallelograms then.
-
-    Raises ValueError for what is none of these.
     """
-    paths = _paths(settings, size)
-    if paths is None:
-        return Spread(np.full(2, np.nan), np.full((2, 2), np.nan), _hexagon_reach(settings, size))
-    means, seconds, low, high = [], [], [], []
-    for _, filters in paths:
-        mean = sum(item.weights @ item.offsets for item in filters)
-        means.append(-mean)
-        seconds.append(sum(item.covariance + _grid(item) for item in filters) + np.outer(mean, mean))
-        low.append(sum(item.offsets.max(axis=0) for item in filters))
-        high.append(sum(-item.offsets.min(axis=0) for item in filters))
-    shares = np.array([share for share, _ in paths])
-    mean = shares @ np.array(means)
-    second = np.tensordot(shares, np.array(seconds), 1) - np.outer(mean, mean)
+    pixels = settings.coc * size[1]
+    if settings.method == "paper" and len(apertures.PARALLELOGRAMS[settings.aperture]) > 1:
+        assert settings.aperture == "hexagon" and settings.spacing <= 0.0 and settings.count % 2, "no closed form"
+        shapes = [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS["hexagon"]]
+        corners = polygons.clip_convex(*shapes) * [settings.squeeze, 1.0] * pixels
+        reach = np.array([-corners.min(axis=0), corners.max(axis=0)])
+        return Spread(np.full(2, np.nan), np.full((2, 2), np.nan), reach)
+    paths = _paths(settings, pixels)
+    shares = np.array([share for share, _ in paths]) / sum(share for share, _ in paths)
+    means = np.array([-sum(item.mean for item in filters) for _, filters in paths])
+    seconds = [sum(item.second for item in filters) for _, filters in paths]
+    seconds = np.array([second + np.outer(mean, mean) for second, mean in zip(seconds, means, strict=True)])
+    low = [sum(item.offsets.max(axis=0) for item in filters) for _, filters in paths]
+    high = [sum(-item.offsets.min(axis=0) for item in filters) for _, filters in paths]
+    mean = shares @ means
+    second = np.tensordot(shares, seconds, 1) - np.outer(mean, mean)
     return Spread(mean, second, np.array([np.max(low, axis=0), np.max(high, axis=0)]))
 
 
@@ -122,44 +114,28 @@ def tolerance(settings: methods.Settings, size: tuple[int, int], precision: Prec
     return 2 * largest * off + off**2 + off + passes * 4 * blend * moments
 
 
-def _paths(settings: methods.Settings, size: tuple[int, int]) -> list[tuple[float, list[_Filter]]] | None:
-    """What is added up: shares of the light, each with the passes that it goes through; None for what is not linear."""
-    pixels = settings.coc * size[1]
+def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[Filter]]]:
+    """What is added up: shares of the light, each with the passes that it goes through."""
+    rotation = radians(settings.rotation)
     if settings.method == "naive":
         table = apertures.kernel(settings.aperture, settings.count, settings.rotation) * [settings.squeeze, 1.0]
-        return [(1.0, [_samples(table * pixels)])]
-    if settings.method == "exact":
-        return _exact_paths(settings, pixels)
-    shapes = apertures.PARALLELOGRAMS[settings.aperture]
-    if len(shapes) > 1:
-        return None
-    lines = []
-    for angle in (shapes[0].first, shapes[0].second):
-        turned = radians(angle + settings.rotation)
-        lines.append(_line(segments.line_segment(turned, 1.0, (0.0, 0.0), settings.squeeze), pixels, settings))
-    return [(1.0, lines)]
-
-
-def _exact_paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[_Filter]]]:
-    """All parallelograms of the exact method."""
-    sides, rotation = methods.EXACT[settings.aperture], radians(settings.rotation)
-    paths = []
+        off = (table - table.mean(axis=0)) * pixels
+        return [(1.0, [_filter(table * pixels, np.full(len(table), 1 / len(table)), off.T @ off / len(table))])]
+    if settings.method == "paper":
+        (shape,) = apertures.PARALLELOGRAMS[settings.aperture]
+        angles = [radians(angle) + rotation for angle in (shape.first, shape.second)]
+        lines = [segments.line_segment(angle, 1.0, (0.0, 0.0), settings.squeeze) for angle in angles]
+        return [(1.0, [_line(line, pixels, settings) for line in lines])]
+    sides, paths = methods.EXACT[settings.aperture], []
     for k in range(2, sides // 2 + 1):
         second = _line(segments.polygon_edge(k, sides, rotation, settings.squeeze, True), pixels, settings)
         for i in range(1, k):
             first = _line(segments.polygon_edge(i, sides, rotation, settings.squeeze, False), pixels, settings)
             paths.append((segments.parallelogram(k, i, sides), [first, second]))
-    total = sum(share for share, _ in paths)
-    return [(share / total, filters) for share, filters in paths]
+    return paths
 
 
-def _samples(offsets: np.ndarray) -> _Filter:
-    """Equal weights: the covariance from the places themselves."""
-    off = offsets - offsets.mean(axis=0)
-    return _Filter(offsets, np.full(len(offsets), 1.0 / len(offsets)), off.T @ off / len(offsets))
-
-
-def _line(segment: segments.Segment, pixels: float, settings: methods.Settings) -> _Filter:
+def _line(segment: segments.Segment, pixels: float, settings: methods.Settings) -> Filter:
     """One line at a CoC of so many pixels, its covariance in closed form."""
     whole = 2.0 * segment.half * pixels
     if settings.method == "paper" and settings.spacing <= 0.0:
@@ -172,20 +148,10 @@ def _line(segment: segments.Segment, pixels: float, settings: methods.Settings) 
         edges = np.append(np.arange(np.ceil(cells)), cells)
         places, weights = (edges[1:] + edges[:-1]) / (2 * cells) - 0.5, np.diff(edges) / cells
         variance = midpoints(cells)
-    offsets = segment.middle * pixels + places[:, None] * whole
-    return _Filter(offsets, weights, variance * np.outer(whole, whole))
+    return _filter(segment.middle * pixels + places[:, None] * whole, weights, variance * np.outer(whole, whole))
 
 
-def _grid(item: _Filter) -> np.ndarray:
-    """What the linear filter adds to the covariance."""
-    fraction = item.offsets - np.floor(item.offsets)
-    return np.diag(item.weights @ (fraction * (1.0 - fraction)))
-
-
-def _hexagon_reach(settings: methods.Settings, size: tuple[int, int]) -> np.ndarray:
-    """Reach of the paper's hexagon."""
-    if settings.aperture != "hexagon" or settings.spacing > 0.0 or settings.count % 2 == 0:
-        raise ValueError(f"no closed form for {settings.method} {settings.aperture} with {settings.count} samples")
-    shapes = [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS["hexagon"]]
-    corners = polygons.clip_convex(*shapes) * [settings.squeeze, 1.0] * settings.coc * size[1]
-    return np.array([-corners.min(axis=0), corners.max(axis=0)])
+def _filter(offsets: np.ndarray, weights: np.ndarray, covariance: np.ndarray) -> Filter:
+    """With what the linear filter adds to the covariance."""
+    fraction = offsets - np.floor(offsets)
+    return Filter(offsets, weights @ offsets, covariance + np.diag(weights @ (fraction * (1.0 - fraction))))

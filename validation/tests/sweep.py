@@ -37,43 +37,34 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     center = item.inputs["ColorSamp"]
     # its size: it is signed in the passes of exact
     coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
-    found = [
-        _line_change(line.segment, item, *(images[item.inputs[line.slot]] for images in (before, after)), coc)
-        for line in lines(item)
-    ]
+    read = ((line.segment, item.inputs[line.slot]) for line in lines(item))
+    found = [_line_change(segment, item, before[name], after[name], coc) for segment, name in read]
     if "ColorSampB" in item.inputs and item.spec.role in (LINE, ADAPTIVE):
         other = item.inputs["ColorSampB"]
         found.append(np.abs(after[other] - before[other])[..., :-1])
     return np.max(found, axis=0)
 
 
-def _line_change(segment: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
+def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
     """The sum in the module's text, for one line."""
-    values, (height, width) = item.values(), before.shape[:2]
-    spacing = values["BokehSpacing"]
+    (height, width), spacing = before.shape[:2], item.values()["BokehSpacing"]
     used = [segments.filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
-    reach = np.abs(segment.middle) + np.abs(segment.half)
+    reach = np.abs(line.middle) + np.abs(line.half)
     # a sample reads the texels around it
     radius = [int(np.ceil(r * max(u.max() for u in used))) + 1 for r in reach]
     cells = [np.full(moved.shape, float(item.samples))] * 2
     if spacing > 0.0:
-        cells = [np.clip(2 * segment.half_length * u / spacing, 1.0, item.samples) for u in used]
+        cells = [np.clip(2 * line.half_length * u / spacing, 1.0, item.samples) for u in used]
     change = largest_within(np.abs(after - before), radius)
-    across, down = _slopes(after, radius)
+    across = largest_within(np.abs(np.diff(after, axis=1, append=after[:, -1:])), radius)
+    down = largest_within(np.abs(np.diff(after, axis=0, append=after[-1:])), radius)
     place = 2 * precision.SOFTWARE.place(max(width, height))
     change += (reach[0] * moved + place)[..., None] * across + (reach[1] * moved + place)[..., None] * down
     contrast = largest_within(after, radius) + largest_within(-after, radius)
     change += (np.abs(cells[1] - cells[0]) / cells[1])[..., None] * contrast
     change += (STORE_STEP + 2 * (item.samples + 8) * precision.FLOAT_STEP) * largest_within(after + change, radius)
     return change[..., :-1]
-
-
-def _slopes(image: np.ndarray, radius: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Largest difference between neighbours, across and down, within a reach."""
-    across = np.abs(np.diff(image, axis=1, append=image[:, -1:]))
-    down = np.abs(np.diff(image, axis=0, append=image[-1:]))
-    return largest_within(across, radius), largest_within(down, radius)
 
 
 def largest_within(image: np.ndarray, radius: list[int]) -> np.ndarray:

@@ -1,0 +1,77 @@
+"""Pictures that tests share, and a driver's result beside the reference's."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bokeh_validation import drivers, methods, metrics, patterns
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.patterns import model
+from bokeh_validation.patterns.model import Case
+from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
+
+CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
+
+
+def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1) -> Case:
+    """Random HDR colour in patches over random depth in patches: every comparison of Listing 3 goes both ways."""
+    random = np.random.default_rng(seed)
+    width, height = size
+    coarse = (height // 6 + 1, width // 6 + 1)
+
+    def patches(values: np.ndarray) -> np.ndarray:
+        return np.kron(values, np.ones((6, 6)))[:height, :width]
+
+    color = np.ones((height, width, 4), np.float16)
+    for channel in range(3):
+        color[..., channel] = patches(random.lognormal(0.0, 1.0, coarse)) + 0.1 * random.random((height, width))
+    depth = patches(random.uniform(1.0, 30.0, coarse)).astype(np.float32)
+    return Case(f"noise {size}", settings, color, depth)
+
+
+def kind(driver: drivers.Driver) -> precision.Precision:
+    """What the driver's samplers may be off by."""
+    return precision.SOFTWARE if driver.software else precision.GPU
+
+
+def result(driver: drivers.Driver, case: Case, storage: str = "half") -> np.ndarray:
+    """The picture alone."""
+    return driver.run(case.plan.passes, case.textures(), case.size, storage)["result"]
+
+
+def float_result(driver: drivers.Driver, case: Case) -> np.ndarray:
+    """On float32 targets, as float64; several targets of them may be more than a device takes at once."""
+    try:
+        return result(driver, case, "float").astype(np.float64)
+    except Unavailable:
+        alone = replace(case, settings=replace(case.settings, targets=False))
+        return result(driver, alone, "float").astype(np.float64)
+
+
+def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str, np.ndarray]:
+    """All textures that a case's passes write, with some parameters changed in every pass."""
+    passes = [replace(item, parameters={**item.parameters, **changes}) for item in case.plan.passes]
+    names = [name for item in passes for name in item.outputs]
+    return driver.run(passes, case.textures(), case.size, keep=names)
+
+
+def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
+    """The result, and how far it is from the reference's. Fails where it is outside of the interval, or any target of
+    layered is.
+    """
+    outputs, _, comparisons = model.compared(case, driver)
+    outside = {name: str(comparison) for name, comparison in comparisons.items() if comparison.outside}
+    assert not outside, (driver.name, outside)
+    assert np.isfinite(outputs["result"]).all()
+    return outputs["result"], comparisons["result"]
+
+
+def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
+    """The checks of a probe rendered by the reference with other settings than its own."""
+    outputs = {}
+    for case in probe.cases:
+        other = replace(case, settings=replace(case.settings, **changes))
+        found = Reference().run(other.plan.passes, other.textures(), other.size, keep=case.keep)
+        outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in found.items()}
+    return probe.judge(outputs)
