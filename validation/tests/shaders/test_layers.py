@@ -15,7 +15,8 @@ from bokeh_validation import methods, metrics
 from bokeh_validation.patterns import layers, model
 from bokeh_validation.reference.device import Reference
 
-SETTINGS = methods.Settings("layered", "hexagon", camera=CAMERA)
+# No program of layers takes the number of samples: one number for all apertures, or each would be compiled again
+SETTINGS = methods.Settings("layered", "hexagon", 7, camera=CAMERA)
 WIDE = methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)
 
 

@@ -54,22 +54,18 @@ COC = 80
 SIZE = (256, 2 * COC)
 
 
-def worst() -> np.ndarray:
-    """Depths in patches of 2 pixels: of the largest CoC near and far, half of them and none, so that layers and
-    gather have most to do everywhere.
-    """
-    random = np.random.default_rng(4)
-    depths = [layers.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
-    coarse = random.choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
-    return coarse.repeat(2, 0).repeat(2, 1)
-
-
 @pytest.mark.parametrize("quality", MOST_FETCHES)
 def test_fetches_at_the_worst(quality):
-    """Of the picture, and of a pixel for which every pass takes all that it can."""
+    """Of the picture, and of a pixel for which every pass takes all that it can.
+
+    Patches of 2 pixels of the largest CoC near and far, a third of them and none: layers and gather have most to do
+    everywhere.
+    """
+    depths = [layers.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
+    coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
     camera = replace(layers.CAMERA, max_coc=COC / SIZE[1])
     settings = replace(layers.settings(quality=quality), camera=camera)
-    found = counted(settings, flat(SIZE, 1.0), worst())
+    found = counted(settings, flat(SIZE, 1.0), coarse.repeat(2, 0).repeat(2, 1))
     mean, most = (sum(counts[i] for counts in found.values()) for i in (0, 1))
     allowed = MOST_FETCHES[quality]
     assert mean <= allowed[0] and most <= allowed[1], (mean, most, found)

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 from support import load
-from test_drivers import noise_case
+from support_cases import noise_case
 
 from bokeh_validation import methods, metrics, paths, shaders
 from bokeh_validation.compilers import fxc, glslang
