@@ -11,7 +11,6 @@ from support_cases import everything, within
 
 from bokeh_validation import drivers
 from bokeh_validation.methods import Camera, Settings
-from bokeh_validation.passes import PARAMETERS
 from bokeh_validation.patterns.model import Case
 from bokeh_validation.reference.listings import safe_color
 
@@ -318,14 +317,6 @@ def test_parameters_out_of_range(name, driver):
                 assert_safe(everything(driver, case, **{name: value}), case.settings)
             except AssertionError as error:
                 raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
-
-
-def test_all_parameters_have_mistakes():
-    """A new parameter needs its row: all that the filters read but switches, and what is in another row's place."""
-    # switches, the second of two alike, those of BokehLinearDepth (test_inputs.py) and of a viewport (test_viewport.py)
-    others = """AngleB BlurCoC UseMax DebugMode LineCenterY Axis Layer DepthKind Near Far ViewportX ViewportY
-    TextureWidth TextureHeight"""
-    assert set(MISTAKES) | {f"Bokeh{name}" for name in others.split()} == set(PARAMETERS)
 
 
 # method, a parameter out of range, what docs/inputs.md says it counts as

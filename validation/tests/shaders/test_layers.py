@@ -99,31 +99,22 @@ def test_viewport(viewport, driver):
 
 
 @spread("quality", methods.QUALITIES, ["medium"])
-def test_in_focus_to_the_bit(quality, driver):
-    """Every preset copies a picture in focus; and one whose CoC is up to a pixel, since nothing spreads by that."""
+def test_every_preset(quality, driver):
+    """A picture in focus, or with a CoC of up to a pixel, which spreads nothing, is copied to the bit; one colour stays
+    as it is; and 0.99 to 1.01 of an isolated light of one pixel, the hardest, is kept. See the probes.
+    """
     case = layers.focus_case()
     for coc in (0.0, 0.9, -0.9):
         depth = model.depth_of(case.size, layers.metres(coc, case.size[1]))
         found = result(driver, replace(case, settings=layers.settings(quality=quality), depth=depth))
         np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
-
-
-@spread("quality", methods.QUALITIES, ["medium"])
-def test_one_colour(quality, driver):
-    """Every preset leaves one colour as it is, see the probe."""
     for case in layers.constant_cases():
         output = result(driver, replace(case, settings=replace(case.settings, quality=quality)))[..., :3]
         off = np.abs(output.astype(np.float64) / case.color[..., :3].astype(np.float64) - 1.0)
         assert off.max() <= 4 * layers.STEP, case.label
-
-
-@spread("quality", methods.QUALITIES, ["medium"])
-def test_light_is_kept(quality, driver):
-    """Every preset: 0.99 to 1.01 of an isolated light of one pixel, the hardest."""
     for coc in layers.LIGHT_COCS:
         case = layers.light_case(coc, 1, quality)
-        spread_light = layers.light_spread(coc, 1, case.size)
-        around = layers.AMBIENT * (1.0 - (spread_light if coc < 0 else 0.0))
+        around = layers.AMBIENT * (1.0 - (layers.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
         kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / layers.LIGHT
         assert kept == pytest.approx(1.0, abs=0.01), coc
 

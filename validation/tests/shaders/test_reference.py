@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bokeh_validation import apertures, metrics
-from bokeh_validation.reference import images, listings, polygons, precision, sampling
+from bokeh_validation.reference import listings, polygons, precision, sampling
 from bokeh_validation.reference.gather import Leakage, Table, gather
 from bokeh_validation.reference.images import Image
 
@@ -18,23 +18,6 @@ def test_circle_of_confusion_by_similar_triangles():
     diameter = aperture * np.abs(image - plane) / image
     got = listings.circle_of_confusion(depth, aperture, focal, focus, sensor, 10.0)
     np.testing.assert_allclose(got, diameter / sensor, rtol=1e-12, atol=1e-15)
-
-
-def test_bilinear_reproduces_a_plane_and_clamps():
-    """A linear filter is exact on a plane; outside, the edge goes on."""
-    y, x = np.mgrid[0:5, 0:7] + 0.5
-    pixels = (3 * x + 2 * y)[..., None]
-    np.testing.assert_allclose(sampling.bilinear(pixels, np.array([2.3]), np.array([3.1])), [[3 * 2.3 + 2 * 3.1]])
-    np.testing.assert_allclose(sampling.bilinear(pixels, np.array([-4.0]), np.array([9.0])), [[3 * 0.5 + 2 * 4.5]])
-
-
-def test_line_filter_of_a_ramp():
-    """A symmetric mean leaves a ramp as it is, away from the border."""
-    y, x = np.mgrid[0:20, 0:40] + 0.5
-    value = np.stack([x, y, x + y, np.full_like(x, 0.3)], axis=-1)
-    offsets = apertures.make_offsets(0.4, 1.0, 7)
-    result = gather(Image(value), np.ones((20, 40)), Table(offsets, 20), Leakage(0.02, 30.0))
-    np.testing.assert_allclose(result.value[5:-5, 5:-5], value[5:-5, 5:-5], atol=1e-12)
 
 
 def test_leakage_weight():
@@ -75,20 +58,6 @@ def test_parallelograms_make_regular_polygons():
         assert abs(polygons.signed_area(polygon)) == pytest.approx(sides * inradius**2 * np.tan(np.pi / sides))
     diamond = apertures.PARALLELOGRAMS["diamond"][0].corners()
     assert np.degrees(polygons.corner_angles(diamond)).min() == pytest.approx(45)
-
-
-def test_coverage_has_the_area():
-    """Coverage sums to the polygon's area within its supersampling."""
-    polygon = 20 * apertures.PARALLELOGRAMS["square"][0].corners(17)
-    assert polygons.coverage(polygon, (50, 40), (25, 20)).sum() == pytest.approx(400, rel=5e-3)
-
-
-def test_rounding_of_targets():
-    """To nearest and towards zero, both signs."""
-    step = 2.0**-10
-    values = np.array([1 + 0.25 * step, 1 + 0.75 * step, -1 - 0.75 * step, 65504.0])
-    np.testing.assert_array_equal(images.rounded(values, np.float16, "nearest"), [1, 1 + step, -1 - step, 65504])
-    np.testing.assert_array_equal(images.rounded(values, np.float16, "zero"), [1, 1, -1, 65504])
 
 
 def test_steps_count_half_floats():

@@ -164,13 +164,6 @@ def test_scatter_of_a_near_light_over_focus():
     np.testing.assert_allclose(result, ambient * (1.0 - alone / 1000.0) + alone, rtol=1e-6, atol=1e-6)
 
 
-def test_scatter_of_a_far_light_behind_focus():
-    """Nothing lands on what is in focus in front of it; the light's own pixel shows what it keeps there."""
-    found = scatter(light_case(24.0, 0.0, 0.5))[..., 0]
-    found[40, 48] = 0.5
-    np.testing.assert_allclose(found, 0.5, rtol=1e-9)
-
-
 def test_scatter_of_a_plane():
     """One colour stays that colour at any depth, and what is in focus stays to the bit."""
     random = np.random.default_rng(4)
