@@ -4,33 +4,34 @@ import re
 from collections.abc import Iterator
 
 import bokeh_validation
-from bokeh_validation import listing
+from bokeh_validation import shaders
+from bokeh_validation.entries import ENTRIES
+from bokeh_validation.passes import PARAMETERS
 
-MAX_LINE = 100
-TOO_LONG = "characters in a line"
-SPDX = "// SPDX-License-Identifier: MIT"
-VERSION = re.compile(r"\bVersion (\d+\.\d+\.\d+)\.")
+SPDX = "// SPDX-License-Identifier: MIT\n"
+TOO_LONG = "more than 100 characters in a line"
 # A user counts what they have to write in a call: with samplers beside the textures WGSL needs more
 MAX_PARAMETERS = {"glsl": 8, "hlsl": 8, "wgsl": 12}
 # Everything that reads or asks a texture, or needs derivatives; section [2] is the one place for it
-SAMPLING = re.compile(
-    r"\b(tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather\w*|Load\w*"
-    r"|Sample(?:Level|Grad|Bias|Cmp\w*)?|GetDimensions|CalculateLevelOfDetail\w*|dd[xy](?:_\w+)?|dFd[xy]\w*|dpd[xy]\w*|fwidth\w*)\b"
-    r"(?!<f32>)",
-    re.ASCII,
+SAMPLING = (
+    r"\b(?a:tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather\w*|Load\w*"
+    r"|Sample(?:Level|Grad|Bias|Cmp\w*)?|GetDimensions|CalculateLevelOfDetail\w*|dd[xy](?:_\w+)?|dFd[xy]\w*|dpd[xy]\w*"
+    r"|fwidth\w*)\b(?!<f32>)"
 )
-BIT_OPERATOR = re.compile(r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)")
-SWIZZLE = re.compile(r"\.((?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4})) *(?:[-+*/%]?=(?!=)|\+\+|--)")
-# What the common text of a library, or of the layers, begins with
-COMMON = re.compile(r"^// (?:\[3\]|Layers:) ", re.MULTILINE)
-# Words that the comments do without: a loop has iterations, and one thing comes after another. 'Turns off' is right,
-# and 'behind' where it means deeper in the scene.
-WORDS = re.compile(
-    r"\bturns\b(?! (?:it|them|the [a-z ]+?) (?:off|on)\b)"
-    r"|(?<!from )\bbehind\b(?! the focus\b| the camera\b| an? \w+ (?:object|pixel)\b| it\b| them\b)"
-    r"|\bcounts? as\b|\bat hand\b|\bhands on\b|\btold\b|\bspelt\b",
-    re.IGNORECASE,
-)
+# Of a line, and of the code in a line of the common text
+LINE = {
+    "a character that is not ASCII": r"[^\t\r\n -~]",
+    "a tab": r"\t",
+    "a carriage return": r"\r",
+    "a backslash at the end of a line: GLSL would join the next one to it": r"\\[ \t\r]*$",
+    TOO_LONG: r".{101}",
+    "a block comment: use //": r"/\*|\*/",
+}
+COMMON = {
+    "only section [2] of the library reads a texture": SAMPLING,
+    "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
+    "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
+}
 DECLARED = re.compile(
     r"^#(?:define|undef) (\w+)|^(?:cbuffer|struct) (\w+)|^(?:const|override|alias) (\w+)"
     r"|^(?:@\w+(?:\([^)]*\))? ?)*(?:fn|var(?:<[^>]*>)?) (\w+)"
@@ -38,96 +39,81 @@ DECLARED = re.compile(
     r"|^BOKEH_PARAMETER\(\w+, (\w+)",
     re.MULTILINE,
 )
+# Words that the comments do without: a loop has iterations, and one thing comes after another. 'Turns off' is right,
+# and 'behind' where it means deeper in the scene.
+WORDS = re.compile(
+    r"\bturns\b(?!\s+(?:it|them|the\s[a-z\s]+?)\s+(?:off|on)\b)"
+    r"|(?<!from )\bbehind\b(?!\s+(?:the\s+focus|the\s+camera|an?\s+\w+\s+(?:object|pixel)|it|them)\b)"
+    r"|\bcounts?\s+as\b|\bat\s+hand\b|\bhands\s+on\b|\btold\b|\bspelt\b",
+    re.IGNORECASE,
+)
 
-# (line, what, text of the line)
-Finding = tuple[int, str, str]
 
-
-def findings(text: str, language: str, is_library: bool) -> Iterator[Finding]:
-    """All that is wrong with a file. `is_library`: bokeh.* or bokeh_layers.*."""
+def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
+    """All that is wrong with a file, as (line, what, text of the line). `is_library`: bokeh.* or bokeh_layers.*."""
     lines = text.split("\n")
-    yield from _lines(lines)
-    yield from _version(lines)
-    yield from _words(lines)
-    plain = listing.code(text)
-    start = 0
-    if is_library:
-        common = COMMON.search(text)
-        start = listing.line_of(text, common.start()) if common else 0
-        yield from _library(text, start, language)
-    for number, line in enumerate(plain.split("\n"), 1):
-        if "/*" in line or "*/" in line:
-            yield number, "a block comment: use //", line
-        if number > start and (found := SAMPLING.search(line)):
-            yield number, f"{found[1]}: only section [2] of the library reads a texture", line
-    for found in DECLARED.finditer(plain):
-        name = next(group for group in found.groups() if group)
-        if not re.match(r"Bokeh|BOKEH_|bokeh", name) and not (name == "main" and language == "glsl" and not is_library):
-            yield listing.line_of(plain, found.start()), f"{name} does not begin with Bokeh, BOKEH_ or bokeh", found[0]
+    for place, what in _findings(text, language, is_library):
+        number = text.count("\n", 0, place)
+        yield number + 1, what, lines[number]
 
 
-def _lines(lines: list[str]) -> Iterator[Finding]:
-    """Rules on characters and lines."""
-    for number, line in enumerate(lines, 1):
-        strange = [character for character in line if not (" " <= character <= "~" or character in "\t\r")]
-        if strange:
-            yield number, f"character {ascii(strange[0])}: ASCII only", line
-        if "\t" in line:
-            yield number, "a tab", line
-        if "\r" in line:
-            yield number, "a carriage return", line
-        if line.rstrip().endswith("\\"):
-            yield number, "a backslash at the end of a line: GLSL would join the next one to it", line
-        if len(line) > MAX_LINE:
-            yield number, f"{len(line)} {TOO_LONG}, {MAX_LINE} at most", line
-    if lines[0] != SPDX:
-        yield 1, f"the first line is not {SPDX!r}", lines[0]
-    if lines[-1]:
-        yield len(lines), "no line end at the end of the file: the next one begins right there", lines[-1]
+def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str]]:
+    """(offset, what)."""
+    version, header = f"Version {bokeh_validation.__version__}.", re.match(r"(?://.*\n)*", text)[0]
+    if not text.startswith(SPDX) or re.findall(r"Version [\d.]+", header) != [version]:
+        yield 0, f"not {SPDX.strip()!r} first, and {version!r} once in the header"
+    if not text.endswith("\n"):
+        yield len(text), "no line end at the end of the file: the next one begins right there"
+    code = re.sub("//.*", _blank, text)
+    comments = re.sub(r"^(?! *//).*|//", _blank, text, flags=re.MULTILINE)
+    begins = re.search(r"^// (?:\[3\]|Layers:) ", text, re.MULTILINE) if is_library else None
+    common = begins.start() if begins else 0
+    for what, pattern in LINE.items():
+        yield from ((found.start(), what) for found in re.compile(pattern, re.MULTILINE).finditer(text))
+    for what, pattern in COMMON.items():
+        yield from ((found.start(), what) for found in re.compile(pattern).finditer(code, common))
+    for found in DECLARED.finditer(code):
+        name = found[found.lastindex]
+        if not re.match(r"Bokeh|BOKEH_|bokeh", name) and (is_library or name != "main"):
+            yield found.start(), f"{name} does not begin with Bokeh, BOKEH_ or bokeh"
+    for found in WORDS.finditer(comments):
+        yield found.start(), f"{found[0]!r} in a comment: say it in plainer words"
+    if not is_library:
+        yield from _interface(text, language)
+        return
+    for function in shaders.FUNCTION.finditer(text, common):
+        if not re.match(r"// \S[^:\n]*: \S", function["doc"]):
+            yield function.start("head"), f"{function['name']} has no tag line '// Listing n: what it is'"
+        if function["head"].count(",") >= MAX_PARAMETERS[language]:
+            yield function.start("head"), f"more than {MAX_PARAMETERS[language]} parameters"
+    if language != "wgsl":
+        yield from _tables(text, language)
 
 
-def _version(lines: list[str]) -> Iterator[Finding]:
-    header = next((i for i, line in enumerate(lines) if not line.startswith("//")), len(lines))
-    found = [(i + 1, match[1]) for i, line in enumerate(lines[:header]) for match in VERSION.finditer(line)]
-    if len(found) != 1:
-        yield 1, f"{len(found)} times 'Version x.y.z.' in the header, once is right", ""
-    for number, version in found:
-        if version != bokeh_validation.__version__:
-            yield number, f"not the version of the package, {bokeh_validation.__version__}", lines[number - 1]
+def _blank(found: re.Match) -> str:
+    return " " * len(found[0])
 
 
-def _words(lines: list[str]) -> Iterator[Finding]:
-    """Of the comments, over line breaks."""
-    joined, begins = "", []
-    for line in lines:
-        found = listing.COMMENT.search(line)
-        begins.append(len(joined))
-        joined += found[0].lstrip("/ ").rstrip() + " " if found else "\n"
-    for found in WORDS.finditer(joined):
-        number = sum(begin <= found.start() for begin in begins)
-        yield number, f"{found[0]!r} in a comment: say it in plainer words", lines[number - 1]
+def _tables(text: str, language: str) -> Iterator[tuple[int, str]]:
+    """The tables in the comment of the configuration say what the code does."""
+    configuration = next(iter(shaders.sections(text).values()), "").partition("// Layers: ")[0]
+    rows = [row.split() for row in re.findall(r"^//   (BOKEH_\w+ .*)", configuration, re.MULTILINE)]
+    presets = {f"BOKEH_PRESET_{name}": values for name, values in shaders.presets(text).items()}
+    default = presets.pop("BOKEH_PRESET_", {})
+    presets |= {row[0]: default for row in rows if row[-2:] == ["the", "default"]}
+    code = {(name, *values.values()) for name, values in presets.items()} | {*shaders.settings(language, text).items()}
+    table = {tuple(row[: 1 + (len(default) if "_PRESET_" in row[0] else 1)]) for row in rows}
+    for odd in sorted(code ^ table):
+        yield 0, f"{' '.join(odd)}: {'not in the table' if odd in code else 'not in the code'}"
 
 
-def _library(text: str, start: int, language: str) -> Iterator[Finding]:
-    """The common text, which line `start` begins: functions and structs that every language can say."""
-    start -= 1 if start else 0
-    offset = sum(len(line) + 1 for line in text.split("\n")[:start])
-    seen = set()
-    for function in listing.functions(text[offset:]):
-        line = start + function.line
-        if function.name in seen:
-            yield line, f"{function.name} is there already: no overloads", function.head
-        seen.add(function.name)
-        if not re.match(r"// \S[^:\n]*: \S", function.doc):
-            yield line, f"{function.name} has no tag line '// Listing n: what it is'", function.head
-        count = function.head.count(",") + 1
-        if count > MAX_PARAMETERS[language]:
-            yield line, f"{function.name} has {count} parameters, {MAX_PARAMETERS[language]} at most", function.head
-    rest = listing.FUNCTION.sub("", text[offset:])
-    for found in re.finditer(r"^(?!//|    |[{}]|struct \w+$)\S.*$", rest, re.MULTILINE):
-        yield start + 1, f"neither a function nor a struct: {found[0]}", found[0]
-    for number, line in enumerate(listing.code(text[offset:]).split("\n"), start + 1):
-        if found := BIT_OPERATOR.search(re.sub(r"<f32>", "", line)):
-            yield number, f"bit operator {found[0]}: SM3 has none", line
-        if found := SWIZZLE.search(line):
-            yield number, f"assignment to .{found[1]}: WGSL has none", line
+def _interface(text: str, language: str) -> Iterator[tuple[int, str]]:
+    """Parameters, and in GLSL values of BOKEH_PASS, are those of the harness in its order."""
+    form = {"hlsl": "BOKEH_PARAMETER(float, {0}, {1})", "glsl": "BOKEH_PARAMETER(float, {0})", "wgsl": "    {0}: f32,"}
+    names = [*map(shaders.glsl_pass, ENTRIES), "BOKEH_FULL_SCREEN"]
+    blocks = {"parameters": [form[language].format(name, number) for number, name in enumerate(PARAMETERS)]}
+    if language == "glsl":
+        blocks["values of BOKEH_PASS"] = [f"#define {name} {number}" for number, name in enumerate(names, 1)]
+    for what, rows in blocks.items():
+        if not re.search(r"[\n{]\n" + re.escape("\n".join(rows)) + r"\n[\n}]", text):
+            yield 0, f"{what}: not those of the harness"

@@ -12,6 +12,9 @@ FUNCTION = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 _HEADING = re.compile(r"^// -+\n// \[(\d+)\] .+\n// -+\n", re.MULTILINE)
+# A constant of the configuration, in HLSL and GLSL, and in WGSL
+SETTING = r"^#ifndef (\w+)\n#define \1 ([^\s/]+)\n#endif$"
+WGSL_SETTING = r"^(?:const|override) (\w+): (?:i32 = (-?\d+)|f32 = (-?\d+\.\d+));$"
 
 # GLSL kinds: profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
@@ -36,6 +39,19 @@ def sections(source: str) -> dict[int, str]:
     """Number -> text of the numbered sections of a library or of the layers."""
     parts = _HEADING.split(source)
     return {int(number): part for number, part in zip(parts[1::2], parts[2::2], strict=True)}
+
+
+def presets(source: str) -> dict[str, dict[str, str]]:
+    """In HLSL and GLSL: preset -> name -> value; '' is none of them."""
+    found = r"(?:defined\(BOKEH_PRESET_(\w+)\)|^#else)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
+    return {name: dict(re.findall(r"(\w+) (\S+)\n", lines)) for name, lines in re.findall(found, source, re.MULTILINE)}
+
+
+def settings(language: str, source: str) -> dict[str, str]:
+    """Name -> value in the configuration of a library or of the layers, without a preset."""
+    found = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
+    plain = presets(source).get("", {})
+    return {name: plain.get("".join(value), "".join(value)) for name, *value in found}
 
 
 def defines(values: Mapping[str, object]) -> str:

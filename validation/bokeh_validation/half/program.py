@@ -7,7 +7,7 @@ from functools import cache
 
 from pycparser import c_ast, c_parser
 
-from bokeh_validation import parity, paths, shaders
+from bokeh_validation import paths, shaders
 
 TYPES = ("bool", "vec2", "vec3", "vec4", "sampler2D")
 INTEGERS = ("int", "bool")
@@ -90,8 +90,8 @@ def main(entry: str) -> Function:
 @cache
 def constants() -> Mapping[str, float | int]:
     """Section [1]: the defaults of the library's defines."""
-    found = parity.settings("glsl", _text("library"))
-    return {name: float(value) if "." in value else int(value) for name, value, _ in found}
+    found = shaders.settings("glsl", _text("library"))
+    return {name: float(value) if "." in value else int(value) for name, value in found.items()}
 
 
 def _text(file: str) -> str:

@@ -9,7 +9,7 @@ from hostile import COLOR
 from support_cases import noise_case, within
 from test_precision import exactly
 
-from bokeh_validation import methods, metrics, parity, passes, paths
+from bokeh_validation import methods, metrics, passes, paths, shaders
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import depth_of, flat
 from bokeh_validation.reference import listings
@@ -207,7 +207,7 @@ def test_defaults():
     }
     for language in paths.LANGUAGES:
         text = paths.library(language).read_text(encoding="ascii")
-        found = {name: np.float32(value) for name, value, _ in parity.settings(language, text)}
+        found = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
         assert found == {name: np.float32(value) for name, value in wanted.items()}, language
     assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
     assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
@@ -231,7 +231,7 @@ def test_presets():
             assert int(fetches) == 4 * int(samples) + 2
             assert int(smooth) == int(2 * int(samples) * float(spacing))
         if language != "wgsl":
-            found = {name: (int(one), float(other)) for name, (one, other) in parity.presets(text).items()}
+            found = {name: tuple(map(float, values.values())) for name, values in shaders.presets(text).items() if name}
             assert found == PRESETS
 
 
