@@ -4,6 +4,7 @@ import re
 
 import pytest
 from support import REAL, load
+from xdist.scheduler import LoadScopeScheduling
 
 from bokeh_validation import drivers
 
@@ -17,18 +18,26 @@ def pytest_addoption(parser):
     parser.addoption("--all", action="store_true", help="run the slow engine samples too (Bevy builds for minutes)")
 
 
-# before xdist reads the groups
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config, items):
-    """What goes to a process as one: a file, or the tests that differ in the driver only and share the reference's
-    result. Those that may take longest come first, so that nobody waits long at the end."""
+class Groups(LoadScopeScheduling):
+    """What goes to a process as one: a file, or tests that differ in the driver only and share the reference's result.
+
+    xdist's own marks for that do nothing here: xdist 3.8 writes them where pytest 9.2 does not read.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        whole = WHOLE.search(nodeid)
+        return whole[0] if whole else DRIVER.sub("", nodeid)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Which tests stay together."""
+    return Groups(config, log)
+
+
+def pytest_collection_modifyitems(items):
+    """Those that may take longest come first, so that nobody waits long at the end."""
     items.sort(key=lambda item: item.get_closest_marker("timeout") is None)
-    if hasattr(config, "workerinput"):
-        for item in items:
-            whole = WHOLE.search(item.nodeid)
-            group = whole[0] if whole else DRIVER.sub("", item.nodeid)
-            # xdist takes no group with a bracket for one
-            item.add_marker(pytest.mark.xdist_group(re.sub(r"[][@]", " ", group)))
 
 
 @pytest.fixture(params=REAL)
