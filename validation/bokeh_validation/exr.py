@@ -14,7 +14,7 @@ import OpenEXR
 
 from bokeh_validation import exr_header, exr_layers, files
 from bokeh_validation.errors import UserError
-from bokeh_validation.exr_header import Part, Window, printable
+from bokeh_validation.exr_header import Channel, Part, Window, printable
 
 
 @dataclass(frozen=True)
@@ -61,9 +61,9 @@ def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) 
 
 
 def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
-    parts = exr_header.read(path)
-    entries = exr_layers.pick(path, parts, layer, depth_channel)
-    part = parts[entries[0].part]
+    parts, channels = exr_header.read(path)
+    chosen = exr_layers.pick(path, parts, channels, layer, depth_channel)
+    part = parts[chosen[0].part]
     display, data = part.display, part.data.within(part.display)
     if data.width <= 0 or data.height <= 0:
         raise UserError(
@@ -71,11 +71,11 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
             "Save it with pixels in the display window."
         )
     # overscan is cut off; what lies there is no part of the image, whatever it holds
-    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, entries)]
-    for entry, plane in zip(entries[:3], planes, strict=False):
+    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, chosen)]
+    for entry, plane in zip(chosen[:3], planes, strict=False):
         advice = "NaN or infinite", "Clean it, for example by clamping, before it is blurred."
         _refuse(path, entry, ~np.isfinite(plane), data, *advice)
-    for entry, plane in zip(entries[3:], planes[3:], strict=True):
+    for entry, plane in zip(chosen[3:], planes[3:], strict=True):
         advice = "NaN", "Give every pixel a depth in metres; the sky may be infinite."
         _refuse(path, entry, np.isnan(plane), data, *advice)
     half = all(plane.dtype == np.float16 for plane in planes[:3])
@@ -101,7 +101,7 @@ def _extended(plane: np.ndarray, data: Window, display: Window) -> np.ndarray:
     return np.pad(plane, around, mode="edge")
 
 
-def _planes(path: Path, parts: tuple[Part, ...], entries: list[exr_layers.Entry]) -> list[np.ndarray]:
+def _planes(path: Path, parts: list[Part], chosen: list[Channel]) -> list[np.ndarray]:
     """(H, W) pixels of channels."""
     said: list[str] = []
     try:
@@ -109,7 +109,7 @@ def _planes(path: Path, parts: tuple[Part, ...], entries: list[exr_layers.Entry]
             # the library leaves out the parts that it could not read
             if len(file.parts) != len(parts):
                 raise ValueError("not all of its pixels can be decoded")
-            planes = [np.asarray(file.channels(entry.part)[entry.channel.name].pixels) for entry in entries]
+            planes = [np.asarray(file.channels(entry.part)[entry.name].pixels) for entry in chosen]
     except MemoryError:
         raise
     except Exception as error:
@@ -119,7 +119,7 @@ def _planes(path: Path, parts: tuple[Part, ...], entries: list[exr_layers.Entry]
             raise MemoryError from error
         reason = printable(said[0].removeprefix(f"{path}: "))
         raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again.") from error
-    for entry, plane in zip(entries, planes, strict=True):
+    for entry, plane in zip(chosen, planes, strict=True):
         window = parts[entry.part].data
         if plane.shape != (window.height, window.width):
             raise UserError(f"{path}: channel {printable(entry.full)} is not of its window's size. Save it again.")
@@ -150,12 +150,12 @@ def _overheard(said: list[str]):
             said += [line for line in text.splitlines() if line.strip()]
 
 
-def _refuse(path: Path, entry: exr_layers.Entry, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
+def _refuse(path: Path, entry: Channel, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
     """Where any pixel of the window is bad: the first, in the file's coordinates."""
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
         raise UserError(
-            f"{path}: {int(bad.sum())} pixels of channel {printable(entry.channel.name)} are {what}, "
+            f"{path}: {int(bad.sum())} pixels of channel {printable(entry.name)} are {what}, "
             f"the first at column {window.left + column}, row {window.top + row}. {advice}"
         )
 

