@@ -3,10 +3,10 @@
 import re
 from dataclasses import dataclass
 
-from bokeh_validation import drivers
+from bokeh_validation import drivers, terminal
 from bokeh_validation.bench import measure, rows
 from bokeh_validation.drivers.base import TimedDriver
-from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.errors import UserError
 
 # Drivers with a way to draw without upload and read-back, in the order in which they are tried
 DRIVERS = ("egl", "osmesa", "wgpu", "dxc")
@@ -79,17 +79,8 @@ def plan(size: str | None, rounds: int | None, quick: bool, clock: str | None = 
 
 def load(names: list[str] | None, adapter: str | None) -> tuple[list[TimedDriver], dict[str, str]]:
     """The drivers asked for, and name -> reason for those that are missing. Raises UserError where none is left."""
-    found, missing = [], {}
     for name in names or []:
         if name not in DRIVERS:
             why = "its times would hold upload and read-back" if name in drivers.NAMES else "no such driver"
             raise UserError(f"--driver {name}: {why}. Give one of {', '.join(DRIVERS)}.")
-    for name in dict.fromkeys(names or DEFAULT_DRIVERS):
-        try:
-            found.append(drivers.load(name, adapter))
-        except Unavailable as error:
-            missing[name] = str(error)
-    if not found:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
-        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
-    return found, missing
+    return terminal.pick_drivers(dict.fromkeys(names or DEFAULT_DRIVERS), adapter)

@@ -64,36 +64,34 @@ def _row(key: str, group: str, settings: methods.Settings, size, effective=None,
     return Row(key, group, settings, effective, passes, floor, versus)
 
 
-def _fixed(method: str, aperture: str, samples: int, coc: float = COC) -> methods.Settings:
-    return methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=coc)
+def _polygons(group: str, end: str, size, line: int, **versus: str) -> list[Row]:
+    """Hexagon and octagon with a constant CoC by the paper's method, `line` samples on a line, and by `exact`."""
+    rows = []
+    for aperture in ("hexagon", "octagon"):
+        paper, exact = f"paper {aperture}{end}", f"exact {aperture}{end}"
+        rows.append(_row(paper, group, _fixed("paper", aperture, line), size, line**2, **versus))
+        settings = _fixed("exact", aperture, edge_samples(aperture, line))
+        rows.append(_row(exact, group, settings, size, line**2, **versus, paper=paper))
+    return rows
+
+
+def _fixed(method: str, aperture: str, samples: int) -> methods.Settings:
+    return methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=COC)
 
 
 def table_one(size: tuple[int, int], sides: tuple[int, ...] = SIDES) -> list[Row]:
     """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
     rows = []
     for side in sides:
-        count = side * side
-        naive = f"naive {count}"
-        rows.append(_row(naive, "table 1", _fixed("naive-grid", "hexagon", side), size, count))
-        for aperture in ("hexagon", "octagon"):
-            paper = f"paper {aperture} {count}"
-            edge = edge_samples(aperture, side)
-            rows.append(_row(paper, "table 1", _fixed("paper", aperture, side), size, count, naive=naive))
-            settings = _fixed("exact", aperture, edge)
-            rows.append(_row(f"exact {aperture} {count}", "table 1", settings, size, count, naive=naive, paper=paper))
+        naive = f"naive {side**2}"
+        rows.append(_row(naive, "table 1", _fixed("naive-grid", "hexagon", side), size, side**2))
+        rows += _polygons("table 1", f" {side**2}", size, side, naive=naive)
     return rows
 
 
 def defaults(size: tuple[int, int]) -> list[Row]:
     """The counts that nobody asked for: 13 on a line, 7 and 6 on an edge."""
-    rows = []
-    for aperture in ("hexagon", "octagon"):
-        paper = f"paper {aperture}"
-        count = methods.default_samples("paper", aperture)
-        rows.append(_row(paper, "default", _fixed("paper", aperture, count), size, count**2))
-        edge = methods.default_samples("exact", aperture)
-        rows.append(_row(f"exact {aperture}", "default", _fixed("exact", aperture, edge), size, count**2, paper=paper))
-    return rows
+    return _polygons("default", "", size, methods.PAPER_SAMPLES)
 
 
 def adaptive(size: tuple[int, int]) -> list[Row]:
@@ -119,9 +117,13 @@ def in_focus(size: tuple[int, int]) -> list[Row]:
     for aperture in ("hexagon", "octagon"):
         settings = methods.Settings("exact", aperture, coc=0.0, spacing=1.0, max_samples=65)
         found = _row(f"exact {aperture} in focus", "in focus", settings, size)
-        passes, floor = (tuple(_reading(item, "sharp") for item in part[1:]) for part in (found.passes, found.floor))
-        rows.append(Row(found.key, found.group, settings, None, passes, floor, {}))
+        passes, floor = (tuple(_sharp(item) for item in part[1:]) for part in (found.passes, found.floor))
+        rows.append(replace(found, passes=passes, floor=floor))
     return rows
+
+
+def _sharp(item: Pass) -> Pass:
+    return replace(item, inputs={slot: name.replace("coc", "sharp") for slot, name in item.inputs.items()})
 
 
 def layers(size: tuple[int, int]) -> list[Row]:
@@ -175,11 +177,6 @@ def with_size(size: tuple[int, int]) -> list[Series]:
         Series(name, "pixels", [(float(w * h), (w, h), _passes(settings, (w, h), COC)) for w, h in sizes])
         for name, settings in CURVES
     ]
-
-
-def _reading(item: Pass, name: str) -> Pass:
-    inputs = {slot: name if source == "coc" else source for slot, source in item.inputs.items()}
-    return replace(item, inputs=inputs)
 
 
 def textures(size: tuple[int, int], file: suite.SceneFile = SCENE) -> dict[str, np.ndarray]:

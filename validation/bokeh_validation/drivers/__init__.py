@@ -17,13 +17,13 @@ def load(name: str, adapter: str | None = None) -> Driver:
 
         return {"wgpu": webgpu.WGPU, "dxc": webgpu.DXC}[name](adapter)
     if name in ("d3d9", "d3d11"):
-        from bokeh_validation.drivers import direct3d
+        from bokeh_validation.drivers import d3d
 
-        return {"d3d9": direct3d.D3D9, "d3d11": direct3d.D3D11}[name](adapter)
+        return {"d3d9": d3d.D3D9, "d3d11": d3d.D3D11}[name](adapter)
     if name in ("webgl2", "webgpu"):
-        from bokeh_validation.drivers import browser
+        from bokeh_validation.drivers import web
 
-        return {"webgl2": browser.WebGL2, "webgpu": browser.WebGPU}[name](adapter)
+        return {"webgl2": web.WebGL2, "webgpu": web.WebGPU}[name](adapter)
     if name == "reference":
         from bokeh_validation.reference.device import Reference
 

@@ -12,10 +12,10 @@ import typer
 from bokeh_validation import exr, paths, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.figures import diagrams, photographs, points, scenes
-from bokeh_validation.figures.model import Figure, Made
+from bokeh_validation.figures import depth, diagrams, photographs, points
+from bokeh_validation.figures.figure import Figure, Made
 
-_ALL = (*photographs.FIGURES, *scenes.FIGURES, *diagrams.FIGURES, *points.FIGURES)
+_ALL = (*photographs.FIGURES, *depth.FIGURES, *diagrams.FIGURES, *points.FIGURES)
 FIGURES: dict[int, Figure] = {figure.number: figure for figure in sorted(_ALL, key=lambda figure: figure.number)}
 NUMBERS_FILE = "figures.json"
 

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from bokeh_validation import apertures, fetches, methods, quality, sheet, tiling
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
-from bokeh_validation.figures.model import Figure, Made, Table, named
+from bokeh_validation.figures.figure import Figure, Made, Table, named
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns import impulse
 from bokeh_validation.reference import polygons, segments

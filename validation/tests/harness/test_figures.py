@@ -12,7 +12,7 @@ from test_render import refused
 from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import command, diagrams, photographs
-from bokeh_validation.figures.model import Table
+from bokeh_validation.figures.figure import Table
 
 DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
 PICTURES = paths.ROOT / "docs" / "reproduction"

@@ -7,7 +7,7 @@ import numpy as np
 from bokeh_validation import metrics, quality, suite
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.model import Figure, Made, Table, drawn, named
+from bokeh_validation.figures.figure import Figure, Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import scenes as probes
 from bokeh_validation.patterns.model import Case, Probe
