@@ -189,8 +189,23 @@ def test_the_budget_keeps_the_limits(findings):
         if MAY_BE_HALF.get(name) != WHOLE and off["half"].max() <= limit:
             within.add(name)
     assert within == {"BokehDefaultFilter", "BokehMakeOffsets", "BokehLeakageWeight", "BokehSignedLeakageWeight"}
-    bias = Choice({"BokehFilter": frozenset(["bleedingBias"])})
-    assert frames.outcome("paper, adaptive", bias).moved > 1.0
+
+
+# function, variable, method: uv, a sum of uv and something, a sum of colours, a threshold
+MUST_BE_FLOAT = [
+    ("main", "BokehUV", "exact"),
+    ("BokehDepthOfField", "sampleCoords", "paper"),
+    ("BokehDepthOfField", "color", "paper"),
+    ("BokehFilter", "bleedingBias", "paper, adaptive"),
+]
+
+
+def test_half_alone_is_seen_in_the_picture():
+    """Each by itself moves a sample by more than an eighth of a pixel or loses pixels; choice.py allows none."""
+    for function, name, method in MUST_BE_FLOAT:
+        outcome = frames.outcome(method, Choice({function: frozenset([name])}))
+        assert outcome.moved > 0.125 or outcome.lost > 0.0, (function, name, outcome)
+        assert ALLOWED.of(function, name) != HALF
 
 
 def test_allowed_halves_keep_the_picture(findings):
