@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
+from support import called
 
 from bokeh_validation import exr, methods, paths, suite
 from bokeh_validation.reference.device import Reference
@@ -161,7 +162,7 @@ FILE_CASES = {
 @pytest.mark.parametrize("kind", FILE_CASES)
 def test_bad_file(kind, tmp_path):
     """One line that says what, where and what to do; exit code 2; no output."""
-    refused(run("render", bad_files(tmp_path)[kind], "-o", tmp_path / "out.exr"), FILE_CASES[kind])
+    refused(called("render", bad_files(tmp_path)[kind], "-o", tmp_path / "out.exr"), FILE_CASES[kind])
     assert not list(tmp_path.glob("*out.exr*")) and not list(tmp_path.glob(".*"))
 
 
@@ -206,7 +207,7 @@ def test_bad_option(options, words, tmp_path):
     """One line, exit code 2, and an output that was there before is left alone."""
     output = tmp_path / "out.exr"
     output.write_text("precious")
-    refused(run("render", STREET, "-o", output, *options), words)
+    refused(called("render", STREET, "-o", output, *options), words)
     assert output.read_text() == "precious" and len(list(tmp_path.iterdir())) == 1
 
 
@@ -219,9 +220,9 @@ def test_unwritable_output(target, tmp_path):
 
 def test_usage_errors():
     """No arguments, no output, an unknown command."""
-    refused(run("render"), ["IN.exr"])
-    refused(run("render", STREET), ["--output"])
-    refused(run("bogus"), ["bogus"])
+    refused(called("render"), ["IN.exr"])
+    refused(called("render", STREET), ["--output"])
+    refused(called("bogus"), ["bogus"])
 
 
 def test_closed_output():
