@@ -38,7 +38,7 @@ ASSERTION = re.compile(r"assert|AssertionError|Failed: (?!Timeout)")
 FORK = multiprocessing.get_context("fork")
 
 
-@dataclass
+@dataclass(eq=False)
 class Job:
     """Tests on shaders in a process of its own.
 
@@ -96,9 +96,13 @@ def run(
             asked = [item for killer in mutant.killers for item in known[killer]]
             more = [] if mutant.argument else [item for item in last if item not in asked]
             jobs.append(Job(text, asked + more, everywhere=mutant.everywhere))
-        _work(jobs, reports, step)
-        for mutant, job, result in zip(mutants, jobs, results, strict=True):
-            _judge(mutant, job, result)
+
+        def done(job: Job) -> None:
+            number = jobs.index(job)
+            _judge(mutants[number], job, results[number])
+            step(f"{mutants[number].name}: {results[number].outcome}")
+
+        _work(jobs, reports, done)
         _control(results, items, reports)
 
     plugin = _Plugin(action)
@@ -153,7 +157,7 @@ def _control(results: Sequence[Result], items: Sequence[pytest.Item], reports: l
             result.outcome, result.detail = BROKEN, f"fails without the change as well: {bad[result.test]}"
 
 
-def _work(jobs: Sequence[Job], reports: list, step: Callable[[str], None] = lambda _: None) -> None:
+def _work(jobs: Sequence[Job], reports: list, done: Callable[[Job], None] = lambda _: None) -> None:
     """Run them, some at a time; their processes are gone afterwards, whatever happens."""
     waiting, running = list(reversed(jobs)), {}
     with tempfile.TemporaryDirectory(prefix="bokeh-mutants-") as folder:
@@ -167,19 +171,19 @@ def _work(jobs: Sequence[Job], reports: list, step: Callable[[str], None] = lamb
                     other.close()
                     running[end] = job, process, time.monotonic()
                 for end in connection.wait(running, 1.0):
-                    _hear(end, running, step)
-                for end, (_, process, heard) in list(running.items()):
-                    if time.monotonic() > heard + TEST_S:
+                    _hear(end, running)
+                for end, (job, process, heard) in list(running.items()):
+                    if end.closed or time.monotonic() > heard + TEST_S:
                         _kill(process)
                         running.pop(end)
-                        step("")
+                        done(job)
         finally:
             for _, process, _ in running.values():
                 _kill(process)
 
 
-def _hear(end: connection.Connection, running: dict, step: Callable[[str], None]) -> None:
-    """Take a message of a job, or its end."""
+def _hear(end: connection.Connection, running: dict) -> None:
+    """Take a message of a job; at its end the connection is closed."""
     job, process, heard = running[end]
     now = time.monotonic()
     job.seconds += now - heard
@@ -188,8 +192,7 @@ def _hear(end: connection.Connection, running: dict, step: Callable[[str], None]
         message = end.recv()
     except EOFError:
         process.join()
-        running.pop(end)
-        step("")
+        end.close()
         return
     if isinstance(message, bool):
         job.seen = message
@@ -201,9 +204,10 @@ def _hear(end: connection.Connection, running: dict, step: Callable[[str], None]
 
 def _kill(process) -> None:
     """With the programs that it has started."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.kill()
+    if process.is_alive():
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.kill()
     process.join()
 
 
