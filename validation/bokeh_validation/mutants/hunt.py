@@ -84,18 +84,20 @@ class _Plugin:
 def run(
     mutants: Sequence[Mutant], killers: Iterable[str], step: Callable[[str], None] = lambda _: None
 ) -> list[Result]:
-    """What becomes of each. Raises UserError where an edit does not fit the shaders, or there is no such killer."""
+    """What becomes of each; `killers` has theirs and maybe others.
+
+    Raises UserError where an edit does not fit the shaders, or there is no such killer.
+    """
     results = [Result(m.name, m.kind, m.languages, m.place, m.change) for m in mutants]
     texts = [mutated(mutant) for mutant in mutants]
 
     def action(items, reports):
-        known = {killer: _named(killer, items) for one in (killers, *(m.killers for m in mutants)) for killer in one}
-        last = [item for item in items if not NOT_LAST.search(item.nodeid)]
+        known = {killer: _named(killer, items) for killer in dict.fromkeys(killers)}
+        last = {item: None for item in items if not NOT_LAST.search(item.nodeid)}
         jobs = []
         for mutant, text in zip(mutants, texts, strict=True):
-            asked = [item for killer in mutant.killers for item in known[killer]]
-            more = [] if mutant.argument else [item for item in last if item not in asked]
-            jobs.append(Job(text, asked + more, everywhere=mutant.everywhere))
+            asked = {item: None for killer in mutant.killers for item in known[killer]}
+            jobs.append(Job(text, list(asked if mutant.argument else asked | last), everywhere=mutant.everywhere))
 
         def done(job: Job) -> None:
             number = jobs.index(job)
@@ -132,16 +134,18 @@ def _name(item: pytest.Item) -> str:
 def _judge(mutant: Mutant, job: Job, result: Result) -> None:
     result.parity, result.seconds = job.seen, job.seconds
     test, outcome, said = job.records[-1] if job.records else ("", "", "")
+    passed = sum(outcome == "passed" for _, outcome, _ in job.records)
     if mutant.everywhere and job.seen:
         result.outcome, result.detail = BROKEN, "not the same in all languages: the parity check sees it"
     elif outcome == "begun":
         result.outcome, result.test, result.detail = BROKEN, test, said
     elif outcome == "failed":
         result.outcome, result.test, result.detail = CAUGHT if ASSERTION.match(said) else BROKEN, test, said
+    elif not passed:
+        result.outcome, result.detail = BROKEN, "no test was run"
     elif mutant.argument:
         result.outcome, result.detail = ARGUED, mutant.argument
     else:
-        passed = sum(outcome == "passed" for _, outcome, _ in job.records)
         result.outcome, result.detail = ALIVE, f"{passed} tests passed, {len(job.records) - passed} skipped"
 
 
