@@ -267,7 +267,7 @@ IN_LIBRARY: tuple[Mutant, ...] = (
     row("viewport-texture", "axis", "SetViewport", "viewport / textureSize.xyxy", "viewport / textureSize.yxyx"),
     row("viewport-kernel", "porting", "NaiveGather", "BokehFetchTable(KernelSamp, i, BOKEH_NUM_SAMPLES)",
         "BokehFetchNearest(KernelSamp, vec2((float(i) + 0.5) / float(BOKEH_NUM_SAMPLES), 0.5))",
-        "test_viewport.py::test_nothing_leaks_in[osmesa naive]"),
+        "test_viewport.py::test_nothing_leaks_in[egl naive]"),
     # debug views
     row("debug-depth", "axis", "DebugDepth", "S2 / (", "S1 / ("),
     row("debug-coc", "constant", "DebugCoC", "clamp(abs(CoC) /", "clamp(0.5 * abs(CoC) /"),

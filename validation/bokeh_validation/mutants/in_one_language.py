@@ -3,7 +3,7 @@
 from bokeh_validation.mutants.killers import LEAKS, PARITY, on_device
 from bokeh_validation.mutants.mutant import Mutant
 
-DRIVERS = {"hlsl": "dxc", "glsl": "osmesa", "wgsl": "wgpu"}
+DRIVERS = {"hlsl": "dxc", "glsl": "egl", "wgsl": "wgpu"}
 D3D9 = on_device("d3d9")
 MANY = "test_survivors.py::test_many_offsets[d3d9]"
 

@@ -5,54 +5,54 @@ each is there.
 """
 
 PARITY = "test_parity.py::test_the_checkout_passes"
-HOSTILE = "test_drivers.py::test_first_pass_makes_hostile_pixels_safe[osmesa]"
-LIMITS = "test_inputs.py::test_camera_at_its_limits[osmesa]"
-TINY = "test_drivers.py::test_depth_of_a_tenth_of_a_millimetre[osmesa]"
-DEPTHS = "test_inputs.py::test_same_coc_from_every_convention[osmesa 32]"
-BAD_DEPTHS = "test_inputs.py::test_bad_depth_of_every_convention[osmesa]"
-DEPTH_ENDS = "test_inputs.py::test_ends_of_the_range[osmesa]"
-SIGNED = "test_survivors.py::test_signed_map[osmesa]"
-PAPER = "test_drivers.py::test_settings[osmesa paper]"
-STAR = "test_drivers.py::test_settings[osmesa paper star]"
-REJECTED = "test_drivers.py::test_every_sample_rejected[osmesa]"
-NAIVE = "test_drivers.py::test_settings[osmesa naive-{]"
-GRID = "test_drivers.py::test_settings[osmesa naive-grid]"
+HOSTILE = "test_drivers.py::test_first_pass_makes_hostile_pixels_safe[egl]"
+LIMITS = "test_inputs.py::test_camera_at_its_limits[egl]"
+TINY = "test_drivers.py::test_depth_of_a_tenth_of_a_millimetre[egl]"
+DEPTHS = "test_inputs.py::test_same_coc_from_every_convention[egl 32]"
+BAD_DEPTHS = "test_inputs.py::test_bad_depth_of_every_convention[egl]"
+DEPTH_ENDS = "test_inputs.py::test_ends_of_the_range[egl]"
+SIGNED = "test_survivors.py::test_signed_map[egl]"
+PAPER = "test_drivers.py::test_settings[egl paper]"
+STAR = "test_drivers.py::test_settings[egl paper star]"
+REJECTED = "test_drivers.py::test_every_sample_rejected[egl]"
+NAIVE = "test_drivers.py::test_settings[egl naive-{]"
+GRID = "test_drivers.py::test_settings[egl naive-grid]"
 # on Direct3D 9 alone is every sample nearer than NaN
 COUNTED = "test_hostile.py::test_bad_pixels_count_as_documented[d3d9]"
-EXACT = "test_drivers.py::test_settings[osmesa exact]"
-TARGETS = "test_drivers.py::test_several_targets[osmesa]"
-HEXAGON = "test_exact.py::test_exact_on_noise[osmesa hexagon]"
-DECAGON = "test_exact.py::test_exact_on_noise[osmesa decagon]"
-ADAPTIVE = "test_exact.py::test_adaptive_paper_on_noise[osmesa hexagon]"
-TRIANGLE = "test_exact.py::test_adaptive_paper_on_noise[osmesa triangle]"
+EXACT = "test_drivers.py::test_settings[egl exact]"
+TARGETS = "test_drivers.py::test_several_targets[egl]"
+HEXAGON = "test_exact.py::test_exact_on_noise[egl hexagon]"
+DECAGON = "test_exact.py::test_exact_on_noise[egl decagon]"
+ADAPTIVE = "test_exact.py::test_adaptive_paper_on_noise[egl hexagon]"
+TRIANGLE = "test_exact.py::test_adaptive_paper_on_noise[egl triangle]"
 DENSE = "test_exact.py::test_jitter_leaves_dense_samples_alone"
 # few samples on a wide blur, where the noise counts
-JITTER = "test_survivors.py::test_jitter_of_the_exact_passes[osmesa hexagon]"
+JITTER = "test_survivors.py::test_jitter_of_the_exact_passes[egl hexagon]"
 EACH_PASS = "test_exact.py::test_every_frame_and_pass_has_its_own_noise[egl]"
-LEAKS = "test_viewport.py::test_nothing_leaks_in[osmesa]"
-COLUMN = "test_viewport.py::test_a_column[osmesa]"
-DEBUG = "test_drivers.py::test_debug_views[osmesa]"
+LEAKS = "test_viewport.py::test_nothing_leaks_in[egl]"
+COLUMN = "test_viewport.py::test_a_column[egl]"
+DEBUG = "test_drivers.py::test_debug_views[egl]"
 OUT_OF_RANGE = (
-    "test_hostile.py::test_parameters_out_of_range[osmesa BokehSides]",
-    "test_hostile.py::test_parameters_out_of_range[osmesa BokehEdge]",
+    "test_hostile.py::test_parameters_out_of_range[egl BokehSides]",
+    "test_hostile.py::test_parameters_out_of_range[egl BokehEdge]",
 )
 # pass by pass within the reference's intervals; where both layers are full, then all settings
 LAYERED = (
-    "test_layers_mutants.py::test_half_a_layer[osmesa]",
-    "test_layers_mutants.py::test_both_layers[osmesa]",
+    "test_layers_mutants.py::test_half_a_layer[egl]",
+    "test_layers_mutants.py::test_both_layers[egl]",
     "test_layers.py::test_settings[osmesa]",
 )
 LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
-LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[osmesa]"
-LAYERED_LEAKS = "test_layers_mutants.py::test_nothing_leaks_into_layers[osmesa]"
+LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
+LAYERED_LEAKS = "test_layers_mutants.py::test_nothing_leaks_into_layers[egl]"
 LAYERED_INVERSE = "test_layers_mutants.py::test_a_size_whose_inverse_is_small"
-LAYERED_LEVELS = "test_layers_mutants.py::test_black_and_bright[osmesa]"
+LAYERED_LEVELS = "test_layers_mutants.py::test_black_and_bright[egl]"
 LAYERED_MADE = "test_layers_mutants.py::test_layers_without_jitter"
 
 
 def survivor(name: str) -> str:
     """A test of test_survivors.py."""
-    return f"test_survivors.py::{name}[osmesa]"
+    return f"test_survivors.py::{name}[egl]"
 
 
 def on_device(driver: str) -> tuple[str, ...]:
@@ -72,7 +72,7 @@ FIRST = {
     "SignedCoC*": (SIGNED,),
     "LineEnd LeakageWeight DepthOfField Combine DepthOfFieldFinal": (PAPER,),
     "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample", PAPER),
-    "DefaultFilter": ("test_precision.py::test_the_default_filter_is_section_1",),
+    "DefaultFilter": ("test_precision.py::test_float64_is_the_reference",),
     "FilterCoC": (survivor("test_half_a_pixel_is_in_focus"), ADAPTIVE, HEXAGON),
     "Cells": (survivor("test_a_line_of_no_length"), JITTER, ADAPTIVE, HEXAGON),
     "Noise": (survivor("test_noise_comes_again"), JITTER, ADAPTIVE, HEXAGON),
