@@ -10,7 +10,7 @@ STAGES = ("vertex", "fragment", "link")
 def version(session: browser.Session | None = None) -> str:
     """Chromium, which ANGLE has the version of, and the device below. Raises Unavailable."""
     session = session or browser.session()
-    return f"Chromium {session.version}, {session.call('webgl2.describe', limit=browser.COMPILE_LIMIT)['renderer']}"
+    return f"Chromium {session.version}, {session.call('webgl2.describe', limit=browser.COMPILE_LIMIT)['device']}"
 
 
 def build(vertex: str, fragment: str, session: browser.Session) -> CompileResult:

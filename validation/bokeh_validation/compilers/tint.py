@@ -11,8 +11,7 @@ INSTALL = browser.INSTALL
 def version(session: browser.Session | None = None) -> str:
     """Chromium, which tint and Dawn have the version of, and the device below. Raises Unavailable."""
     session = session or browser.session()
-    told = session.call("webgpu.describe", limit=browser.COMPILE_LIMIT)
-    return f"Chromium {session.version}, {told['vendor']} {told['architecture']}"
+    return f"Chromium {session.version}, {session.call('webgpu.describe', limit=browser.COMPILE_LIMIT)['device']}"
 
 
 def build(vertex: Stage, fragment: Stage, session: browser.Session) -> CompileResult:

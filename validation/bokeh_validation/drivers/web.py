@@ -1,7 +1,6 @@
 """GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
 
 import base64
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -54,15 +53,14 @@ class BrowserDriver(Driver):
     # 1.9e-4 (Vulkan allows 4.9e-4; Mesa's are off by 7e-8). So lines at an angle end a little elsewhere: within the
     # interval of a GPU, and not always within the bounds in steps that Mesa is held to.
     software = False
-    # bytes a pixel that all targets of a pass may have; WebGL 2 has room for four targets of any format
-    attachment_bytes = math.inf
 
     def __init__(self, adapter: str | None = None):
         self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
         try:
-            device, self.float_filterable = self._device()
+            self.told = self.session.call(f"{self.name}.describe")
         except (browser.Refused, browser.BrowserError) as error:
             raise Unavailable(f"Chromium has no {self.name} on this machine: {error}") from error
+        device = self.told["device"]
         if adapter is not None and adapter.lower() not in device.lower():
             raise Unavailable(f"Chromium has no device named like {adapter!r}; it has {device}")
         self.adapter = f"{device}, Chromium {self.session.version}"
@@ -71,10 +69,6 @@ class BrowserDriver(Driver):
     def session(self) -> browser.Session:
         """The browser: after a crash, a new one."""
         return browser.session(self.hardware)
-
-    def _device(self) -> tuple[str, bool]:
-        """(name of the device, whether it can filter 32-bit textures)."""
-        raise NotImplementedError
 
     def _program(self, item: Pass) -> dict[str, object]:
         """What the page needs to know of a pass's program."""
@@ -87,7 +81,7 @@ class BrowserDriver(Driver):
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver."""
         self._require_filter(passes, textures, storage)
-        require_targets(self, passes, storage, self.attachment_bytes)
+        require_targets(self, passes, storage, self.told["attachmentBytes"])
         over = drawn_over(passes, size)
         job = {
             **self._shared(),
@@ -115,7 +109,7 @@ class BrowserDriver(Driver):
 
     def _require_filter(self, passes: Sequence[Pass], textures: Textures, storage: str) -> None:
         """32-bit textures under a linear filter are an option in WebGL 2 and in WebGPU."""
-        if self.float_filterable:
+        if self.told["floatFilterable"]:
             return
         wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
         wide |= {name for item in passes for name in item.outputs} if storage == "float" else set()
@@ -129,10 +123,6 @@ class WebGL2(BrowserDriver):
 
     name = "webgl2"
 
-    def _device(self) -> tuple[str, bool]:
-        told = self.session.call("webgl2.describe")
-        return told["renderer"], told["floatLinear"]
-
     def _program(self, item: Pass) -> dict[str, object]:
         return {"fragment": shaders.glsl(item.entry, "300es", item.constants)}
 
@@ -144,12 +134,6 @@ class WebGPU(BrowserDriver):
     """WGSL through tint and Dawn."""
 
     name = "webgpu"
-
-    def _device(self) -> tuple[str, bool]:
-        told = self.session.call("webgpu.describe")
-        self.attachment_bytes = told["attachmentBytes"]
-        words = (told["vendor"], told["architecture"], told["description"])
-        return " ".join(word for word in words if word), told["floatFilterable"]
 
     def _program(self, item: Pass) -> dict[str, object]:
         return {"entry": item.entry + "_PS", "constants": item.constants}

@@ -4,7 +4,6 @@
 import { decode, elements, encode, walk } from "./job.js";
 
 let gl = null;
-let floatLinear = null; // OES_texture_float_linear, or null where 32-bit textures cannot be filtered
 let samplers = null; // by "is linear"
 const programs = new Map(); // both sources -> { program, places: name of a uniform -> its location or null }
 
@@ -15,7 +14,6 @@ function start() {
   if (!gl) throw new Error("this browser gives no WebGL 2 context");
   if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("no EXT_color_buffer_float: no float targets");
   gl.getExtension("EXT_color_buffer_half_float");
-  floatLinear = gl.getExtension("OES_texture_float_linear");
   samplers = { true: sampler(gl.LINEAR), false: sampler(gl.NEAREST) };
   programs.clear();
   gl.disable(gl.DITHER);
@@ -30,12 +28,14 @@ function sampler(filter) {
   return made;
 }
 
-// { renderer, floatLinear }
+// What the device is, whether it filters 32-bit textures, and the bytes a pixel that all targets of a pass may have:
+// there is room for four targets of any format.
 export function describe() {
   start();
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   const renderer = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-  return { renderer, floatLinear: floatLinear !== null };
+  const floatFilterable = gl.getExtension("OES_texture_float_linear") !== null;
+  return { device: renderer, floatFilterable, attachmentBytes: 64 };
 }
 
 // Compile both stages and link them. { ok, logs: { vertex, fragment, link }, program }

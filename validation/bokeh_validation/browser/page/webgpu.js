@@ -54,12 +54,13 @@ function layout(device, slots) {
   return device.createBindGroupLayout({ entries });
 }
 
-// { vendor, architecture, description, floatFilterable, attachmentBytes }
+// As webgl2.describe().
 export async function describe() {
   const { adapter, device } = await start();
   const { vendor, architecture, description } = adapter.info;
+  const name = [vendor, architecture, description].filter(Boolean).join(" ");
   const floatFilterable = device.features.has("float32-filterable");
-  return { vendor, architecture, description, floatFilterable, attachmentBytes: device.limits[ATTACHMENT_BYTES] };
+  return { device: name, floatFilterable, attachmentBytes: device.limits[ATTACHMENT_BYTES] };
 }
 
 // Run steps and throw what the device says of them: its errors come out of scopes, not as exceptions.
