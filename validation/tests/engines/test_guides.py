@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from support import needed
 
-from bokeh_validation import passes, paths
+from bokeh_validation import paths
 from bokeh_validation.engines import direct3d, process, scripts
 from bokeh_validation.entries import ENTRIES
 
@@ -70,23 +70,6 @@ def test_panda3d_version():
     (version,) = re.findall(r"^panda3d==(\S+)", scripts.REQUIREMENTS.read_text(encoding="utf-8"), re.MULTILINE)
     shown = (INTEGRATION / "panda3d/README.md").read_text(encoding="utf-8")
     assert set(re.findall(r"panda3d==(\d[\d.]*\d)", shown)) == {version}
-
-
-@pytest.mark.parametrize(
-    ("file", "struct", "field"),
-    [
-        ("bevy/src/lib.rs", r"^struct BokehParameters \{\n(.*?)^\}", r"(\w+): f32,"),
-        ("direct3d9/main.c", r"(    float apertureDiameter.*?)\}", r"(\w+)(?: = [^,;]+)?[,;]"),
-        ("direct3d11/main.cpp", r"(    float apertureDiameter.*?)\}", r"(\w+)(?: = [^,;]+)?[,;]"),
-    ],
-)
-def test_parameters_are_in_order(file, struct, field):
-    """The samples' structs have the parameters of docs/parameters.md in its order."""
-    text = re.sub(r"//.*", "", (INTEGRATION / file).read_text(encoding="utf-8"))
-    fields = re.findall(field, re.search(struct, text, re.MULTILINE | re.DOTALL)[1])
-    # near and far are macros of Windows' headers
-    found = [re.sub("^z(near|far)$", r"\1", name.replace("_", "").lower()) for name in fields]
-    assert found == [name.removeprefix("Bokeh").lower() for name in passes.PARAMETERS]
 
 
 def test_bevy_passes():

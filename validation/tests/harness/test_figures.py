@@ -150,25 +150,6 @@ def test_perspective_looks_where_it_says():
     assert tilted[75, 150] > tilted[75, 50] and tilted[120, 100] > tilted[30, 100]
 
 
-def test_perspective_keeps_angles():
-    """A view 90 degrees wide reaches 45 degrees to each side."""
-    longitude = np.broadcast_to(((np.arange(512) + 0.5) / 512 * 360 - 180)[None, :, None], (256, 512, 1))
-    view = photographs.View("ramp", "hexagon", 0.0, 0.0, 90.0)
-    middle = photographs.perspective(longitude, view, (400, 300))[150, :, 0]
-    x = (np.arange(400) + 0.5 - 200) / 200
-    assert np.abs(middle - np.degrees(np.arctan(x))).max() < 0.02
-    assert abs(middle[-1] - 45.0) < 0.3
-
-
-def test_dark_rims_are_mended():
-    """Negative pixels get the median around them, others stay."""
-    panorama = np.full((5, 5, 3), 2.0)
-    panorama[2, 2] = (-0.5, 1.0, 1.0)
-    panorama[0, 0] = 9.0
-    mended = photographs.mended(panorama)
-    assert (mended[2, 2] == 2.0).all() and (mended[0, 0] == 9.0).all() and mended.min() >= 0.0
-
-
 def test_without_npm_the_other_figures_are_made(tmp_path, monkeypatch):
     """Figure 1 is left out with a reason of one line that says what is missing."""
     monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
