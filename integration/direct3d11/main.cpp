@@ -154,8 +154,8 @@ static const Shot SHOTS[] = {
 };
 constexpr int NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0];
 
-// The constant buffer b0 of the package's passes, as docs/inputs.md lists it: 35 floats, 144 bytes, since the size of a
-// buffer is a multiple of 16.
+// The constant buffer b0 of the package's passes, as docs/parameters.md lists it: 35 floats, 144 bytes, since the size
+// of a buffer is a multiple of 16.
 static struct alignas(16) {
     float apertureDiameter, focalLength, focusDistance, sensorHeight = 0.024f, maxCoC, constantCoC;
     float aspectRatio = (float)WIDTH / HEIGHT, angle, angleB;
