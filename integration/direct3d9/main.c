@@ -102,7 +102,7 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 to c34 of the package's passes, as docs/inputs.md lists them. */
+/* Registers c0 to c34 of the package's passes, as docs/parameters.md lists them. */
 static struct {
     float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
     float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
