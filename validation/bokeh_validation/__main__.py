@@ -2,4 +2,6 @@
 
 from bokeh_validation.cli import main
 
-main()
+# a process of jobs.py imports this module too
+if __name__ == "__main__":
+    main()

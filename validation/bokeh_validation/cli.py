@@ -4,6 +4,7 @@ import importlib
 import os
 import signal
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,6 +13,7 @@ from typer.exceptions import TyperException
 
 from bokeh_validation import __version__
 from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.jobs import end_programs
 
 EXIT_BAD_INPUT = 2
 
@@ -26,10 +28,9 @@ COMMANDS = {
     "shapes": ("quality", "shapes"),
     "truth": ("likeness", "truth"),
     "figures": ("figures.command", "figures"),
-    "patterns": ("suite", "patterns_command"),
+    "patterns": ("validate", "run_patterns"),
     "parity": ("parity", "parity"),
     "precision": ("half.table", "precision"),
-    "report": ("suite", "report"),
     "bench": ("bench.bench_command", "bench"),
     "mutants": ("mutants.mutants_command", "mutants"),
     "engines": ("engines.engines_command", "engines"),
@@ -63,20 +64,23 @@ app = typer.Typer(
 def default(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="One driver, few variants: a first answer within a minute.")
+    full: Annotated[
+        bool, typer.Option("--full", help="Every driver, compiler, probe, scene and engine's sample: seven minutes.")
     ] = False,
     adapter: Annotated[
         str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")
     ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="The report; else in the cache folder.")
+    ] = None,
 ) -> None:
-    """Validate the polygonal bokeh shaders. Without a command: doctor, compile, patterns and report."""
+    """Validate the polygonal bokeh shaders. Without a command: all languages in brief, in two minutes, and a report."""
     if version:
         print(__version__)
     elif context.invoked_subcommand is None:
-        from bokeh_validation import suite
+        from bokeh_validation import validate
 
-        suite.validate(adapter, quick)
+        validate.validate(full, adapter, output)
 
 
 def main() -> None:
@@ -96,11 +100,10 @@ def main() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
-    _end_programs()
+    end_programs()
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:  # closed by the caller
             stream.flush()
-    # Mesa's and wgpu's libraries tear down in an order of their own; nothing is left to save here.
     os._exit(code if isinstance(code, int) else 0)
 
 
@@ -108,13 +111,6 @@ def _stop(*_) -> None:
     """A request to end is as an interruption from the keyboard; a second one does not disturb the first."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise KeyboardInterrupt
-
-
-def _end_programs() -> None:
-    """os._exit() runs no exit handlers: end Wine and its display here, if they were used at all."""
-    windows = sys.modules.get("bokeh_validation.windows.wine")
-    if windows:
-        windows.stop()
 
 
 def _refuse(message: str) -> int:

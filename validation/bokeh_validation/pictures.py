@@ -48,14 +48,26 @@ def coarse(pixels: np.ndarray, step: int = 4) -> np.ndarray:
 
 def png_bytes(pixels: np.ndarray) -> bytes:
     """8-bit rgb (H, W, 3) as a PNG."""
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
+    return _encoded(Image.fromarray(pixels), "PNG", optimize=True)
 
 
-def data_uri(pixels: np.ndarray) -> str:
+def png_uri(pixels: np.ndarray) -> str:
     """8-bit rgb as a data: address, for a page without files beside it."""
-    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+    return f"data:image/png;base64,{base64.b64encode(png_bytes(pixels)).decode('ascii')}"
+
+
+def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
+    """8-bit rgb as a data: address, not to the last bit, and at most so wide."""
+    picture = Image.fromarray(pixels)
+    if width and picture.width > width:
+        picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
+    return f"data:image/jpeg;base64,{base64.b64encode(_encoded(picture, 'JPEG', quality=85)).decode('ascii')}"
+
+
+def _encoded(picture: Image.Image, kind: str, **options: object) -> bytes:
+    buffer = io.BytesIO()
+    picture.save(buffer, kind, **options)
+    return buffer.getvalue()
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -74,7 +74,7 @@ def write_json(path: Path | None, data: object) -> None:
 def pick_driver(name: str | None, adapter: str | None) -> Driver:
     """The driver named, or the first that this machine has. Raises UserError."""
     if name is not None:
-        _check_driver(name)
+        check_driver(name)
         try:
             return drivers.load(name, adapter)
         except Unavailable as error:
@@ -87,21 +87,7 @@ def pick_driver(name: str | None, adapter: str | None) -> Driver:
     raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
 
 
-def pick_drivers(names: Iterable[str] | None, adapter: str | None) -> tuple[list[Driver], dict[str, str]]:
-    """The drivers named (all real ones by default), and name -> reason for those that are missing. Raises UserError."""
-    found, missing = [], {}
-    for name in names or [n for n in drivers.NAMES if n != "reference"]:
-        _check_driver(name)
-        try:
-            found.append(drivers.load(name, adapter))
-        except Unavailable as error:
-            missing[name] = str(error)
-    if not found:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
-        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
-    return found, missing
-
-
-def _check_driver(name: str) -> None:
+def check_driver(name: str) -> None:
+    """Refuse a name that is no driver's. Raises UserError."""
     if name not in drivers.NAMES:
         raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")

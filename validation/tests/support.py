@@ -59,7 +59,7 @@ def called(*arguments: object) -> subprocess.CompletedProcess:
         redirect_stderr(told),
         patch.object(sys, "argv", ["run", *map(str, arguments)]),
         patch.object(cli.signal, "signal"),
-        patch.object(cli, "_end_programs"),
+        patch.object(cli, "end_programs"),
         patch.object(cli.os, "_exit") as ended,
     ):
         cli.main()
