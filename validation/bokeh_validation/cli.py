@@ -33,7 +33,7 @@ COMMANDS = {
     "precision": ("half.table", "precision"),
     "bench": ("bench.bench_command", "bench"),
     "mutants": ("mutants.mutants_command", "mutants"),
-    "engines": ("engines.engines_command", "engines"),
+    "engines": ("validate", "run_engines"),
 }
 
 

@@ -33,7 +33,6 @@ def run(jobs: Sequence[Job], step: Callable[[str], None]) -> list:
         except BrokenProcessPool as error:
             raise UserError("a driver or compiler took its process with it. Try validation/run patterns.") from error
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
             for child in multiprocessing.active_children():
                 child.terminate()
             raise

@@ -90,7 +90,7 @@ def of_probe(results: Sequence[ProbeResult]) -> Section:
         for name in case.keep:
             label = case.label if len(case.keep) == 1 else _label(case.label, name)
             strips[label] = strip(name, {result.driver: result.cases[index] for result in results})
-    figure = "" if probe.figure == "-" else f" (Figure {probe.figure})"
+    figure = f" (Figure {probe.figure})" if probe.figure[0].isdigit() else ""
     return Section(probe.name, probe.title + figure, probe.shows, runs, strips)
 
 
@@ -120,7 +120,8 @@ def _shown(result: CaseResult, pixels: np.ndarray) -> np.ndarray:
 def panel(caption: str, shown: np.ndarray, pixels: np.ndarray, wanted: np.ndarray, comparison: Comparison) -> Panel:
     """In full and with its distance where it is not as the reference wants it, else small."""
     if comparison.ok:
-        return Panel(caption, pictures.jpeg_uri(shown, SMALL), str(comparison), small=True)
+        numbers = f"{100 * comparison.close:.2f} % within {metrics.CLOSE_STEPS} steps"
+        return Panel(caption, pictures.jpeg_uri(shown, SMALL), numbers, small=True)
     heat = pictures.heat(metrics.steps(pixels, wanted, pixels.dtype.type), DIFFERENCE_STEPS)
     return Panel(caption, pictures.png_uri(shown), str(comparison), pictures.png_uri(heat))
 
@@ -137,8 +138,9 @@ def of_capture(name: str, capture: Capture) -> Section:
             panels += [Panel(f"reference, {shot.name}", pictures.jpeg_uri(expected))]
         made = panel(shot.name, result, shot.result, shot.expected.value, shot.comparison)
         panels.append(replace(made, picture=pictures.jpeg_uri(result), small=False) if made.small else made)
-    run = Run(name, {shot.name: shot.comparison for shot in capture.shots})
-    return Section(name, capture.engine, capture.device, [run] if capture.shots else [], {"": panels})
+    compared = {", ".join([shot.name, *shot.outside]): shot.comparison for shot in capture.shots}
+    shots = Check("shots", len(capture.shots), 1, np.inf, "a capture without any shows nothing")
+    return Section(name, capture.engine, capture.device, [Run(name, compared, [shots])], {"": panels})
 
 
 def drivers_of(sections: Iterable[Section]) -> list[str]:

@@ -2,12 +2,14 @@
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 from rich.table import Table
 
 from bokeh_validation import (
@@ -26,7 +28,7 @@ from bokeh_validation import (
     suite,
 )
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.errors import Unavailable
+from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.outcome import Panel, Run, Section
 from bokeh_validation.patterns.model import CaseResult, compared
 from bokeh_validation.terminal import (
@@ -208,8 +210,7 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     _print_grid(found.drawn)
     for section in (*found.drawn, *found.engines):
         _print_lines(section, False)
-    for name, reason in found.missing.items():
-        console.print(f"{NOT_RUN} {name}: {reason}", highlight=False)
+    _print_missing(found.missing)
     for panel in found.market.strips[""][1:-1]:
         console.print(f"market_7, {panel.caption}: {panel.numbers} against the truth", highlight=False)
     console.print(f"Report: {path}   ({time.monotonic() - started:.0f} s)", highlight=False)
@@ -266,9 +267,29 @@ def run_patterns(driver: SeveralDrivers = None, adapter: Adapter = None) -> None
     _print_grid(sections)
     for section in sections:
         _print_lines(section, True)
-    for name, reason in sections[0].missing.items():
-        console.print(f"{NOT_RUN} {name}: {reason}", highlight=False)
+    _print_missing(sections[0].missing)
     end(all(section.ok for section in sections))
+
+
+def run_engines(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,
+) -> None:
+    """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
+    for name in names or []:
+        if name not in engines.ENGINES:
+            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(engines.ENGINES)}.")
+    chosen = names or [name for name, engine in engines.ENGINES.items() if everything or not engine.slow]
+    passed = True
+    with progress("engine", len(chosen)) as step:
+        for name in chosen:
+            section = sample(name)
+            console.print(f"{name}: {section.title}, {section.shows or NOT_RUN}", highlight=False)
+            _print_lines(section, True)
+            _print_missing(section.missing)
+            passed &= section.ok and not (os.environ.get("CI") and section.missing)
+            step(name)
+    end(passed)
 
 
 def _print_grid(sections: Sequence[Section]) -> None:
@@ -282,5 +303,11 @@ def _print_grid(sections: Sequence[Section]) -> None:
 
 def _print_lines(section: Section, every: bool) -> None:
     for run in section.runs:
+        who = " ".join(dict.fromkeys((run.driver, section.name)))
         for line in run.lines(every):
-            console.print(f"{run.driver} {section.name}: {line}", highlight=False)
+            console.print(f"{who}: {line}", highlight=False)
+
+
+def _print_missing(missing: Mapping[str, str]) -> None:
+    for name, reason in missing.items():
+        console.print(f"{NOT_RUN} {name}: {reason}", highlight=False)
