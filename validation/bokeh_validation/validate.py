@@ -19,7 +19,6 @@ from bokeh_validation import (
     likeness,
     matrix,
     metrics,
-    outcome,
     paths,
     patterns,
     pictures,
@@ -29,8 +28,8 @@ from bokeh_validation import (
 )
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.outcome import Panel, Run, Section
 from bokeh_validation.patterns.model import CaseResult, compared
+from bokeh_validation.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
 from bokeh_validation.terminal import (
     FAILED,
     NOT_RUN,
@@ -92,7 +91,7 @@ def probe(name: str, names: Sequence[str], adapter: str | None, brief: bool) -> 
     there, said = _found(names, adapter)
     if not there:
         return Section(name, chosen.title, chosen.shows, [], {}, **said)
-    return replace(outcome.of_probe([patterns.run(chosen, driver) for driver in there]), **said)
+    return replace(of_probe([patterns.run(chosen, driver) for driver in there]), **said)
 
 
 def market(name: str, adapter: str | None) -> Section:
@@ -135,7 +134,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     panels = [Panel(k, pictures.jpeg_uri(pictures.display(v, tone_map=True), 320)) for k, v in shown.items()]
     middle = replace(case, color=case.color[ROWS, COLUMNS].copy(), depth=case.depth[ROWS, COLUMNS].copy())
     results = {driver.name: CaseResult(middle, *compared(middle, driver)) for driver in there}
-    strips = {"whole": panels, "the middle": outcome.strip("result", results)}
+    strips = {"whole": panels, "the middle": strip("result", results)}
     runs = [Run(driver, result.comparisons) for driver, result in results.items()]
     return Section(title, f"{name}, {method}, {aperture}", text, runs, strips, **said)
 
@@ -149,7 +148,7 @@ def compiled(variant: str, brief: bool) -> matrix.Matrix:
 def sample(name: str) -> Section:
     """A sample of integration/; not run: a Section without runs."""
     try:
-        return outcome.of_capture(name, engines.run(name))
+        return of_capture(name, engines.run(name))
     except Unavailable as error:
         return Section(name, name, "", [], {}, missing={name: str(error)})
     except (RuntimeError, engines.Broken) as error:
@@ -293,7 +292,7 @@ def run_engines(
 
 
 def _print_grid(sections: Sequence[Section]) -> None:
-    names = outcome.drivers_of(sections)
+    names = drivers_of(sections)
     table = Table("", *names, box=None, pad_edge=False)
     for section in sections:
         states = {run.driver: OK if run.ok else FAILED for run in section.runs}

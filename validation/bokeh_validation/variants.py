@@ -77,7 +77,7 @@ class Variant:
     @property
     def targets(self) -> int:
         """How many render targets it writes; of a vertex shader, what it is linked with does."""
-        return entries.ENTRIES[self.entry].targets
+        return entries.ENTRIES[self.entry].targets if self.entry in entries.ENTRIES else 1
 
     @property
     def function(self) -> str:

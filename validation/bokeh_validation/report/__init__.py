@@ -5,8 +5,9 @@ from pathlib import Path
 
 import jinja2
 
-from bokeh_validation import __version__, files, outcome
-from bokeh_validation.mutants import results as mutant_results
+from bokeh_validation import __version__, files
+from bokeh_validation.mutants import outcomes
+from bokeh_validation.sections import DIFFERENCE_STEPS, drivers_of
 
 
 def write(path: Path, found) -> None:
@@ -21,9 +22,9 @@ def write(path: Path, found) -> None:
         version=__version__,
         date=datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
         found=found,
-        drivers=outcome.drivers_of(found.drawn),
+        drivers=drivers_of(found.drawn),
         adapters={name: text for section in found.drawn for name, text in section.adapters.items()},
-        mutants=mutant_results.read(),
-        difference_steps=outcome.DIFFERENCE_STEPS,
+        mutants=outcomes.read(),
+        difference_steps=DIFFERENCE_STEPS,
     )
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))

@@ -13,9 +13,9 @@ from types import SimpleNamespace
 import pytest
 from support import called
 
-from bokeh_validation import jobs, matrix, outcome, paths, patterns, report, validate
-from bokeh_validation.outcome import Section
+from bokeh_validation import jobs, matrix, paths, patterns, report, validate
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.sections import Section, of_probe
 
 LEAKAGE = next(probe for probe in patterns.PROBES if probe.name == "leakage")
 
@@ -77,7 +77,7 @@ def test_every_entry_and_language_is_compiled_in_brief():
 
 def test_report_shows_what_differs(tmp_path):
     """A picture that is wrong in full and with its distance, the others small; a cell for each."""
-    section = outcome.of_probe([patterns.run(LEAKAGE, driver) for driver in (Reference(), Dark())])
+    section = of_probe([patterns.run(LEAKAGE, driver) for driver in (Reference(), Dark())])
     good, bad = section.runs
     assert good.ok and not bad.ok and any("FAILED" in line for line in bad.lines(False)) and not section.ok
     for panels in section.strips.values():
