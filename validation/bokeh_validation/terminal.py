@@ -87,6 +87,21 @@ def pick_driver(name: str | None, adapter: str | None) -> Driver:
     raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
 
 
+def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list[Driver], dict[str, str]]:
+    """The drivers named, and name -> reason for those that are missing. Raises UserError where none is left."""
+    found, missing = [], {}
+    for name in names:
+        check_driver(name)
+        try:
+            found.append(drivers.load(name, adapter))
+        except Unavailable as error:
+            missing[name] = str(error)
+    if not found:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
+    return found, missing
+
+
 def check_driver(name: str) -> None:
     """Refuse a name that is no driver's. Raises UserError."""
     if name not in drivers.NAMES:
