@@ -238,7 +238,7 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
     """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11, by jobs as windows/passes.h has them."""
     driver = load({3: "d3d9", 5: "d3d11"}[model])
     folder, (width, height) = driver.server.folder, size()
-    lines = [f"vertex {driver.shader('vs', 'BokehFullScreen_VS', {})}"]
+    lines = [f"vertex {driver.shader('vs', 'BokehFullScreen_VS', {})}", f"viewport 0 0 {width} {height}"]
     numbers: dict[str, int] = {}
     for name, pixels in scene().items():
         kind = "float1" if pixels.ndim == 2 else "half4"
@@ -248,7 +248,6 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
         text = f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{with_values(block.code)}"
         code = fxc.bytecode(text, f"ps_{model}_0", block.entry)
-        lines.append(f"size {width} {height} {'float1' if 'metres' in writes else 'half4'}")
         shader = f"paste-{hashlib.sha256(code).hexdigest()[:16]}.ps"
         (folder / shader).write_bytes(code)
         lines.append(f"pixel {shader}")
@@ -259,6 +258,7 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
         lines += [f"input {slots[name]} {numbers[texture]} {kind}" for name, texture in reads.items()]
         for name in writes:
             numbers[name] = len(numbers)
+            lines.append(f"texture {numbers[name]} {width} {height} {'float1' if name == 'metres' else 'half4'}")
         lines.append(f"draw {' '.join(str(numbers[name]) for name in writes)}")
     lines += [f"keep {numbers[name]} paste-{name}" for name in ("metres", "result")]
     (folder / "paste.job").write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
