@@ -1,18 +1,22 @@
 """What this machine has: compilers, drivers, adapters, and how to get what is missing."""
 
-import importlib
 import platform
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
 from bokeh_validation import drivers, paths
+from bokeh_validation.compilers import dxc, fxc
+from bokeh_validation.compilers.registry import TOOLS
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.terminal import console
+
+WINDOWS = ("fxc", "d3d9", "d3d11")
 
 
 @dataclass(frozen=True)
@@ -25,54 +29,27 @@ class Finding:
     detail: str
 
 
-def _compiler(module: str) -> Callable[[], str]:
-    return lambda: importlib.import_module(f"bokeh_validation.compilers.{module}").version()
-
-
-def _driver(name: str) -> Callable[[], str]:
-    return lambda: drivers.load(name).adapter
-
-
-def _fxc() -> str:
-    return importlib.import_module("bokeh_validation.compilers.fxc").version() + _native()
-
-
-def _direct3d(name: str) -> Callable[[], str]:
-    return lambda: drivers.load(name).adapter + _native()
-
-
-def _native() -> str:
-    return " (without Wine: never tried)" if sys.platform == "win32" else ""
-
-
-CHECKS: tuple[tuple[str, str, Callable[[], str]], ...] = (
-    ("compiler", "glslang", _compiler("glslang")),
-    ("compiler", "glslc", _compiler("glslc")),
-    ("compiler", "mojoshader", _compiler("mojoshader")),
-    ("compiler", "spirv-val", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_val()),
-    ("compiler", "spirv-cross", lambda: importlib.import_module("bokeh_validation.compilers.spirv").version_cross()),
-    ("compiler", "mesa", _compiler("mesa")),
-    ("compiler", "naga", _compiler("naga")),
-    ("compiler", "angle", _compiler("angle")),
-    ("compiler", "tint", _compiler("tint")),
-    ("compiler", "dxc", _compiler("dxc")),
-    ("compiler", "fxc", _fxc),
-    *(("driver", name, (_direct3d if name in ("d3d9", "d3d11") else _driver)(name)) for name in drivers.NAMES),
-)
-
-
 def _find(kind: str, name: str, check: Callable[[], str]) -> Finding:
     try:
-        return Finding(kind, name, True, check())
+        detail = check()
     except Unavailable as error:
         return Finding(kind, name, False, str(error))
     except Exception as error:  # a broken installation is a finding, not a crash
         return Finding(kind, name, False, f"broken: {' '.join(str(error).split())[:200]}")
+    untried = " (without Wine: never tried)" if sys.platform == "win32" and name in WINDOWS else ""
+    return Finding(kind, name, True, detail + untried)
+
+
+def _adapter(driver: str) -> str:
+    return drivers.load(driver).adapter
 
 
 def findings() -> list[Finding]:
     """Every compiler and driver of the harness."""
-    return [_find(*check) for check in CHECKS]
+    return [
+        *(_find("compiler", name, version) for name, version in TOOLS.items()),
+        *(_find("driver", name, partial(_adapter, name)) for name in drivers.NAMES),
+    ]
 
 
 def adapters() -> list[tuple[str, str]]:
@@ -110,8 +87,8 @@ def doctor(
 ) -> None:
     """Every compiler and driver: version or adapter, or the command that installs it."""
     if install:
-        for module in ("dxc", "fxc"):
-            importlib.import_module(f"bokeh_validation.compilers.{module}").fetch()
+        dxc.fetch()
+        fxc.fetch()
     table = Table("", "", "", box=None, show_header=False, pad_edge=False)
     for finding in findings():
         state = "[green]found[/]" if finding.found else "[yellow]missing[/]"

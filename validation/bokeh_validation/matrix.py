@@ -1,91 +1,46 @@
-"""The compile matrix: every row of variants.toml through every compiler that takes it."""
+"""The compile matrix: every program of variants.py through every compiler that takes it."""
 
 import os
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from itertools import groupby
 
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from bokeh_validation import terminal, variants
-from bokeh_validation.compilers import angle, chain, glslang, glslc, mesa, mojoshader, naga, spirv, tint
-from bokeh_validation.compilers.chain import FAILED, MISSING, NOT_APPLICABLE, OK, Cell, Runtimes
+from bokeh_validation import terminal
+from bokeh_validation.compilers.registry import COMPILERS, FAILED, MISSING, OK, Cell, Compiler, Job, compile_
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.variants import COLUMNS, Variant, load
+from bokeh_validation.variants import Program, load
 
-__all__ = [
-    "Cell",
-    "Matrix",
-    "Row",
-    "Runtimes",
-    "as_json",
-    "count",
-    "failures",
-    "load",
-    "run",
-    "summary",
-    "table",
-    "tables",
-    "versions",
-]
-
-THREADS = 2  # for the command line compilers
+COLUMNS = tuple(compiler.name for compiler in COMPILERS)
+THREADS = 2  # for the compilers that need not stay in one
+TOGETHER = 16  # programs that a compiler is given at once, where it takes several
 STYLES = {OK: "green", FAILED: "bold red", MISSING: "yellow"}
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(Program):
     """A program of the matrix and what each compiler of COLUMNS said of it."""
 
-    program: Variant
-    cells: dict[str, Cell]
-
-    @property
-    def name(self) -> str:
-        """Unique in the matrix and readable."""
-        return self.program.name
-
-    @property
-    def variant(self) -> str:
-        """Id of the [[variant]]."""
-        return self.program.id
-
-    @property
-    def language(self) -> str:
-        """'hlsl', 'glsl' or 'wgsl'."""
-        return self.program.language
-
-    @property
-    def profile(self) -> str:
-        """Such as '330' or 'sm6'."""
-        return self.program.profile
-
-    @property
-    def entry(self) -> str:
-        """Stem of the entry point."""
-        return self.program.entry
-
-    @property
-    def samples(self) -> int | None:
-        """BOKEH_NUM_SAMPLES, or None for an entry that was compiled with the default."""
-        return self.program.samples
+    cells: dict[str, Cell] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
         """Every compiler that applies is there and took it."""
-        return all(cell.status in (OK, NOT_APPLICABLE) for cell in self.cells.values())
+        return not any(cell.status in (FAILED, MISSING) for cell in self.cells.values())
 
 
 @dataclass(frozen=True)
 class Matrix:
     """One run.
 
-    rows      in the order of variants.toml
-    versions  compiler -> version, or '' where it is missing
+    rows      in the order of variants.load()
+    versions  compiler -> version, or '' where it is missing: those that some row goes through, in the order of COLUMNS
     seconds   how long it took
     """
 
@@ -110,86 +65,67 @@ class Matrix:
         return {status: statuses.count(status) for status in (OK, FAILED, MISSING)}
 
 
-Progress = Callable[[str], None]
-
-
 def run(
-    rows: Sequence[Variant],
-    progress: Progress | None = None,
-    runtimes: Runtimes | None = None,
+    programs: Sequence[Program],
+    progress: Callable[[str], None] | None = None,
     edit: Callable[[str], str] | None = None,
 ) -> Matrix:
-    """Compile all rows.
+    """Compile all programs.
 
-    progress  called in this thread with the name of each finished row, count(rows) times
-    runtimes  drivers to use; by default new ones, made when a row needs them
+    progress  called in this thread with the name of each that is finished
     edit      changes the text of each shader before it is compiled
     """
     start = time.perf_counter()
-    runtimes = runtimes or Runtimes()
     finished: list[Row] = []
-    waiting: deque[tuple[Variant, Future]] = deque()
+    waiting: deque[tuple[list[Job], Future]] = deque()
 
     def collect() -> None:
-        variant, future = waiting.popleft()
-        finished.append(Row(variant, future.result()))
-        if progress:
-            progress(finished[-1].name)
+        jobs, future = waiting.popleft()
+        future.result()
+        for job in jobs:
+            cells = {name: job.cells.get(name, Cell()) for name in COLUMNS}
+            finished.append(Row(**(vars(job.program) | {"cells": cells})))
+            if progress:
+                progress(job.program.name)
 
     pool = ThreadPoolExecutor(THREADS)
     try:
-        for variant in rows:
-            source = variants.source(variant)
-            source = edit(source) if edit else source
-            # OpenGL, wgpu, Chromium, DXC and fxc stay in this thread while the pool runs the tools of earlier rows
-            cells, binary = chain.in_process(variant, source, runtimes)
-            waiting.append((variant, pool.submit(chain.tools, variant, source, cells, binary)))
+        for jobs in _jobs(programs, edit):
+            used = [compiler for compiler in COMPILERS if compiler.name in jobs[0].program.compilers]
+            # OpenGL, wgpu and DXC stay in this thread while the pool runs the other compilers of earlier programs
+            _compile([compiler for compiler in used if compiler.here], jobs)
+            waiting.append((jobs, pool.submit(_compile, [compiler for compiler in used if not compiler.here], jobs)))
             while waiting and waiting[0][1].done():
                 collect()
         while waiting:
             collect()
     finally:
         pool.shutdown(cancel_futures=True)
-    return Matrix(finished, versions(rows, runtimes), time.perf_counter() - start)
+    return Matrix(finished, _versions(programs), time.perf_counter() - start)
 
 
-def versions(rows: Iterable[Variant], runtimes: Runtimes) -> dict[str, str]:
-    """Version of each compiler that the rows use, '' where it is missing."""
+def _jobs(programs: Iterable[Program], edit: Callable[[str], str] | None) -> Iterator[list[Job]]:
+    """The programs in their order, TOGETHER of a variant at most."""
+    for _, group in groupby(programs, lambda program: program.variant):
+        same = [Job(program, edit(program.source) if edit else program.source) for program in group]
+        yield from (same[first : first + TOGETHER] for first in range(0, len(same), TOGETHER))
 
-    def cross_checked() -> str:
-        return f"spirv-cross {spirv.version_cross()}, glslang {glslang.version()}"
 
-    ask: dict[str, Callable[[], str]] = {
-        "fxc": lambda: runtimes.get("fxc").version,
-        "mojoshader": mojoshader.version,
-        "glslang": glslang.version,
-        "glslc": glslc.version,
-        "dxc-spirv": lambda: runtimes.get("dxc").version,
-        "dxc-dxil": lambda: runtimes.get("dxc").version,
-        "spirv-val": spirv.version_val,
-        "essl300": cross_checked,
-        "essl310": cross_checked,
-        "hlsl50": lambda: f"spirv-cross {spirv.version_cross()}, fxc {runtimes.get('fxc').version}",
-        "msl": lambda: f"spirv-cross {spirv.version_cross()}",
-        "mesa": lambda: mesa.version(runtimes.get("gl")),
-        "angle": lambda: angle.version(runtimes.chromium()),
-        "tint": lambda: tint.version(runtimes.chromium()),
-        "naga": lambda: naga.version(runtimes.get("wgpu")),
-    }
-    used = {column for row in rows for column in row.compilers}
+def _compile(compilers: Iterable[Compiler], jobs: Sequence[Job]) -> None:
+    for compiler in compilers:
+        compile_(compiler, jobs)
+
+
+def _versions(programs: Iterable[Program]) -> dict[str, str]:
+    used = {name for program in programs for name in program.compilers}
     found = {}
-    for column in COLUMNS:
-        if column in used:
+    for compiler in COMPILERS:
+        if compiler.name in used:
             try:
-                found[column] = ask[column]()
+                found[compiler.name] = compiler.version()
             except Unavailable:
-                found[column] = ""
+                found[compiler.name] = ""
     return found
-
-
-def count(rows: Sequence[Variant]) -> int:
-    """How many times run() will call `progress`."""
-    return len(rows)
 
 
 def summary(matrix: Matrix) -> str:
@@ -214,7 +150,7 @@ def table(matrix: Matrix, variant: str) -> Table:
     for row in matrix.rows:
         if row.variant == variant:
             groups[row.entry].append(row)
-    columns = next(iter(groups.values()))[0].program.compilers
+    columns = next(iter(groups.values()))[0].compilers
     result = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in (escape(variant), *columns):
         result.add_column(heading, overflow="fold")
@@ -247,7 +183,7 @@ def failures(matrix: Matrix, lines: int = 3) -> list[str]:
     told: dict[tuple[str, str, str], list[str]] = defaultdict(list)
     for row in matrix.rows:
         for column, cell in row.cells.items():
-            if cell.status in (FAILED, MISSING) and cell.follows not in row.program.compilers:
+            if cell.status in (FAILED, MISSING) and cell.follows not in row.compilers:
                 message = "\n".join(cell.message.splitlines()[:lines])
                 # a missing compiler is missing for every variant
                 owner = row.variant if cell.status == FAILED else ""
@@ -262,6 +198,7 @@ def failures(matrix: Matrix, lines: int = 3) -> list[str]:
 
 def as_json(matrix: Matrix) -> dict[str, object]:
     """All of it for JSON: lists, dicts, texts and numbers only."""
+    keys = ("name", "variant", "language", "profile", "entry", "samples", "ok")
     return {
         "ok": matrix.ok,
         "counts": matrix.counts,
@@ -270,35 +207,19 @@ def as_json(matrix: Matrix) -> dict[str, object]:
         "versions": dict(matrix.versions),
         "columns": matrix.columns,
         "rows": [
-            {
-                "name": row.name,
-                "variant": row.variant,
-                "language": row.language,
-                "profile": row.profile,
-                "entry": row.entry,
-                "samples": row.samples,
-                "ok": row.ok,
-                "cells": {
-                    column: {
-                        "status": cell.status,
-                        "message": cell.message,
-                        "facts": dict(cell.facts),
-                        "follows": cell.follows,
-                    }
-                    for column, cell in row.cells.items()
-                },
-            }
+            {key: getattr(row, key) for key in keys}
+            | {"cells": {column: asdict(cell) for column, cell in row.cells.items()}}
             for row in matrix.rows
         ],
     }
 
 
 def compile_programs(json_file: terminal.JsonFile = None) -> None:
-    """Every variant of variants.toml through every compiler."""
+    """Every shader program through every compiler."""
     terminal.check_writable(json_file)
-    rows = load()
-    with terminal.progress("compile", count(rows)) as step:
-        matrix = run(rows, step)
+    programs = load()
+    with terminal.progress("compile", len(programs)) as step:
+        matrix = run(programs, step)
     for part in tables(matrix):
         terminal.console.print(part)
     terminal.write_json(json_file, as_json(matrix))

@@ -8,7 +8,6 @@ from bokeh_validation.errors import UserError
 ROOT = Path(__file__).resolve().parents[2]
 VALIDATION = ROOT / "validation"
 SCENES = VALIDATION / "scenes"
-VARIANTS = VALIDATION / "variants.toml"
 LANGUAGES = ("hlsl", "glsl", "wgsl")
 
 

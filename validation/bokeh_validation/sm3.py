@@ -6,7 +6,7 @@ see what the paper's remark that 256 samples and more do not compile can mean.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from bokeh_validation import shaders, terminal
 from bokeh_validation.compilers import fxc
@@ -20,8 +20,7 @@ UNROLLED = 144
 
 # What the paper's shader may have been: all samples in one loop.
 ONE_LOOP = "BokehOneLoop"
-OTHERS = {
-    ONE_LOOP: """
+ONE_LOOP_TEXT = """
 float4 BokehOneLoop_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
@@ -40,13 +39,11 @@ float4 BokehOneLoop_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     }
     return BokehResolve(color, totalWeight, centerPixel, true);
 }
-""",
-}
+"""
 ENTRIES = ("BokehNaiveGather", "BokehNaiveGrid", ONE_LOOP)
 
 
-@dataclass(frozen=True)
-class Attempt:
+class Attempt(NamedTuple):
     """A program and what fxc, with the harness's budget behind it, said.
 
     entry    'BokehNaiveGather' (one loop over a table) or 'BokehNaiveGrid' (two nested loops)
@@ -66,7 +63,8 @@ def source(entry: str, samples: int, loop: str) -> str:
     text = shaders.hlsl(3, {"BOKEH_NUM_SAMPLES": count})
     if text.count(EMPTY) != 1:
         raise ValueError("BOKEH_LOOP of shader model 3 is not empty any more")
-    return text.replace(EMPTY, EMPTY.replace("\n", LOOPS[loop] + "\n")) + OTHERS.get(entry, "")
+    text = text.replace(EMPTY, EMPTY.replace("\n", LOOPS[loop] + "\n"))
+    return text + ONE_LOOP_TEXT if entry == ONE_LOOP else text
 
 
 def attempts(samples: Sequence[int] = SAMPLES) -> list[Attempt]:
@@ -83,12 +81,11 @@ def attempts(samples: Sequence[int] = SAMPLES) -> list[Attempt]:
 
 def lines(found: Sequence[Attempt]) -> list[str]:
     """A Markdown table: slots (texture + arithmetic) of what compiles, the reason of what does not."""
+    results = {(item.entry, item.samples, item.loop): item.result for item in found}
     text = ["| ps_3_0 | samples | " + " | ".join(LOOPS) + " |", "|---" * (2 + len(LOOPS)) + "|"]
     for entry, samples in dict.fromkeys((item.entry, item.samples) for item in found):
-        row = {item.loop: item.result for item in found if (item.entry, item.samples) == (entry, samples)}
-        text.append(
-            f"| {entry.removeprefix('Bokeh')} | {samples} | {' | '.join(_cell(row.get(loop)) for loop in LOOPS)} |"
-        )
+        cells = [_cell(results.get((entry, samples, loop))) for loop in LOOPS]
+        text.append(f"| {entry.removeprefix('Bokeh')} | {samples} | {' | '.join(cells)} |")
     return text
 
 
@@ -96,13 +93,9 @@ def _cell(result: CompileResult | None) -> str:
     if result is None:
         return "not tried"
     known = result.facts
-    slots = ""
     if "slots" in known:
         slots = f"{known['slots']} ({known['texture_slots']} + {known['arithmetic_slots']})"
-    if result.ok:
-        return slots
-    if slots:
-        return f"over: {slots}"
+        return slots if result.ok else f"over: {slots}"
     errors = re.findall(r"error (X\d+)", result.messages)
     return f"refused: {', '.join(dict.fromkeys(errors)) or result.messages.splitlines()[0]}"
 

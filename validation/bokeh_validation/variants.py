@@ -1,73 +1,93 @@
-"""The rows of variants.toml: which shader programs there are, and which compilers each goes through."""
+"""Which shader programs there are, and which compilers each goes through."""
 
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
-from bokeh_validation import entries, paths, shaders
-from bokeh_validation.errors import UserError
+from bokeh_validation import entries, shaders
 
 VERTEX = "BokehFullScreen"
 ENTRIES = (VERTEX, *entries.ENTRIES)
 
 PAPER_SAMPLES = 13  # on a line, section 4.3
 
-# Compilers that can take a language at a profile, in the order in which they are shown.
-COMPILERS: dict[tuple[str, str], tuple[str, ...]] = {
-    ("glsl", "330"): ("glslang", "spirv-val", "mesa"),
-    ("glsl", "300es"): ("glslang", "mesa", "angle"),
-    ("glsl", "450"): ("glslang", "glslc", "spirv-val", "essl300", "essl310", "msl", "hlsl50", "mesa"),
-    ("hlsl", "sm3"): ("fxc", "mojoshader"),
-    ("hlsl", "sm4"): ("fxc",),
-    ("hlsl", "sm5"): ("fxc", "glslang", "spirv-val", "essl300", "essl310", "msl"),
-    ("hlsl", "sm6"): ("dxc-spirv", "dxc-dxil", "spirv-val", "essl300", "essl310", "msl", "naga"),
-    ("wgsl", "wgsl"): ("naga", "tint"),
+# Values of BOKEH_NUM_SAMPLES by the role of an entry; others, and those of the layers, do not depend on it.
+SAMPLES: dict[str, tuple[int, ...]] = {
+    # on a line: the fewest, and the paper's
+    entries.LINE: (2, PAPER_SAMPLES),
+    # and the most that a wide blur takes, with counts that follow the blur
+    entries.ADAPTIVE: (2, PAPER_SAMPLES, 64),
+    **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7,)),
+    # offsets in the kernel: as above, the hexagon of the paper's Figure 4, and the largest of its Table 1
+    entries.TABLE: (2, 13, 127, 576),
+    # along a side of the grid: 24 is the largest of Table 1, 576 samples
+    entries.GRID: (2, 13, 24),
 }
-COLUMNS = (
-    "fxc",
-    "mojoshader",
-    "glslang",
-    "glslc",
-    "dxc-spirv",
-    "dxc-dxil",
-    "spirv-val",
-    "essl300",
-    "essl310",
-    "msl",
-    "hlsl50",
-    "mesa",
-    "angle",
-    "naga",
-    "tint",
-)
+# Shader model 3, where the count may decide whether a loop is unrolled: all of Table 1 beside the usual ones
+SAMPLES_SM3 = SAMPLES | {
+    **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7, 2, 33)),
+    entries.TABLE: (2, 13, 16, 64, 127, 144, 256, 400, 576),
+    entries.GRID: (2, 4, 8, 12, 13, 16, 20, 24),
+}
+# For images that are a part of their textures, one of each kind: the longest program of shader model 3 among them
+VIEWPORT = {
+    **dict.fromkeys(
+        ("BokehLinearDepth", "BokehCoCMap", "BokehDepthOfFieldFinal", "BokehAdaptiveFinal", "BokehNaiveGather",
+         "BokehHexagonFirst", "BokehDecagonFirst", "BokehDecagonSecond"), (7,),
+    ),
+    **dict.fromkeys(
+        ("BokehLayerReach", "BokehLayerSplit", "BokehLayerFill", "BokehDecagonLayerSecond", "BokehLayered"), (None,)
+    ),
+}  # fmt: skip
+
+# Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT
+VARIANTS = (
+    # OpenGL 3.3
+    ("glsl", "330", "glslang spirv-val mesa", "glslang spirv-val mesa"),
+    # OpenGL ES 3.0, WebGL 2. The ES dialect has no SPIR-V below 3.10.
+    ("glsl", "300es", "glslang mesa angle", "glslang mesa angle"),
+    # Vulkan, and from there to where Vulkan is not; mesa compiles it as OpenGL 4.5
+    (
+        "glsl", "450", "glslang glslc spirv-val essl300 essl310 msl hlsl50 mesa",
+        "glslang glslc spirv-val essl300 msl hlsl50",
+    ),
+    # Direct3D 9: ps_3_0, vs_3_0. fxc does not enforce its 512 slots, 224 constants, 16 samplers, 32 temporaries: we do.
+    ("hlsl", "sm3", "fxc mojoshader", "fxc mojoshader"),
+    # Direct3D 10: ps_4_0, vs_4_0
+    ("hlsl", "sm4", "fxc", ""),
+    # Direct3D 11: ps_5_0, vs_5_0, and by way of glslang to where Direct3D is not
+    ("hlsl", "sm5", "fxc glslang spirv-val essl300 essl310 msl", "fxc glslang spirv-val"),
+    # Direct3D 12, and Vulkan by way of DXC
+    ("hlsl", "sm6", "dxc-spirv dxc-dxil spirv-val essl300 essl310 msl naga", "dxc-spirv dxc-dxil spirv-val naga"),
+    # WebGPU; BOKEH_NUM_SAMPLES is a pipeline constant
+    ("wgsl", "wgsl", "naga tint", "naga tint"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Variant:
-    """One row of the matrix.
+class Program:
+    """A shader in one configuration.
 
-    id         of the [[variant]] it comes from
+    variant    such as 'glsl-330' or 'wgsl-viewport': what it is compiled for
     language   'hlsl', 'glsl' or 'wgsl'
-    profile    second half of a key of COMPILERS
+    profile    such as '330' or 'sm6'
     entry      one of ENTRIES
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
-    compilers  those it goes through, a part of COLUMNS
+    compilers  those it goes through, of registry.COMPILERS
     values     other configuration values of section [1], as they are written in the file
     """
 
-    id: str
+    variant: str
     language: str
     profile: str
     entry: str
     samples: int | None
     compilers: tuple[str, ...]
-    values: tuple[tuple[str, float], ...] = ()
+    values: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """Unique in the matrix and readable, such as 'glsl-330 BokehNaiveGather 127'."""
-        return " ".join(filter(None, (self.id, self.entry, str(self.samples or ""))))
+        return " ".join(filter(None, (self.variant, self.entry, str(self.samples or ""))))
 
     @property
     def stage(self) -> str:
@@ -84,133 +104,42 @@ class Variant:
         """Name of the entry point in HLSL and WGSL."""
         return self.entry + ("_VS" if self.entry == VERTEX else "_PS")
 
+    @property
+    def shader_model(self) -> int:
+        """Of HLSL, 3 to 6."""
+        return int(self.profile.removeprefix("sm"))
 
-def source(variant: Variant) -> str:
-    """The complete program of a variant. In WGSL its configuration is not in the text: see constants()."""
-    values = _configuration(variant)
-    if variant.language == "glsl":
-        return shaders.glsl(variant.entry, variant.profile, values)
-    if variant.language == "hlsl":
-        return shaders.hlsl(int(variant.profile.removeprefix("sm")), values)
-    return shaders.wgsl()
+    @property
+    def configuration(self) -> dict[str, int]:
+        """What is not left at the default of the shader file: in WGSL, the pipeline constants."""
+        return ({} if self.samples is None else {"BOKEH_NUM_SAMPLES": self.samples}) | dict(self.values)
 
-
-def constants(variant: Variant) -> dict[str, float]:
-    """Pipeline constants of a WGSL variant."""
-    return {name: float(value) for name, value in _configuration(variant).items()}
-
-
-def _configuration(variant: Variant) -> dict[str, int | float]:
-    """What is not left at the default of the shader file."""
-    count = {} if variant.samples is None else {"BOKEH_NUM_SAMPLES": variant.samples}
-    return count | dict(variant.values)
+    @property
+    def source(self) -> str:
+        """The complete text. In WGSL the configuration is not in it."""
+        if self.language == "glsl":
+            return shaders.glsl(self.entry, self.profile, self.configuration)
+        if self.language == "hlsl":
+            return shaders.hlsl(self.shader_model, self.configuration)
+        return shaders.wgsl()
 
 
-def load(path: Path = paths.VARIANTS, quick: bool = False) -> list[Variant]:
-    """All rows of a file in its order; `quick`: one sample count for each entry, the paper's where the file has it.
-
-    Raises UserError, in one line, for whatever is wrong in the file.
-    """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UserError(f"{path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: not TOML: {error}") from error
-    try:
-        rows = _expand(data)
-    except _Wrong as error:
-        raise UserError(f"{path.name}: {error}") from error
-    return _one_sample_count(rows) if quick else rows
-
-
-def _one_sample_count(rows: list[Variant]) -> list[Variant]:
-    kept: dict[tuple[str, str], Variant] = {}
-    for row in rows:
-        if row.samples == PAPER_SAMPLES or (row.id, row.entry) not in kept:
-            kept[row.id, row.entry] = row
-    return list(kept.values())
-
-
-class _Wrong(Exception):
-    """What is wrong in the file, without its name."""
-
-
-def _expand(data: Mapping) -> list[Variant]:
-    _keys("the file", data, {"sets", "variant"}, {"sets", "variant"})
-    if not isinstance(data["sets"], dict) or not _list_of(data["variant"], dict):
-        raise _Wrong("'sets' must be tables [sets.NAME], 'variant' tables [[variant]]")
-    sets = {name: _set(f"[sets.{name}]", table) for name, table in data["sets"].items()}
-    rows, seen = [], set()
-    for index, table in enumerate(data["variant"]):
-        expanded = _variant(f"[[variant]] {table.get('id', index + 1)}", table, sets)
-        if expanded[0].id in seen:
-            raise _Wrong(f"two variants have the id {expanded[0].id!r}")
-        seen.add(expanded[0].id)
-        names = [row.name for row in expanded]
-        twice = {name for name in names if names.count(name) > 1}
-        if twice:
-            raise _Wrong(f"[[variant]] {expanded[0].id}: more than once: {', '.join(sorted(twice))}")
-        rows += expanded
-    return rows
-
-
-def _set(where: str, table: object) -> list[tuple[str, int | None]]:
-    """(entry, samples) of a [sets.NAME] table."""
-    if not isinstance(table, dict):
-        raise _Wrong(f"{where} must be a table with 'entries'")
-    _keys(where, table, {"entries", "samples"}, {"entries"})
-    entries = _names(where, "entries", table, ENTRIES)
-    samples = table.get("samples", [None])
-    if not samples or ("samples" in table and not (_list_of(samples, int) and all(count >= 2 for count in samples))):
-        raise _Wrong(f"{where}: samples must be a list of whole numbers from 2 up, not {samples!r}")
-    return [(entry, count) for entry in entries for count in samples]
-
-
-def _variant(where: str, table: Mapping, sets: Mapping[str, list]) -> list[Variant]:
-    """All rows of a [[variant]] table."""
-    keys = {"id", "language", "profile", "sets", "compilers"}
-    _keys(where, table, keys | {"values"}, keys)
-    values = table.get("values", {})
-    if not isinstance(values, dict) or not all(type(value) is int for value in values.values()):
-        raise _Wrong(f"{where}: values must be a table of whole numbers, not {values!r}")
-    for key in ("id", "language", "profile"):
-        if not isinstance(table[key], str) or not table[key]:
-            raise _Wrong(f"{where}: {key} must be a text, not {table[key]!r}")
-    language, profile = table["language"], table["profile"]
-    _one_of(where, "language", language, dict.fromkeys(language for language, _ in COMPILERS))
-    _one_of(where, "profile", profile, [known for owner, known in COMPILERS if owner == language])
-    compilers = _names(where, "compilers", table, COMPILERS[language, profile])
-    chosen = _names(where, "sets", table, sets)
-    return [
-        Variant(table["id"], language, profile, entry, samples, tuple(compilers), tuple(values.items()))
-        for name in chosen
-        for entry, samples in sets[name]
-    ]
-
-
-def _keys(where: str, table: Mapping, allowed: set[str], needed: set[str]) -> None:
-    for key in table:
-        _one_of(where, "key", key, sorted(allowed))
-    for key in sorted(needed - set(table)):
-        raise _Wrong(f"{where}: no {key!r}")
-
-
-def _names(where: str, key: str, table: Mapping, known) -> list[str]:
-    """A list of names that are all known, and not empty."""
-    names = table[key]
-    if not names or not _list_of(names, str):
-        raise _Wrong(f"{where}: {key} must be a list of names, not {names!r}")
-    for name in names:
-        _one_of(where, key, name, known)
-    return names
-
-
-def _one_of(where: str, what: str, value: str, known) -> None:
-    if value not in known:
-        raise _Wrong(f"{where}: unknown {what} {value!r}; one of: {', '.join(known)}")
-
-
-def _list_of(value: object, kind: type) -> bool:
-    """Whether it is a list of that type; a bool is not an int."""
-    return isinstance(value, list) and all(type(item) is kind for item in value)
+def load(quick: bool = False) -> list[Program]:
+    """All programs; `quick`: one sample count for each entry, the paper's where there is one."""
+    found = []
+    for language, profile, usual, viewport in VARIANTS:
+        name = language if language == profile else f"{language}-{profile}"
+        counts = SAMPLES_SM3 if profile == "sm3" else SAMPLES
+        whole = {VERTEX: (None,)}
+        for entry in entries.ENTRIES.values():
+            whole[entry.name] = counts.get("" if entry.layers else entry.role, (None,))
+        for variant, chosen, compilers, values in (
+            (name, whole, usual, {}),
+            (f"{name}-viewport", VIEWPORT, viewport, {"BOKEH_VIEWPORT": 1}),
+        ):
+            for entry, samples in chosen.items() if compilers else ():
+                if quick:
+                    samples = (PAPER_SAMPLES,) if PAPER_SAMPLES in samples else samples[:1]
+                known = tuple(compilers.split())
+                found += [Program(variant, language, profile, entry, count, known, values) for count in samples]
+    return found

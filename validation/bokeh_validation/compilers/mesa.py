@@ -7,35 +7,19 @@ OpenGL are called directly.
 import ctypes
 import os
 import re
-from collections.abc import Callable
+from functools import cache
 
+from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.drivers.gl import EGL, GLDriver, OSMesa
 from bokeh_validation.errors import Unavailable
 
-INSTALL = OSMesa.install
-
 # from GL/glcorearb.h
-FRAGMENT_SHADER, VERTEX_SHADER = 0x8B30, 0x8B31
+STAGES = {"vertex": 0x8B31, "fragment": 0x8B30}
 COMPILE_STATUS, LINK_STATUS, INFO_LOG_LENGTH = 0x8B81, 0x8B82, 0x8B84
 
-UINT, POINTER = ctypes.c_uint, ctypes.c_void_p
-PROTOTYPES: dict[str, tuple] = {
-    "glCreateShader": (UINT, UINT),
-    "glShaderSource": (None, UINT, ctypes.c_int, POINTER, POINTER),
-    "glCompileShader": (None, UINT),
-    "glGetShaderiv": (None, UINT, UINT, POINTER),
-    "glGetShaderInfoLog": (None, UINT, ctypes.c_int, POINTER, POINTER),
-    "glDeleteShader": (None, UINT),
-    "glCreateProgram": (UINT,),
-    "glAttachShader": (None, UINT, UINT),
-    "glLinkProgram": (None, UINT),
-    "glGetProgramiv": (None, UINT, UINT, POINTER),
-    "glGetProgramInfoLog": (None, UINT, ctypes.c_int, POINTER, POINTER),
-    "glDeleteProgram": (None, UINT),
-}
 
-
+@tool.once
 def driver() -> GLDriver:
     """OSMesa, or EGL where there is no OSMesa. Raises Unavailable."""
     # Mesa skips what it finds in its cache of compiled shaders, and with it the warnings
@@ -49,28 +33,28 @@ def driver() -> GLDriver:
             raise first from None
 
 
-def version(context: GLDriver | None = None) -> str:
-    """The driver and its device; without a context, of a new one. Raises Unavailable."""
-    context = context or driver()
-    return f"{context.name}: {context.adapter}"
+def version() -> str:
+    """The driver and its device. Raises Unavailable."""
+    return f"{driver().name}: {driver().adapter}"
 
 
-def build(vertex: str, fragment: str, context: GLDriver) -> CompileResult:
-    """Compile both stages and link them to a program. Raises Unavailable where the context lacks the GLSL version."""
+def build(vertex: str, fragment: str) -> CompileResult:
+    """Compile both stages and link them to a program. Raises Unavailable where the driver lacks the GLSL version."""
+    context = driver()
     _require(vertex, context)
     context.make_current()
-    gl = _Functions(context)
+    gl = _functions()
     program = gl.call("glCreateProgram")
     logs, ok = [], True
-    for name, stage, source in (("vertex", VERTEX_SHADER, vertex), ("fragment", FRAGMENT_SHADER, fragment)):
-        shader, compiled, log = gl.compile(stage, source)
+    for stage, source in (("vertex", vertex), ("fragment", fragment)):
+        shader, compiled, log = gl.compiled(stage, source)
         gl.call("glAttachShader", program, shader)
-        gl.call("glDeleteShader", shader)  # it goes with the program
-        logs += [f"{name}: {line}" for line in log.splitlines() if line.strip()]
+        logs += [f"{stage}: {line}" for line in log]
         ok = ok and compiled
     if ok:
-        ok, log = gl.link(program)
-        logs += [f"link: {line}" for line in log.splitlines() if line.strip()]
+        gl.call("glLinkProgram", program)
+        ok, log = gl.outcome(program, "Program", LINK_STATUS)
+        logs += [f"link: {line}" for line in log]
     gl.call("glDeleteProgram", program)
     return accepted("\n".join(logs)) if ok else refused("\n".join(logs))
 
@@ -87,48 +71,45 @@ def _require(source: str, context: GLDriver) -> None:
         raise Unavailable(f"{context.adapter} has no GLSL {line[1]}; update Mesa")
 
 
-def _loader(context: GLDriver) -> Callable[[str], int]:
-    """How to find OpenGL functions in the library that made this context."""
-    if isinstance(context, OSMesa):
-        return context.foreign.load
-    library = ctypes.CDLL("libEGL.so.1")
-    library.eglGetProcAddress.restype = POINTER
-    return lambda name: library.eglGetProcAddress(name.encode()) or 0
-
-
 class _Functions:
-    """The OpenGL functions of PROTOTYPES, for the context that is current."""
+    """OpenGL functions by name, for the driver's context."""
 
     def __init__(self, context: GLDriver):
-        load = _loader(context)
-        self._functions = {}
-        for name, (returns, *arguments) in PROTOTYPES.items():
-            address = load(name)
-            if not address:
-                raise Unavailable(f"{context.adapter} has no {name}; {INSTALL}")
-            self._functions[name] = ctypes.CFUNCTYPE(returns, *arguments)(address)
+        self._last: dict[str, tuple[str, tuple]] = {}
+        if isinstance(context, OSMesa):
+            self._address = context.foreign.load
+        else:
+            library = ctypes.CDLL("libEGL.so.1")
+            library.eglGetProcAddress.restype = ctypes.c_void_p
+            self._address = lambda name: library.eglGetProcAddress(name.encode())
 
     def call(self, name: str, *arguments):
-        """Call a function by its name."""
-        return self._functions[name](*arguments)
+        """Call a function: whole numbers are int, and so is what it returns."""
+        return ctypes.CFUNCTYPE(ctypes.c_int)(self._address(name))(*arguments)
 
-    def compile(self, stage: int, source: str) -> tuple[int, bool, str]:
-        """(shader, compiled, log)."""
-        shader = self.call("glCreateShader", stage)
-        text = ctypes.c_char_p(source.encode())
-        self.call("glShaderSource", shader, 1, ctypes.byref(text), None)
-        self.call("glCompileShader", shader)
-        return shader, *self._outcome(shader, "Shader", COMPILE_STATUS)
+    def compiled(self, stage: str, source: str) -> tuple[int, bool, list[str]]:
+        """(shader, whether it compiled, log). The last of a stage is kept: the vertex shader is mostly the same."""
+        known, result = self._last.get(stage, (None, (0,)))
+        if known != source:
+            self.call("glDeleteShader", result[0])
+            shader = self.call("glCreateShader", STAGES[stage])
+            text = ctypes.c_char_p(source.encode())
+            self.call("glShaderSource", shader, 1, ctypes.byref(text), None)
+            self.call("glCompileShader", shader)
+            result = (shader, *self.outcome(shader, "Shader", COMPILE_STATUS))
+            self._last[stage] = (source, result)
+        return result
 
-    def link(self, program: int) -> tuple[bool, str]:
-        """(linked, log)."""
-        self.call("glLinkProgram", program)
-        return self._outcome(program, "Program", LINK_STATUS)
-
-    def _outcome(self, handle: int, kind: str, status: int) -> tuple[bool, str]:
+    def outcome(self, handle: int, kind: str, status: int) -> tuple[bool, list[str]]:
+        """Whether a step went well, and what was said of it."""
         ok, length = ctypes.c_int(), ctypes.c_int()
         self.call(f"glGet{kind}iv", handle, status, ctypes.byref(ok))
         self.call(f"glGet{kind}iv", handle, INFO_LOG_LENGTH, ctypes.byref(length))
         log = ctypes.create_string_buffer(max(length.value, 1))
         self.call(f"glGet{kind}InfoLog", handle, len(log), None, log)
-        return bool(ok.value), log.value.decode("utf-8", "replace")
+        return bool(ok.value), [line for line in log.value.decode("utf-8", "replace").splitlines() if line.strip()]
+
+
+@cache
+def _functions() -> _Functions:
+    return _Functions(driver())

@@ -1,12 +1,11 @@
 """MojoShader: translates Direct3D 9 bytecode for other APIs, as FNA and its games do at run time."""
 
 import ctypes
-from functools import cache
 
+from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 
-INSTALL = "apt-get install -y libmojoshader-dev"
 LIBRARIES = ("libmojoshader.so", "libmojoshader.so.0")
 # what the bytecode is turned into; the shader is ok when all of them come out
 TARGETS = ("glsl120", "spirv", "metal")
@@ -31,7 +30,7 @@ class ParseData(ctypes.Structure):
     ]
 
 
-@cache
+@tool.once
 def load() -> ctypes.CDLL:
     """The library. Raises Unavailable."""
     for name in LIBRARIES:
@@ -47,7 +46,7 @@ def load() -> ctypes.CDLL:
         library.MOJOSHADER_freeParseData.argtypes = [ctypes.POINTER(ParseData)]
         library.MOJOSHADER_changeset.restype = ctypes.c_char_p
         return library
-    raise Unavailable(f"libmojoshader is not on this machine; {INSTALL}")
+    raise Unavailable("libmojoshader is not on this machine; apt-get install -y libmojoshader-dev")
 
 
 def version() -> str:
@@ -55,31 +54,21 @@ def version() -> str:
     return (load().MOJOSHADER_changeset() or b"unknown").decode().replace("???", "unknown changeset")
 
 
-def translate(bytecode: bytes, target: str) -> CompileResult:
-    """Translate ps_3_0 or vs_3_0 bytecode to one of MojoShader's profiles. Raises Unavailable."""
-    library = load()
-    parsed = library.MOJOSHADER_parse(
-        target.encode(), b"main", bytecode, len(bytecode), None, 0, None, 0, None, None, None
-    )
-    data = parsed.contents
-    errors = [f"{target} at byte {e.position}: {e.text.decode()}" for e in data.errors[: data.error_count]]
-    output = ctypes.string_at(data.output, data.output_len) if data.output and data.output_len > 0 else b""
-    instructions = data.instruction_count
-    library.MOJOSHADER_freeParseData(parsed)
-    if errors:
-        return refused("\n".join(errors))
-    if not output:
-        return refused(f"{target}: nothing came out")
-    return accepted("", output, {"instructions": instructions, "bytes": len(output)})
-
-
 def build(bytecode: bytes) -> CompileResult:
-    """Translate to all of TARGETS; the facts are MojoShader's instruction count and the bytes of each output."""
+    """Translate ps_3_0 or vs_3_0 to all of TARGETS. Raises Unavailable.
+
+    The facts are MojoShader's instruction count and the bytes of each output.
+    """
+    library = load()
     facts: dict[str, object] = {}
     for target in TARGETS:
-        result = translate(bytecode, target)
-        if not result.ok:
-            return result
-        facts["instructions"] = result.facts["instructions"]
-        facts[target] = result.facts["bytes"]
+        parsed = library.MOJOSHADER_parse(
+            target.encode(), b"main", bytecode, len(bytecode), None, 0, None, 0, None, None, None
+        )
+        data = parsed.contents
+        errors = [f"{target} at byte {e.position}: {e.text.decode()}" for e in data.errors[: data.error_count]]
+        facts |= {"instructions": data.instruction_count, target: data.output_len if data.output else 0}
+        library.MOJOSHADER_freeParseData(parsed)
+        if errors or not facts[target]:
+            return refused("\n".join(errors) or f"{target}: nothing came out")
     return accepted("", b"", facts)

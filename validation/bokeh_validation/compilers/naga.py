@@ -3,11 +3,12 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
+from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.drivers.webgpu import WGPU
 
-INSTALL = WGPU.install
 TARGET_FORMAT = "rgba16float"
 
 
@@ -27,41 +28,39 @@ class Stage:
     targets: int = 1
 
 
+@tool.once
 def driver() -> WGPU:
     """A device of the usual choice. Raises Unavailable."""
     return WGPU()
 
 
-def version(device: WGPU | None = None) -> str:
-    """wgpu and its device, or a new one: naga has the version of wgpu-native. Raises Unavailable."""
-    device = device or driver()
+def version() -> str:
+    """wgpu and its device: naga has the version of wgpu-native. Raises Unavailable."""
+    device = driver()
     from wgpu.backends import wgpu_native
 
     native = ".".join(str(part) for part in wgpu_native.lib_version_info)
     return f"wgpu-native {native}, {device.adapter}"
 
 
-def build(vertex: Stage, fragment: Stage, device: WGPU) -> CompileResult:
+def build(vertex: Stage, fragment: Stage) -> CompileResult:
     """Make the modules and a render pipeline of them, with the bindings that the package documents.
 
     The pipeline is where override constants, bindings and the interface between the stages are checked.
     """
-    errors = (device.wgpu.GPUError, device.wgpu.GPUPipelineError)
-    gpu = device.device
+    device = driver()
     try:
-        vertex_module = gpu.create_shader_module(code=vertex.code)
-        same = fragment.code == vertex.code
-        fragment_module = vertex_module if same else gpu.create_shader_module(code=fragment.code)
-        device.make_pipeline(
-            {"module": vertex_module, "entry_point": vertex.entry, "constants": dict(vertex.constants)},
-            {"module": fragment_module, "entry_point": fragment.entry, "constants": dict(fragment.constants)},
-            [TARGET_FORMAT] * fragment.targets,
-        )
-    except errors as error:
-        return refused(_message(str(error)))
+        stages = [
+            {"module": _module(stage.code), "entry_point": stage.entry, "constants": dict(stage.constants)}
+            for stage in (vertex, fragment)
+        ]
+        device.make_pipeline(*stages, [TARGET_FORMAT] * fragment.targets)
+    except (device.wgpu.GPUError, device.wgpu.GPUPipelineError) as error:
+        # without the frame 'Validation Error / Caused by / In wgpu...' that stands before each
+        return refused(re.sub(r"\A\s*Validation Error\s+Caused by:\s+In \w+\s+", "", str(error)))
     return accepted("")
 
 
-def _message(text: str) -> str:
-    """Without the frame 'Validation Error / Caused by / In wgpu...' that stands before each."""
-    return re.sub(r"\A\s*Validation Error\s+Caused by:\s+In \w+\s+", "", text).rstrip()
+@lru_cache(maxsize=4)  # a WGSL module has all entry points, and the vertex stage of SPIR-V is always the same
+def _module(code: str | bytes):
+    return driver().device.create_shader_module(code=code)

@@ -1,13 +1,22 @@
-"""What comes after SPIR-V: spirv-val checks it, spirv-cross turns it into other languages."""
+"""SPIR-V: what a module holds, and what comes after it: spirv-val checks it, spirv-cross turns it into text."""
 
 import shutil
+import struct
+from collections import Counter
 
-from bokeh_validation.compilers import glslang, tool
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation import passes
+from bokeh_validation.compilers import tool
+from bokeh_validation.compilers.result import CompileResult
 
 INSTALL_VAL = "apt-get install -y spirv-tools"
 INSTALL_CROSS = "apt-get install -y spirv-cross"
 
+# HLSL's registers on the bindings of the WGSL file, all in set 0
+REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
+    f"t{register}": binding for register, binding in enumerate(passes.BINDINGS.values())
+}
+
+OPENGL_RULES, VULKAN_RULES = "opengl4.5", "vulkan1.0"
 # spirv-cross options by the name of the target
 TARGETS = {
     "essl300": ("--es", "--version", "300"),
@@ -15,6 +24,50 @@ TARGETS = {
     "msl": ("--msl",),
     "hlsl50": ("--hlsl", "--shader-model", "50"),
 }
+
+MAGIC = 0x07230203
+HEADER = 5  # words
+# opcodes of the SPIR-V specification, section 3.42
+IMPLICIT_LOD = (87, 89, 91, 93)  # OpImageSample[Dref|Proj|ProjDref]ImplicitLod
+EXPLICIT_LOD = (88, 90, 92, 94)  # ...ExplicitLod
+FETCH = 95  # OpImageFetch
+LOOP_MERGE = 246  # OpLoopMerge: one for each loop
+
+
+def facts(binary: bytes) -> dict[str, object]:
+    """Counts of a module as it is written: a loop's body, or a function's, counts once.
+
+    bytes         size of the module
+    instructions  all of them, declarations too
+    samples       texture samples and fetches
+    implicit_lod  those of them whose level comes from derivatives
+    loops         loops
+    """
+    found = Counter(opcodes(binary))
+    implicit = sum(found[code] for code in IMPLICIT_LOD)
+    return {
+        "bytes": len(binary),
+        "instructions": found.total(),
+        "samples": implicit + sum(found[code] for code in (*EXPLICIT_LOD, FETCH)),
+        "implicit_lod": implicit,
+        "loops": found[LOOP_MERGE],
+    }
+
+
+def opcodes(binary: bytes) -> list[int]:
+    """Opcode of every instruction. Raises ValueError where the words are not a SPIR-V module."""
+    words = struct.unpack(f"<{len(binary) // 4}I", binary[: len(binary) // 4 * 4])
+    if len(words) < HEADER or words[0] != MAGIC:
+        raise ValueError("not SPIR-V (no magic number)")
+    found = []
+    index = HEADER
+    while index < len(words):
+        length, opcode = words[index] >> 16, words[index] & 0xFFFF
+        if length == 0:
+            raise ValueError(f"not SPIR-V (instruction of length 0 at word {index})")
+        found.append(opcode)
+        index += length
+    return found
 
 
 def version_val() -> str:
@@ -34,37 +87,14 @@ def version_cross() -> str:
     return said.splitlines()[0] if said else "unknown"
 
 
-def version() -> str:
-    """Versions of both tools. Raises Unavailable."""
-    return f"spirv-val {version_val()}, spirv-cross {version_cross()}"
-
-
-def validate(binary: bytes, environment: str = "vulkan1.0") -> CompileResult:
-    """Check a module against the rules of an environment: 'vulkan1.0', 'opengl4.5' or another that spirv-val knows."""
+def validate(binary: bytes, environment: str = VULKAN_RULES) -> CompileResult:
+    """Check a module against the rules of an environment that spirv-val knows."""
     program = tool.find("spirv-val", INSTALL_VAL)
-    done = tool.run(program, ["--target-env", environment, "shader.spv"], {"shader.spv": binary})
-    return accepted(done.output) if done.ok else refused(done.output)
+    return tool.compiled(program, ["--target-env", environment, "shader.spv"], {"shader.spv": binary})
 
 
 def cross(binary: bytes, target: str) -> CompileResult:
     """Turn a module into another language, one of TARGETS; the text is the result's `binary`."""
     program = tool.find("spirv-cross", INSTALL_CROSS)
     arguments = ["shader.spv", *TARGETS[target], "--output", "out.txt"]
-    done = tool.run(program, arguments, {"shader.spv": binary}, ["out.txt"])
-    text = done.files.get("out.txt", b"")
-    if not done.ok:
-        return refused(done.output)
-    if not text.strip():
-        return refused(f"spirv-cross ended well but wrote nothing\n{done.output}")
-    return accepted(done.output, text, {"bytes": len(text)})
-
-
-def cross_checked(binary: bytes, stage: str, target: str) -> CompileResult:
-    """Turn a module into GLSL ES (essl300, essl310) and have glslang compile that."""
-    text = cross(binary, target)
-    if not text.ok:
-        return text
-    parsed = glslang.parse(text.binary.decode(), stage)
-    if not parsed.ok:
-        return refused(f"spirv-cross wrote {target} that glslang refuses:\n{parsed.messages}")
-    return accepted("\n".join(filter(None, (text.messages, parsed.messages))), text.binary, {"bytes": len(text.binary)})
+    return tool.compiled(program, arguments, {"shader.spv": binary}, "out.txt")

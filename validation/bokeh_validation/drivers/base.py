@@ -9,9 +9,23 @@ import numpy as np
 
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass, target_area, target_size
-from bokeh_validation.reference import images
+from bokeh_validation.reference import images, precision
 
 Textures = Mapping[str, np.ndarray]
+
+# Parts of the names of devices that are programs on this machine's cores -> whose they are
+SOFTWARE = {"llvmpipe": "Mesa", "softpipe": "Mesa", "swiftshader": "SwiftShader", "microsoft basic render": "WARP"}
+
+
+def software_device(adapter: str) -> str:
+    """'Mesa', 'SwiftShader' or 'WARP' where a device is a program of theirs; '' for a GPU."""
+    return next((owner for part, owner in SOFTWARE.items() if part in adapter.lower()), "")
+
+
+def precision_of(adapter: str) -> precision.Precision:
+    """What the reference has to allow a device."""
+    known = {"Mesa": precision.SOFTWARE, "SwiftShader": precision.SWIFTSHADER}
+    return known.get(software_device(adapter), precision.GPU)
 
 
 @dataclass(frozen=True)

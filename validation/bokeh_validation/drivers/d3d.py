@@ -11,7 +11,7 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, storage_type
+from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, software_device, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 from bokeh_validation.windows import programs, server
@@ -41,7 +41,7 @@ class Direct3D(Driver):
         self.server.start()
         self.adapter = self.server.greeting
         # Wine's Direct3D draws with OpenGL, which on a display of Xvfb is Mesa's software one
-        self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
+        self.software = software_device(self.adapter) == "Mesa"
         if adapter is not None and adapter.lower() not in self.adapter.lower():
             raise Unavailable(f"{self.name} has no device but {self.adapter}")
 

@@ -9,7 +9,16 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Job, Stopwatch, Textures, TimedDriver, Timing, drawn_over, storage_type
+from bokeh_validation.drivers.base import (
+    Job,
+    Stopwatch,
+    Textures,
+    TimedDriver,
+    Timing,
+    drawn_over,
+    software_device,
+    storage_type,
+)
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area
 
@@ -24,7 +33,7 @@ class GLDriver(TimedDriver):
     def __init__(self, context: moderngl.Context):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
-        self.software = any(word in self.adapter for word in ("llvmpipe", "softpipe"))
+        self.software = software_device(self.adapter) == "Mesa"
         self._programs: dict[str, moderngl.VertexArray] = {}
 
     def make_current(self) -> None:

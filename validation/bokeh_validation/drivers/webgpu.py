@@ -15,6 +15,7 @@ from bokeh_validation.drivers.base import (
     Timing,
     drawn_over,
     require_targets,
+    software_device,
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
@@ -87,7 +88,7 @@ class WGPU(TimedDriver):
         self.wgpu = _import()
         chosen = _choose(adapter)
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        self.software = "llvmpipe" in self.adapter
+        self.software = software_device(self.adapter) == "Mesa"
         wanted = {"float32-filterable", "timestamp-query"} & set(chosen.features)
         self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
         self.device = chosen.request_device_sync(

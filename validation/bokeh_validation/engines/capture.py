@@ -27,15 +27,12 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import methods, metrics
+from bokeh_validation.drivers.base import precision_of, software_device
 from bokeh_validation.passes import target_size
 from bokeh_validation.patterns.model import Case, expected
-from bokeh_validation.reference import precision
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 
-# Devices whose texture filter is float32-exact and whose sin and cos are too; all others are judged as GPUs.
-SOFTWARE = ("llvmpipe", "softpipe")
-_PRECISIONS = {True: precision.SOFTWARE, False: precision.GPU}
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 
 
@@ -98,18 +95,17 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth, tone_map=True)
     result = _pixels(folder / shot["result"], np.float16, (*size[::-1], 4))
-    device = data["device"].lower()
-    software = any(word in device for word in SOFTWARE)
+    mesa = software_device(data["device"]) == "Mesa"
     outputs = {"result": result} if settings.method != "layered" else _written(folder / shot["written"], case)
-    kind = precision.SWIFTSHADER if "swiftshader" in device else _PRECISIONS[software]
+    kind = precision_of(data["device"])
     found = {}
     # Mesa's targets cut off, the others that are here round to nearest: the likely one first
-    for rounding in ("zero", "nearest") if software else ("nearest", "zero"):
+    for rounding in ("zero", "nearest") if mesa else ("nearest", "zero"):
         if settings.method == "layered":
             passes = case.plan.passes
             wanted = Reference().images(passes, case.textures(), size, "half", kind, rounding, given=outputs)
         else:
-            wanted = expected(case, software, rounding)
+            wanted = expected(case, mesa, rounding)
         # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
         outside = {name: metrics.compare(pixels, wanted[name], False).outside for name, pixels in outputs.items()}
         comparison = replace(metrics.compare(result, wanted["result"], False), outside=sum(outside.values()))

@@ -8,7 +8,7 @@ from hashlib import blake2b
 import numpy as np
 
 from bokeh_validation import methods, metrics
-from bokeh_validation.drivers.base import Driver
+from bokeh_validation.drivers.base import Driver, precision_of
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.reference import precision
 from bokeh_validation.reference.device import Reference
@@ -146,9 +146,7 @@ def compared(case: Case, driver: Driver) -> tuple[Outputs, Mapping[str, Image], 
         return outputs, wanted, {k: metrics.compare(outputs[k], wanted[k], driver.software) for k in case.keep}
     names = [name for item in passes for name in item.outputs]
     outputs = driver.run(passes, textures, case.size, keep=names)
-    kind = precision.SOFTWARE if driver.software else precision.GPU
-    if "SwiftShader" in driver.adapter:
-        kind = precision.SWIFTSHADER
+    kind = precision.SOFTWARE if driver.software else precision_of(driver.adapter)
     wanted = Reference().images(passes, textures, case.size, "half", kind, driver.rounding, given=outputs)
     # bounds in steps are for pictures: sums and shares are often small differences
     comparisons = {k: metrics.compare(outputs[k], wanted[k], driver.software and k in case.keep) for k in names}

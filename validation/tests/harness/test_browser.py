@@ -14,7 +14,7 @@ import pytest
 from support import load
 
 from bokeh_validation import browser, drivers, paths, shaders
-from bokeh_validation.compilers import angle, naga, tint
+from bokeh_validation.compilers import angle_tint, naga
 from bokeh_validation.compilers.result import CompileResult
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
@@ -46,7 +46,7 @@ def copied(driver: drivers.Driver, storage: str = "half") -> bool:
 def wgsl(vertex: str, fragment: str, source: str | None = None, targets: int = 1) -> CompileResult:
     source = source or shaders.wgsl()
     stages = naga.Stage(source, vertex), naga.Stage(source, fragment, targets=targets)
-    return tint.build(*stages, browser.session())
+    return angle_tint.tint(*stages)
 
 
 def running(group: int) -> list[str]:
@@ -81,7 +81,7 @@ class TestEnds:
 
     def test_crash_while_compiling(self, session):
         os.kill(session._process, signal.SIGKILL)
-        result = angle.build(shaders.glsl("BokehFullScreen", "300es"), shaders.glsl("BokehDebug", "300es"), session)
+        result = angle_tint.angle(shaders.glsl("BokehFullScreen", "300es"), shaders.glsl("BokehDebug", "300es"))
         assert not result.ok and result.messages.startswith("Chromium crashed: ")
 
     @pytest.mark.parametrize("end", ["pass", "os.kill(s._process, 9)"])
@@ -151,7 +151,7 @@ class TestCompilers:
     def test_link_of_stages_that_do_not_fit(self, session):
         vertex = shaders.glsl("BokehFullScreen", "300es").replace("out vec2 BokehUV", "out vec3 BokehUV")
         vertex = vertex.replace("BokehUV = vec2(", "BokehUV = vec3(0.0, ").replace("BokehUV * 2.0", "BokehUV.xy * 2.0")
-        result = angle.build(vertex, shaders.glsl("BokehDebug", "300es"), session)
+        result = angle_tint.angle(vertex, shaders.glsl("BokehDebug", "300es"))
         assert not result.ok and result.messages.startswith("link: ") and "BokehUV" in result.messages
 
     def test_tint_misses_an_entry_point(self, session):

@@ -1,0 +1,57 @@
+"""The compilers of Chromium: ANGLE (GLSL ES), asked through WebGL 2, and tint (WGSL), asked through WebGPU.
+
+ANGLE is that of Firefox, Safari and Edge as well; tint is Dawn's.
+"""
+
+from bokeh_validation import browser
+from bokeh_validation.compilers.naga import TARGET_FORMAT, Stage
+from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.passes import SAMPLE_TYPES
+
+
+def version(api: str) -> str:
+    """Chromium, which both have the version of, and the device below 'webgl2' or 'webgpu'. Raises Unavailable."""
+    session = browser.session()
+    return f"Chromium {session.version}, {session.call(f'{api}.describe', limit=browser.COMPILE_LIMIT)['device']}"
+
+
+def angle(vertex: str, fragment: str) -> CompileResult:
+    """Compile both stages and link them. Each line of the messages begins with its stage, or with 'link'."""
+
+    def messages(done: dict) -> list[str]:
+        # ANGLE ends its logs with a zero
+        logs = {stage: done["logs"][stage].replace("\0", "") for stage in ("vertex", "fragment", "link")}
+        return [f"{stage}: {line.rstrip()}" for stage, log in logs.items() for line in log.splitlines() if line.strip()]
+
+    return _compiled("webgl2.compile", {"vertex": vertex, "fragment": fragment}, messages)
+
+
+def tint(vertex: Stage, fragment: Stage) -> CompileResult:
+    """Make a WGSL module and a render pipeline of two of its entry points, with the package's bindings.
+
+    Both stages are of one module: they have the same code.
+    """
+    if vertex.code != fragment.code:
+        raise ValueError("the stages are of different modules")
+
+    def messages(done: dict) -> list[str]:
+        lines = [f"wgsl:{said['line']}:{said['column']}: {said['type']}: {said['text']}" for said in done["messages"]]
+        return lines + done["pipeline"].splitlines()
+
+    job = {
+        "code": fragment.code,
+        "slots": SAMPLE_TYPES,
+        "formats": [TARGET_FORMAT] * fragment.targets,
+        "vertex": {"entry": vertex.entry, "constants": dict(vertex.constants)},
+        "fragment": {"entry": fragment.entry, "constants": dict(fragment.constants)},
+    }
+    return _compiled("webgpu.compile", job, messages)
+
+
+def _compiled(function: str, job: dict, messages) -> CompileResult:
+    session = browser.session()
+    try:
+        done = session.call(function, job, limit=browser.COMPILE_LIMIT)
+    except (browser.BrowserError, browser.Refused) as error:
+        return refused(str(error))
+    return (accepted if done["ok"] else refused)("\n".join(messages(done)))
