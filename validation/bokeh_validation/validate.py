@@ -142,7 +142,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
 
 def compiled(variant: str, brief: bool) -> matrix.Matrix:
     """The programs of a variant, through all of its compilers or the main ones."""
-    rows = [row for row in matrix.load(quick=brief) if row.id == variant]
+    rows = [row for row in matrix.load(quick=brief) if row.variant == variant]
     return matrix.run([replace(row, compilers=BRIEF_COMPILERS[variant]) for row in rows] if brief else rows)
 
 
@@ -243,7 +243,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
         ],
         "matrix": [
             (compiled, (variant, not full))
-            for variant in dict.fromkeys(row.id for row in matrix.load())
+            for variant in dict.fromkeys(row.variant for row in matrix.load())
             if full or variant in BRIEF_COMPILERS
         ],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
