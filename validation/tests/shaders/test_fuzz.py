@@ -37,7 +37,7 @@ APERTURES = {
     "naive": ("square", "hexagon", "star", "pentagon"),
     "naive-grid": ("square", "diamond"),
 }
-MOST_SIDE = 24
+MOST_SIDE = 32
 SPECIAL_SHARE = 1 / 8
 
 
