@@ -48,7 +48,6 @@ class BrowserDriver(Driver):
     """
 
     name = ""
-    install = browser.INSTALL
     # SwiftShader, Chromium's software device, filters in float32 as Mesa does, but its sin() and cos() are off by up to
     # 1.9e-4 (Vulkan allows 4.9e-4; Mesa's are off by 7e-8). So lines at an angle end a little elsewhere: within the
     # interval of a GPU, and not always within the bounds in steps that Mesa is held to.

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from bokeh_validation import paths
 from bokeh_validation.engines import bevy, direct3d, scripts, threejs
-from bokeh_validation.engines.capture import Broken, Capture, Shot, read
+from bokeh_validation.engines.capture import Broken, Capture, read
 
-__all__ = ["ENGINES", "Broken", "Capture", "Engine", "Shot", "read", "run"]
+__all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
 
 
 class Engine(NamedTuple):
