@@ -14,7 +14,7 @@ from test_validate import page_of
 
 from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
-from bokeh_validation.mutants import outcomes
+from bokeh_validation.mutants import hunt, outcomes
 from bokeh_validation.mutants.mutant import KINDS, mutated
 from bokeh_validation.mutants.mutants_command import MUTANTS, chosen
 from bokeh_validation.mutants.outcomes import ALIVE, ARGUED, CAUGHT, Result
@@ -102,6 +102,13 @@ def test_an_edit_that_does_not_fit_is_an_error():
     ):
         with pytest.raises(UserError, match="mutant coc-sign: .* stands [02] times in .* of hlsl/bokeh.hlsl"):
             mutated(wrong)
+
+
+def test_killers_are_there():
+    """Each names a test of a file; that its parameters are there too is for the run to see."""
+    for killer in {killer for mutant in MUTANTS for killer in mutant.killers}:
+        file, name = killer.partition("[")[0].split("::")
+        assert f"\ndef {name}(" in (hunt.TESTS / file).read_text(encoding="utf-8"), killer
 
 
 def test_outcomes(tmp_path):

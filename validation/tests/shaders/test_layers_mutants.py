@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import load
+from support import in_each_language, load
 from support_cases import noise_case, within
 from support_targets import framed, inside, poisoned
 from test_layers import SETTINGS, TEXTURES, VIEWPORTS
@@ -29,12 +29,14 @@ FULL = methods.Camera(1.8, 0.05, 8.0, max_coc=0.5)
     ],
     ids=["hexagon", "decagon", "one target", "square"],
 )
+@in_each_language
 def test_both_layers(changes, driver):
     """Each pass is within its interval where there is much of either layer."""
     within(driver, noise_case((75, 50), replace(SETTINGS, **{"camera": FULL, **changes})))
 
 
 @pytest.mark.parametrize("coc", [-11.0, -9.0, 11.0, 14.0])
+@in_each_language
 def test_half_a_layer(coc, driver):
     """The same for planes of which a part is in a layer."""
     case = noise_case((50, 40), layers.settings(rotation=10.0))
@@ -42,6 +44,7 @@ def test_half_a_layer(coc, driver):
 
 
 @pytest.mark.parametrize("viewport", VIEWPORTS, ids=str)
+@in_each_language
 def test_nothing_leaks_into_layers(viewport, driver):
     """NaN around the image in every texture: nothing of it gets into any target. The picture would hide some."""
     image = noise_case(viewport[2:], SETTINGS)
@@ -56,6 +59,7 @@ def test_nothing_leaks_into_layers(viewport, driver):
 
 
 @pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])
+@in_each_language
 def test_layers_of_a_viewport(metres, driver):
     """In the middle of a large texture, the image is what it would be alone; 11 pixels near and 16 far.
 
@@ -76,6 +80,7 @@ def test_layers_of_a_viewport(metres, driver):
     assert np.abs(output - alone).max() <= 4 * (place + 2.0**-10) * 40.0
 
 
+@in_each_language
 def test_a_size_whose_inverse_is_small(driver):
     """1 / (1 / 122) is more than 122 in float32: rounded up without a care, half of it would be 62 texels."""
     width = np.float32(122)
@@ -83,6 +88,7 @@ def test_a_size_whose_inverse_is_small(driver):
     within(driver, noise_case((122, 24), SETTINGS))
 
 
+@in_each_language
 def test_black_and_bright(driver):
     """Both ends of what brightness is compared with: a black tile's level, and what a light may weigh."""
     case = noise_case((64, 48), replace(SETTINGS, camera=FULL))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hostile import COLOR
+from support import in_each_language
 from support_cases import noise_case, within
 
 from bokeh_validation import methods, metrics, passes, paths, shaders
@@ -88,6 +89,7 @@ def test_a_line_of_no_length(driver):
 
 @pytest.mark.parametrize("targets", [True, False], ids=["at once", "one by one"])
 @pytest.mark.parametrize("aperture", methods.EXACT)
+@in_each_language
 def test_jitter_of_the_exact_passes(aperture, targets, driver):
     """Few samples on a wide blur, so that the noise acts in every pass: as the reference says, and not as without."""
     settings = methods.Settings(
@@ -99,6 +101,7 @@ def test_jitter_of_the_exact_passes(aperture, targets, driver):
     assert changed(plain, output)
 
 
+@in_each_language
 def test_noise_comes_again(driver):
     """After 64 frames, and after 2^22 as well, where the number of the frame times 33/64 has no room for a fraction."""
     camera = methods.Camera(max_coc=1.0)
@@ -142,6 +145,7 @@ def test_debug_views_of_a_pinhole(mode, driver):
 
 
 @pytest.mark.parametrize("method", ["naive", "naive-grid"])
+@in_each_language
 def test_squeeze_of_the_naive_methods(method, driver):
     """The squeeze narrows the table and the grid as it does the lines."""
     settings = methods.Settings(method, "hexagon", camera=methods.Camera(0.1, 0.05, 4.0, max_coc=0.3), rotation=20.0)
@@ -256,6 +260,7 @@ def test_signed_map(f_number, driver):
 
 
 @pytest.mark.parametrize("method", ["paper", "exact"])
+@in_each_language
 def test_half_a_pixel_is_in_focus(method, driver):
     """A CoC of up to half a pixel blurs nothing, to the bit; one of a pixel does."""
     camera = methods.Camera(max_coc=1.0)
@@ -272,6 +277,7 @@ def test_half_a_pixel_is_in_focus(method, driver):
 
 
 @pytest.mark.parametrize("aperture", ["hexagon", "decagon"])
+@in_each_language
 def test_squeezed_lines_have_means(aperture, driver):
     """Squeezed edges have different lengths and numbers of samples: each line is worth its area all the same."""
     camera = methods.Camera(max_coc=1.0)
