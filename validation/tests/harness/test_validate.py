@@ -47,6 +47,7 @@ def assert_links_lead_somewhere(page: str) -> None:
     assert "<img" not in page[: page.index("</table>")]
 
 
+@pytest.mark.timeout(1200)
 def test_brief(tmp_path):
     """Says how long it takes and what it leaves out; every language is drawn; within two minutes on two cores, as CPU
     time, which other tests on the machine do not change."""
