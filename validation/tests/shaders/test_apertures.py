@@ -11,7 +11,7 @@ from PIL import Image
 from support import called, in_each_language
 from test_render import refused
 
-from bokeh_validation import apertures, decomposition, methods, paths, sheet
+from bokeh_validation import apertures, convex, decomposition, methods, paths, sheet
 from bokeh_validation.decomposition import Decomposition, decompose
 from bokeh_validation.errors import UserError
 from bokeh_validation.patterns import impulse
@@ -292,10 +292,10 @@ def test_polygons_are_tidied():
     square = np.array([[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]])
     untidy = [[-0.3, -0.3], [0, -0.3], [0.1, -0.3], [0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3], [-0.3, 0.0]]
     for corners in (np.array(untidy), np.array(untidy)[::-1], square[::-1]):
-        tidy = decomposition.checked(corners)
+        tidy = convex.checked(corners)
         assert len(tidy) == 4 and polygons.signed_area(tidy) == pytest.approx(0.36)
         assert {tuple(c) for c in tidy} == {tuple(c) for c in square}
-    np.testing.assert_array_equal(decomposition.checked(square[::-1])[0], square[3])
+    np.testing.assert_array_equal(convex.checked(square[::-1])[0], square[3])
     rounded = (apertures.rotated(apertures.regular_polygon(8), 11.0) + [0.0123, 0.0087]).round(3)
     assert len(decompose(rounded).lines) == 4 and len(decompose(rounded, 0.0).lines) == 8
     rounded = (apertures.rotated(apertures.regular_polygon(6), 11.0) + [0.0123, 0.0087]).round(3)

@@ -19,7 +19,7 @@ from bokeh_validation import methods, metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.methods import Settings
 from bokeh_validation.passes import Pass
-from bokeh_validation.patterns import layers
+from bokeh_validation.patterns import lights, near_edges
 from bokeh_validation.patterns.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import precision
 from bokeh_validation.reference.device import Reference
@@ -165,7 +165,7 @@ def test_translation(settings, driver):
 # ----------------------------------------------------------------------------------------------------------------------
 
 BLUR = 24  # pixels
-LAYERED = layers.settings()
+LAYERED = near_edges.settings()
 MOVES = np.arange(17) / 8
 
 
@@ -194,7 +194,7 @@ def test_layered_aspect_and_presets(size, quality, driver):
     color = flat(size)
     middle = [length // 2 for length in size]
     color[middle[1] - 1 : middle[1] + 2, middle[0] - 1 : middle[0] + 2, :3] = PEAK / 9
-    case = Case("", replace(LAYERED, quality=quality), color, depth_of(size, layers.metres(BLUR, size[1])))
+    case = Case("", replace(LAYERED, quality=quality), color, depth_of(size, near_edges.metres(BLUR, size[1])))
     found = moments.measured(layered(driver, case)[..., 1], (middle[0] + 0.5, middle[1] + 0.5))
     share = (2.0 + np.cos(2.0 * np.pi / 6)) / 12.0
     off = np.diag(found.second) - (9 - 1) / 12 - share * BLUR**2 / 4
@@ -210,15 +210,15 @@ def test_layered_resolution(scale, driver):
     height = round(64 * scale)
     coc, width = BLUR * scale, round(80 * scale)
     held = np.broadcast_to(np.arange(width) < width // 2, (height, width))
-    alpha = layered(driver, layers.near_case("", coc, held, LAYERED))[..., 0]
-    polygon = layers.polygon_of("hexagon", 0.0, coc)
-    wanted = layers.edge_spread(polygon, width // 2 - np.arange(width) - 0.5)
-    allowed = 0.5 * layers.steepest(polygon) + layers.WHOLE + layers.STEP
+    alpha = layered(driver, near_edges.near_case("", coc, held, LAYERED))[..., 0]
+    polygon = near_edges.polygon_of("hexagon", 0.0, coc)
+    wanted = near_edges.edge_spread(polygon, width // 2 - np.arange(width) - 0.5)
+    allowed = 0.5 * near_edges.steepest(polygon) + near_edges.WHOLE + near_edges.STEP
     assert np.abs(alpha - wanted).max() <= allowed
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])
-@pytest.mark.parametrize("case", [layers.light_case(-BLUR, 3), layers.silhouette_case()], ids=lambda c: c.label)
+@pytest.mark.parametrize("case", [lights.light_case(-BLUR, 3), lights.silhouette_case()], ids=lambda c: c.label)
 @in_each_language
 def test_layered_exposure(case, factor, driver):
     """Colour times any factor: the picture times that, where no half float is denormal or too large.
@@ -234,7 +234,7 @@ def test_layered_exposure(case, factor, driver):
     for channel in range(3):
         image = plain[..., channel]
         slope = max(np.abs(np.diff(image, axis=axis)).max() for axis in (0, 1))
-        allowed = 3 * layers.STEP * BLUR * slope + 4 * layers.STEP * image.max()
+        allowed = 3 * near_edges.STEP * BLUR * slope + 4 * near_edges.STEP * image.max()
         assert off[..., channel].max() <= allowed, (channel, off[..., channel].max(), allowed)
 
 
@@ -253,11 +253,11 @@ def test_layered_quarter_turn(driver):
 
 def edge_at(place: float) -> Case:
     """A near edge with its pixels drawn by area, and depth by their middles, as a renderer does."""
-    size = layers.SIZE
+    size = near_edges.SIZE
     cover = np.clip(size[0] // 2 + place - np.arange(size[0]), 0.0, 1.0)
-    case = layers.near_case("", BLUR, np.broadcast_to(cover >= 0.5, size[::-1]), LAYERED)
+    case = near_edges.near_case("", BLUR, np.broadcast_to(cover >= 0.5, size[::-1]), LAYERED)
     case.color[..., 0] = cover
-    case.color[..., 1] = (1.0 - cover) * layers.checker(size)
+    case.color[..., 1] = (1.0 - cover) * near_edges.checker(size)
     return case
 
 
@@ -269,10 +269,10 @@ def test_layered_moving_edge(driver):
     of the spread. Beside that, a pixel that is covered by less than a half keeps the colour of the edge in focus: where
     alpha is a half, half of a half. From frame to frame that comes and goes.
     """
-    polygon = layers.polygon_of("hexagon", 0.0, BLUR)
-    from_edge = layers.SIZE[0] // 2 - np.arange(layers.SIZE[0]) - 0.5
-    off = [layered(driver, edge_at(p))[..., 0] - layers.edge_spread(polygon, from_edge + p) for p in MOVES]
-    allowed = layers.steepest(polygon) + 0.25 + layers.WHOLE + layers.STEP
+    polygon = near_edges.polygon_of("hexagon", 0.0, BLUR)
+    from_edge = near_edges.SIZE[0] // 2 - np.arange(near_edges.SIZE[0]) - 0.5
+    off = [layered(driver, edge_at(p))[..., 0] - near_edges.edge_spread(polygon, from_edge + p) for p in MOVES]
+    allowed = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
     assert np.abs(off).max() <= allowed
     assert np.abs(np.diff(off, axis=0)).max() <= allowed
     if driver.name == "egl":
@@ -283,16 +283,16 @@ def test_layered_moving_edge(driver):
 
 def light_at(place: float, near: bool) -> tuple[Case, np.ndarray]:
     """A disc of 3 pixels drawn by area: near, over what is in focus, or far, beside a silhouette; and its coverage."""
-    size = layers.SIZE
+    size = near_edges.SIZE
     cover = sweep.disc(size, (size[0] / 2 + 4 + place, size[1] / 2 + 0.3), 3.0)
     if not near:
-        case = layers.silhouette_case()
-        case.color[:, layers.EDGE :, 2] = layers.LIGHT * cover[:, layers.EDGE :]
+        case = lights.silhouette_case()
+        case.color[:, lights.EDGE :, 2] = lights.LIGHT * cover[:, lights.EDGE :]
         return case, cover
-    case = layers.near_case("", BLUR, cover >= 0.5, LAYERED)
+    case = near_edges.near_case("", BLUR, cover >= 0.5, LAYERED)
     case.color[..., 0] = 0.0
-    case.color[..., 1] = (1.0 - cover) * layers.checker(size)
-    case.color[..., 2] = layers.LIGHT * cover
+    case.color[..., 1] = (1.0 - cover) * near_edges.checker(size)
+    case.color[..., 2] = lights.LIGHT * cover
     return case, cover
 
 
@@ -308,9 +308,9 @@ def test_layered_moving_light(near, driver):
     found = []
     for place in MOVES:
         case, cover = light_at(place, near)
-        found.append(layered(driver, case)[..., 2].sum() / (layers.LIGHT * cover.sum()))
+        found.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
     changed = np.abs(np.diff(found)).max()
-    allowed = 0.02 + (0.0 if near else 2 * layers.steepest(layers.polygon_of("hexagon", 0.0, BLUR)) / 8)
+    allowed = 0.02 + (0.0 if near else 2 * near_edges.steepest(near_edges.polygon_of("hexagon", 0.0, BLUR)) / 8)
     assert changed <= allowed
     if near:
         assert 0.99 <= min(found) and max(found) <= 1.01, found

@@ -1,6 +1,7 @@
 """The layered method on every driver: each pass within the reference's interval, and what must be alike or unchanged.
 
-What its pictures must show is in bokeh_validation/patterns/layers.py, which test_patterns.py runs in every language.
+What its pictures must show: the layered probes of bokeh_validation/patterns, which test_patterns.py runs in every
+language.
 """
 
 from dataclasses import replace
@@ -12,7 +13,7 @@ from support_cases import CAMERA, judged, kind, noise_case, result, within
 from support_targets import framed, inside, poisoned
 
 from bokeh_validation import methods, metrics
-from bokeh_validation.patterns import layers, model
+from bokeh_validation.patterns import PROBES, lights, model, near_edges, unchanged
 from bokeh_validation.reference.device import Reference
 
 # No program of layers takes the number of samples: one number for all apertures, or each would be compiled again
@@ -103,19 +104,19 @@ def test_every_preset(quality, driver):
     """A picture in focus, or with a CoC of up to a pixel, which spreads nothing, is copied to the bit; one colour stays
     as it is; and 0.99 to 1.01 of an isolated light of one pixel, the hardest, is kept. See the probes.
     """
-    case = layers.focus_case()
+    case = unchanged.focus_case()
     for coc in (0.0, 0.9, -0.9):
-        depth = model.depth_of(case.size, layers.metres(coc, case.size[1]))
-        found = result(driver, replace(case, settings=layers.settings(quality=quality), depth=depth))
+        depth = model.depth_of(case.size, near_edges.metres(coc, case.size[1]))
+        found = result(driver, replace(case, settings=near_edges.settings(quality=quality), depth=depth))
         np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
-    for case in layers.constant_cases():
+    for case in unchanged.constant_cases():
         output = result(driver, replace(case, settings=replace(case.settings, quality=quality)))[..., :3]
         off = np.abs(output.astype(np.float64) / case.color[..., :3].astype(np.float64) - 1.0)
-        assert off.max() <= 4 * layers.STEP, case.label
-    for coc in layers.LIGHT_COCS:
-        case = layers.light_case(coc, 1, quality)
-        around = layers.AMBIENT * (1.0 - (layers.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
-        kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / layers.LIGHT
+        assert off.max() <= 4 * near_edges.STEP, case.label
+    for coc in lights.LIGHT_COCS:
+        case = lights.light_case(coc, 1, quality)
+        around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
+        kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / lights.LIGHT
         assert kept == pytest.approx(1.0, abs=0.01), coc
 
 
@@ -127,27 +128,29 @@ def test_every_preset(quality, driver):
 @pytest.mark.parametrize(
     ("probe", "changes"),
     [
-        ("near-edge-hexagon", {"camera": replace(layers.CAMERA, aperture_diameter=1.2)}),
+        ("near-edge-hexagon", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}),
         ("near-edge-hexagon", {"squeeze": 0.8}),
         ("near-edge-octagon", {"aperture": "square"}),
-        ("near-branch", {"camera": replace(layers.CAMERA, aperture_diameter=1.4)}),
+        ("near-branch", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.4)}),
         ("layered-light-9", {"rotation": 30.0}),
-        ("layered-light-9", {"camera": replace(layers.CAMERA, aperture_diameter=1.2)}),
+        ("layered-light-9", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}),
         ("silhouette-light", {"coc": 0.3}),
-        ("covered-light", {"camera": replace(layers.CAMERA, aperture_diameter=2.0)}),
+        ("covered-light", {"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}),
         ("layered-focus", {"coc": 0.2}),
     ],
     ids=str,
 )
 def test_probes_notice(probe, changes):
     """Other settings than its own, and it fails."""
-    found = next(item for item in layers.PROBES if item.name == probe)
+    found = next(item for item in PROBES if item.name == probe)
     assert not all(check.ok for check in judged(found, **changes))
 
 
 def test_sweep_notices_a_pop():
     """A picture of the near layer where the gather's should still be: all the change of a sweep in one step."""
-    outputs = {case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in layers.SWEEP.cases}
+    outputs = {
+        case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in unchanged.SWEEP.cases
+    }
     outputs["CoC -9.25"] = outputs["CoC -9.75"]
     outputs["CoC -9"] = outputs["CoC -8.25"]
-    assert not all(check.ok for check in layers.SWEEP.judge(outputs))
+    assert not all(check.ok for check in unchanged.SWEEP.judge(outputs))

@@ -10,7 +10,7 @@ from test_frame import counting
 from bokeh_validation import fetches, methods
 from bokeh_validation.bench import reads, request, rows, session
 from bokeh_validation.passes import COPYING_ENTRIES
-from bokeh_validation.patterns import layers
+from bokeh_validation.patterns import near_edges
 from bokeh_validation.patterns.model import depth_of, flat
 
 pytestmark = pytest.mark.alone
@@ -61,10 +61,10 @@ def test_fetches_at_the_worst(quality):
     Patches of 2 pixels of the largest CoC near and far, a third of them and none: layers and gather have most to do
     everywhere.
     """
-    depths = [layers.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
+    depths = [near_edges.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
     coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
-    camera = replace(layers.CAMERA, max_coc=COC / SIZE[1])
-    settings = replace(layers.settings(quality=quality), camera=camera)
+    camera = replace(near_edges.CAMERA, max_coc=COC / SIZE[1])
+    settings = replace(near_edges.settings(quality=quality), camera=camera)
     found = counted(settings, flat(SIZE, 1.0), coarse.repeat(2, 0).repeat(2, 1))
     mean, most = (sum(counts[i] for counts in found.values()) for i in (0, 1))
     allowed = MOST_FETCHES[quality]
@@ -76,8 +76,8 @@ def test_fetches_at_the_worst(quality):
 @pytest.mark.parametrize("quality", methods.QUALITIES)
 def test_fetches_in_focus(quality):
     """What the bench says of that row, to the fetch."""
-    depth = depth_of(SIZE, layers.CAMERA.focus_distance)
-    settings = layers.settings(quality=quality)
+    depth = depth_of(SIZE, near_edges.CAMERA.focus_distance)
+    settings = near_edges.settings(quality=quality)
     found = counted(settings, flat(SIZE, 1.0), depth)
     total = sum(mean for mean, _ in found.values())
     assert total <= IN_FOCUS, found

@@ -11,7 +11,7 @@ from support_targets import framed, inside, poisoned
 from test_layers import SETTINGS, TEXTURES, VIEWPORTS
 
 from bokeh_validation import methods, shaders
-from bokeh_validation.patterns import layers
+from bokeh_validation.patterns import near_edges
 from bokeh_validation.patterns.model import Case, depth_of, flat
 
 # A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
@@ -39,8 +39,8 @@ def test_both_layers(changes, driver):
 @in_each_language
 def test_half_a_layer(coc, driver):
     """The same for planes of which a part is in a layer."""
-    case = noise_case((50, 40), layers.settings(rotation=10.0))
-    within(driver, replace(case, depth=depth_of(case.size, layers.metres(coc, case.size[1]))))
+    case = noise_case((50, 40), near_edges.settings(rotation=10.0))
+    within(driver, replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1]))))
 
 
 @pytest.mark.parametrize("viewport", VIEWPORTS, ids=str)
