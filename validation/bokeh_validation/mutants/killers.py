@@ -15,6 +15,7 @@ SIGNED = "test_survivors.py::test_signed_map[egl]"
 PAPER = "test_drivers.py::test_settings[egl paper]"
 STAR = "test_drivers.py::test_settings[egl paper star]"
 REJECTED = "test_drivers.py::test_every_sample_rejected[egl]"
+NEARLY_REJECTED = "test_drivers.py::test_nearly_rejected_samples_still_count[egl]"
 NAIVE = "test_drivers.py::test_settings[egl naive-{]"
 GRID = "test_drivers.py::test_settings[egl naive-grid]"
 # on Direct3D 9 alone is every sample nearer than NaN
@@ -77,7 +78,7 @@ FIRST = {
     "Cells": (survivor("test_a_line_of_no_length"), JITTER, ADAPTIVE, HEXAGON),
     "Noise": (survivor("test_noise_comes_again"), JITTER, ADAPTIVE, HEXAGON),
     "Segment DepthOfFieldAdaptive AdaptiveLine": (ADAPTIVE, TRIANGLE, EACH_PASS),
-    "Resolve": (REJECTED, PAPER),
+    "Resolve": (REJECTED, NEARLY_REJECTED, PAPER),
     "NaiveGather": (NAIVE,),
     "NaiveGrid": (GRID,),
     "SignedLeakageWeight MakePolygon Rotated PolygonEdge ExactWeight": (EXACT, HEXAGON),
