@@ -1,4 +1,4 @@
-"""OpenEXR files byte by byte, for what the library does not write: mipmaps, deep and broken headers."""
+"""OpenEXR files for tests, and byte by byte what the library does not write: mipmaps, deep and broken headers."""
 
 import math
 import struct
@@ -6,6 +6,11 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
+import pytest
+
+from bokeh_validation import exr
+from bokeh_validation.errors import UserError
 
 MAGIC = 20000630
 TILED, DEEP, MULTI_PART = 0x200, 0x800, 0x1000
@@ -100,3 +105,49 @@ def wide_tile(width: int, across: int, down: int) -> bytes:
     packed = zlib.compress(b"\0" + b"\x80" * (size - 1))
     head = header(RGBZ, (0, 0, width - 1, 0), flags=TILED, compression=3, more=tiles(across, down))
     return with_table(head, [struct.pack("<iiiii", 0, 0, 0, 0, len(packed)) + packed])
+
+
+LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "HTJ2K256", "HTJ2K32", "ZSTD")
+LOSSY = ("B44", "B44A", "DWAA", "DWAB", "LJ2K")
+SCAN, TILED_IMAGE = OpenEXR.scanlineimage, OpenEXR.tiledimage
+
+
+def scene(size: tuple[int, int] = (70, 41), dtype=np.float16) -> dict[str, np.ndarray]:
+    """R G B and Z with another value in each pixel; Z and half floats keep theirs in every lossless compression."""
+    random = np.random.default_rng(5)
+    planes = {name: (random.integers(0, 2048, size) / 256).astype(dtype) for name in "RGB"}
+    return {**planes, "Z": random.integers(1, 200, size).astype(np.float32)}
+
+
+def windows(left: int, top: int, width: int, height: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """A window as the library takes it."""
+    return (left, top), (left + width - 1, top + height - 1)
+
+
+def save(path: Path, channels: dict[str, np.ndarray], **header) -> Path:
+    """One part, zipped scan lines unless the header says otherwise."""
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": SCAN, **header}
+    if header["type"] == TILED_IMAGE:
+        header["tiles"] = OpenEXR.TileDescription()
+        header["tiles"].xSize, header["tiles"].ySize = 32, 16
+    with OpenEXR.File(header, {name: plane.copy() for name, plane in channels.items()}) as file:
+        file.write(str(path))
+    return path
+
+
+def save_parts(path: Path, parts: dict[str, dict[str, np.ndarray]], **headers: dict) -> Path:
+    """Several parts by name, scan lines, all with the display window of 41 x 70 pixels, as the format asks."""
+    shared = {"type": SCAN, "displayWindow": windows(0, 0, 41, 70)}
+    made = [OpenEXR.Part({**shared, **headers.get(name, {})}, dict(c), name) for name, c in parts.items()]
+    with OpenEXR.File(made) as file:
+        file.write(str(path))
+    return path
+
+
+def refusal(path: Path, *words: str, **options) -> None:
+    """A file is refused in one line that names it and has these words."""
+    with pytest.raises(UserError) as caught:
+        exr.read(path, **options)
+    line = str(caught.value)
+    assert line.startswith(str(path)) and line.isprintable() and len(line) < 1500
+    assert [word for word in words if word not in line] == [], line

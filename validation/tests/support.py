@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from unittest.mock import patch
@@ -11,6 +11,7 @@ from unittest.mock import patch
 import pytest
 
 from bokeh_validation import cli, drivers
+from bokeh_validation.compilers.result import CompileResult
 from bokeh_validation.errors import Unavailable
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
@@ -64,3 +65,14 @@ def called(*arguments: object) -> subprocess.CompletedProcess:
     ):
         cli.main()
     return subprocess.CompletedProcess(arguments, *ended.call_args.args, said.getvalue(), told.getvalue())
+
+
+def says(result: CompileResult, text: str) -> bool:
+    """Refused, with this text in the messages; glslang's HLSL puts spaces between the words of #error anew."""
+    return not result.ok and text.replace(" ", "") in result.messages.replace(" ", "")
+
+
+def compiled(step: Callable[[], CompileResult]) -> CompileResult:
+    """Result of a compiler, if it is here."""
+    with needed("compiler"):
+        return step()

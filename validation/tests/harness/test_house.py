@@ -1,0 +1,89 @@
+"""The house stays one that a person can hold: short files and functions, imports that only go down."""
+
+import ast
+from collections import Counter
+
+import pytest
+
+from bokeh_validation import paths
+
+FILE_LINES, FUNCTION_LINES = 400, 60
+PACKAGE = paths.VALIDATION / "bokeh_validation"
+TESTS = paths.VALIDATION / "tests"
+CODE = (".py", ".cpp", ".c", ".h", ".js", ".html", ".glsl", ".hlsl", ".wgsl")
+SOURCES = [file for folder in (PACKAGE, TESTS) for file in sorted(folder.rglob("*")) if file.suffix in CODE]
+
+
+def name_of(file) -> str:
+    """bokeh_validation.drivers.gl for its file."""
+    return ".".join(file.relative_to(paths.VALIDATION).with_suffix("").parts).removesuffix(".__init__")
+
+
+MODULES = {name_of(file): file for file in PACKAGE.rglob("*.py")}
+
+
+def imported(name: str) -> set[str]:
+    """Modules of the package that one imports when it is imported itself, not within a function."""
+    found = set()
+    for node in ast.parse(MODULES[name].read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                full = f"{node.module}.{alias.name}"
+                found.add(full if full in MODULES else node.module)
+    return found & set(MODULES)
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(paths.VALIDATION)))
+def test_lengths(file):
+    """Of a file, and of the bodies of its functions."""
+    text = file.read_text(encoding="utf-8")
+    assert text.count("\n") <= FILE_LINES
+    for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
+        if isinstance(node, ast.FunctionDef):
+            assert node.end_lineno - node.body[0].lineno < FUNCTION_LINES, node.name
+
+
+def test_no_cycle():
+    """Modules can be put in an order in which each imports only those before it."""
+    left = {name: imported(name) - {name} for name in MODULES}
+    while ready := [name for name, needs in left.items() if not needs]:
+        for name in ready:
+            del left[name]
+        for needs in left.values():
+            needs.difference_update(ready)
+    assert not left
+
+
+# What the rooms further down must not know: design, drivers and reference, probes, features
+LEVELS = (
+    ("paths", "errors", "files", "entries", "apertures"),
+    ("passes", "shaders", "exr", "reference.images", "reference.sampling", "reference.precision"),
+    ("methods", "drivers", "reference", "compilers", "convex", "decomposition", "metrics"),
+    ("patterns",),
+    ("bench", "figures", "engines", "report", "mutants", "suite", "cli", "validate", "render", "frame", "likeness"),
+)
+
+
+def level(name: str) -> int | None:
+    """Index in LEVELS of the longest name that is the module's or its package's; None: anywhere."""
+    bare = name.removeprefix("bokeh_validation.")
+    fits = [
+        (len(known), index)
+        for index, names in enumerate(LEVELS)
+        for known in names
+        if f"{bare}.".startswith(f"{known}.")
+    ]
+    return max(fits)[1] if fits else None
+
+
+@pytest.mark.parametrize("name", [name for name in sorted(MODULES) if level(name) is not None])
+def test_imports_go_down(name):
+    """Nothing of a higher level."""
+    higher = [other for other in imported(name) if level(other) is not None and level(other) > level(name)]
+    assert not higher
+
+
+def test_one_name_a_module():
+    """So that a name says which one is meant."""
+    names = Counter(name.rpartition(".")[2] for name in MODULES)
+    assert [name for name, count in names.items() if count > 1] == []
