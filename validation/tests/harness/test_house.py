@@ -1,6 +1,8 @@
 """The house stays one that a person can hold: short files and functions, imports that only go down."""
 
 import ast
+import subprocess
+import sys
 from collections import Counter
 
 import pytest
@@ -87,3 +89,11 @@ def test_one_name_a_module():
     """So that a name says which one is meant."""
     names = Counter(name.rpartition(".")[2] for name in MODULES)
     assert [name for name, count in names.items() if count > 1] == []
+
+
+@pytest.mark.parametrize("command", [["check"], ["format", "--check"]], ids=["check", "format"])
+def test_ruff(command):
+    """As ruff.toml asks."""
+    ruff = [sys.executable, "-m", "ruff", *command, "--no-cache", "--config", "ruff.toml", "."]
+    done = subprocess.run(ruff, cwd=paths.VALIDATION, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
