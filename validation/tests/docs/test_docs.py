@@ -24,7 +24,9 @@ def library(language: str) -> str:
 
 def test_links_exist():
     """Every relative link leads somewhere; what looks like one in code is none."""
-    documents = [path for folder in ("docs", "integration", "validation") for path in (paths.ROOT / folder).rglob("*.md")]
+    documents = [
+        path for folder in ("docs", "integration", "validation") for path in (paths.ROOT / folder).rglob("*.md")
+    ]
     for document in (paths.ROOT / "README.md", paths.ROOT / "CHANGELOG.md", *documents):
         text = re.sub(r"^ *```.*?^ *```", "", document.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):

@@ -4,15 +4,15 @@ import pytest
 from support import in_each_language, load
 from support_cases import judged
 
-from bokeh_validation import drivers, methods, patterns
+from bokeh_validation import drivers, methods, patterns, validate
 from bokeh_validation.patterns import exact, impulse, model
 
 
-@pytest.mark.parametrize("probe", patterns.QUICK_PROBES, ids=lambda p: p.name)
+@pytest.mark.parametrize("name", validate.FULL_PROBES)
 @in_each_language
-def test_probe(probe, driver):
-    """Within the interval of the reference, and showing what it must."""
-    assert_shown(probe, driver)
+def test_probe(name, driver):
+    """Within the interval of the reference, and showing what it must: those that are not in test_brief."""
+    assert_shown(next(probe for probe in patterns.PROBES if probe.name == name), driver)
 
 
 @pytest.mark.parametrize("probe", exact.PROBES, ids=lambda p: p.name)
