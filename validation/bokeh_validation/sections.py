@@ -90,7 +90,7 @@ def of_probe(results: Sequence[ProbeResult]) -> Section:
         for name in case.keep:
             label = case.label if len(case.keep) == 1 else _label(case.label, name)
             strips[label] = strip(name, {result.driver: result.cases[index] for result in results})
-    figure = f" (Figure {probe.figure})" if probe.figure[0].isdigit() else ""
+    figure = f" (Figure {probe.figure})" if probe.figure else ""
     return Section(probe.name, probe.title + figure, probe.shows, runs, strips)
 
 

@@ -28,7 +28,7 @@ from bokeh_validation import (
 )
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.patterns.model import CaseResult, compared
+from bokeh_validation.patterns.model import compared
 from bokeh_validation.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
 from bokeh_validation.terminal import (
     FAILED,
@@ -134,7 +134,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     shown = {"input": case.color, "ray traced through a lens": lens, f"{method}, {there[0].name}": whole}
     panels = [Panel(k, pictures.jpeg_uri(pictures.display(v, tone_map=True), 320)) for k, v in shown.items()]
     middle = replace(case, color=case.color[ROWS, COLUMNS].copy(), depth=case.depth[ROWS, COLUMNS].copy())
-    results = {driver.name: CaseResult(middle, *compared(middle, driver)) for driver in there}
+    results = {driver.name: compared(middle, driver) for driver in there}
     strips = {"whole": panels, "the middle": strip("result", results)}
     runs = [Run(driver, result.comparisons) for driver, result in results.items()]
     return Section(title, f"{name}, {method}, {aperture}", text, runs, strips, **said)

@@ -60,11 +60,11 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     """The result, and how far it is from the reference's. Fails where it is outside of the interval, or any target of
     layered is.
     """
-    outputs, _, comparisons = model.compared(case, driver)
-    outside = {name: str(comparison) for name, comparison in comparisons.items() if comparison.outside}
+    found = model.compared(case, driver)
+    outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
     assert not outside, (driver.name, outside)
-    assert np.isfinite(outputs["result"]).all()
-    return outputs["result"], comparisons["result"]
+    assert np.isfinite(found.outputs["result"]).all()
+    return found.outputs["result"], found.comparisons["result"]
 
 
 def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:

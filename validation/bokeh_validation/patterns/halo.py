@@ -46,21 +46,12 @@ def leaked(red: np.ndarray, held: np.ndarray) -> float:
 
 def _judge(held: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
     found = {label: leaked(output["result"][..., 0], held) for label, output in outputs.items()}
+    exact, untested = found["exact"] / found["naive"], found["naive, no test"] / found["naive"]
+    why = "a gather in two dimensions with the same weights is what exact stands for: no more than that may leak"
+    must = "the object must have light to leak, or this probe shows nothing"
     return [
-        Check(
-            "light of the object on the background, exact / naive",
-            found["exact"] / found["naive"],
-            0.0,
-            1.0,
-            "a gather in two dimensions with the same weights is what exact stands for: no more than that may leak",
-        ),
-        Check(
-            "the same, naive without the leakage test / naive with it",
-            found["naive, no test"] / found["naive"],
-            2.0,
-            float("inf"),
-            "the object must have light to leak, or this probe shows nothing",
-        ),
+        Check("light of the object on the background, exact / naive", exact, 0.0, 1.0, why),
+        Check("the same, naive without the leakage test / naive with it", untested, 2.0, float("inf"), must),
     ]
 
 
@@ -69,15 +60,11 @@ def probe(aperture: str) -> Probe:
     color, depth, held = scene()
     dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, max_samples=33)
     naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
-    cases = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
-    return Probe(
-        f"halo-{aperture}",
-        f"A sharp object leaks no more than by a gather in two dimensions, {aperture}",
-        "beyond the paper",
-        "A red object, nearly in focus, with no red around it but what its own small CoC spreads.",
-        tuple(Case(label, chosen, color, depth) for label, chosen in cases.items()),
-        partial(_judge, held),
-    )
+    chosen = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
+    cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())
+    title = f"A sharp object leaks no more than by a gather in two dimensions, {aperture}"
+    shows = "A red object, nearly in focus, with no red around it but what its own small CoC spreads."
+    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, held))
 
 
 PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon"))

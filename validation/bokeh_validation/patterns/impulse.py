@@ -1,11 +1,12 @@
 """One bright pixel spread into the aperture: Figures 5, 6 and 9."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from bokeh_validation import apertures, methods
-from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat, pixel_center
+from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
 from bokeh_validation.reference import polygons
 
 SIZE = (160, 96)  # not square, so that a missing aspect ratio shows
@@ -69,6 +70,12 @@ def constant_coc(aperture: str, rotation: float, size: tuple[int, int] = SIZE) -
     return methods.Settings("paper", aperture, SAMPLES, rotation, camera, coc=COC / size[1])
 
 
+def point_case(label: str, settings: methods.Settings, points: tuple, size: tuple[int, int]) -> Case:
+    """Bright pixels; a plateau is PICTURE in the report."""
+    exposure = PICTURE / plateau(settings.aperture)
+    return Case(label, settings, impulse_image(points, size), depth_of(size, 10.0), exposure=exposure)
+
+
 def _outline_length(aperture: str) -> float:
     """Perimeter of the outline in pixels; the star has 16 sides, so the sum over both squares is above it."""
     return sum(polygons.perimeter(p) for p in outlines(aperture, 0.0))
@@ -76,125 +83,87 @@ def _outline_length(aperture: str) -> float:
 
 def _judge_shape(aperture: str, rotation: float, value: np.ndarray) -> list[Check]:
     """Light, area, overlap, orientation and corners of one rendering, (H, W) green channel."""
-    label = f"{rotation:g} degrees"
-    center = pixel_center(*CENTER)
+    label, center, folds = f"{rotation:g} degrees", pixel_center(*CENTER), FOLDS[aperture]
     truth = analytic(aperture, rotation)
     seen = np.clip(value / plateau(aperture), 0.0, 1.0)
     area, edge = truth.sum(), 0.5 * _outline_length(aperture)
-    turn = polygons.angle_between(
-        polygons.moment_phase(seen, center, FOLDS[aperture]),
-        polygons.moment_phase(truth, center, FOLDS[aperture]),
-        FOLDS[aperture],
-    )
+    turn = polygons.angle_between(*(polygons.moment_phase(shape, center, folds) for shape in (seen, truth)), folds)
     radius = max(np.linalg.norm(p, axis=1).max() for p in outlines(aperture, rotation))
-    half_pixel = "the boundary is known to half a pixel: perimeter / 2 over the area"
-    checks = [
-        Check(f"area, {label}", seen.sum() / area, 1 - edge / area, 1 + edge / area, half_pixel),
-        Check(
-            f"overlap with the polygon, {label}",
-            np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum(),
-            (area - edge) / (area + edge),
-            1.0,
-            half_pixel,
-        ),
-        Check(
-            f"orientation off by, {label} (degrees)",
-            turn,
-            0.0,
-            np.degrees(0.5 / radius),
-            "half a pixel at the farthest corner",
-        ),
+    limit = np.degrees(0.5 / radius)
+    why = "the boundary is known to half a pixel: perimeter / 2 over the area"
+    return [
+        Check(f"area, {label}", seen.sum() / area, 1 - edge / area, 1 + edge / area, why),
+        Check(f"overlap with the polygon, {label}", overlap(seen, truth), (area - edge) / (area + edge), 1.0, why),
+        Check(f"orientation off by, {label} (degrees)", turn, 0.0, limit, "half a pixel at the farthest corner"),
+        _corner_check(aperture, rotation, seen, label),
     ]
-    return checks + _corner_checks(aperture, rotation, seen, label)
 
 
-def _corner_checks(aperture: str, rotation: float, seen: np.ndarray, label: str) -> list[Check]:
+def _corner_check(aperture: str, rotation: float, seen: np.ndarray, label: str) -> Check:
     """How far the support reaches along each corner's direction, against the corner."""
-    height, width = seen.shape
-    y, x = np.mgrid[0:height, 0:width] + 0.5
-    inside = seen >= 0.5
+    y, x = np.argwhere(seen >= 0.5).T + 0.5
     center = pixel_center(*CENTER)
     worst, allowed = -np.inf, 0.0
     for polygon in outlines(aperture, rotation):
         for corner, angle in zip(polygon, polygons.corner_angles(polygon), strict=True):
             along = corner / np.linalg.norm(corner)
-            reach = ((x - center[0]) * along[0] + (y - center[1]) * along[1])[inside].max()
+            reach = ((x - center[0]) * along[0] + (y - center[1]) * along[1]).max()
             off = abs(reach - np.linalg.norm(corner))
             limit = 0.5 / np.sin(angle / 2) + np.sqrt(0.5)
             if off - limit > worst - allowed:
                 worst, allowed = off, limit
-    why = (
-        "edges known to half a pixel meet within 0.5 / sin(half the angle); pixel centres are within 0.71 of any place"
-    )
-    return [Check(f"corner off by, {label} (pixels)", worst, 0.0, allowed, why)]
+    why = "edges known to half a pixel: within 0.5 / sin(half the angle); a pixel centre is within 0.71 of any place"
+    return Check(f"corner off by, {label} (pixels)", worst, 0.0, allowed, why)
 
 
 def light_kept(aperture: str) -> float:
     """Area of the aperture over that of one parallelogram: what min or max leaves of an isolated highlight's light."""
     shapes = parallelograms(aperture, 0.0)
-    one = abs(polygons.signed_area(shapes[0]))
     if len(shapes) == 1:
         return 1.0
+    one = abs(polygons.signed_area(shapes[0]))
     common = abs(polygons.signed_area(polygons.clip_convex(*shapes)))
     return (2 * one - common) / one if aperture in apertures.USES_MAX else common / one
 
 
 def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    checks = []
-    for rotation in (0.0, ROTATION):
-        value = outputs[f"{rotation:g} degrees"]["result"][..., 1] - AMBIENT
-        checks += _judge_shape(aperture, rotation, value)
-    value = outputs["0 degrees"]["result"][..., 1] - AMBIENT
-    near = (
-        polygons.coverage(2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners(), SIZE, pixel_center(*CENTER)) > 0
-    )
+    green = {turn: outputs[f"{turn:g} degrees"]["result"][..., 1] - AMBIENT for turn in (0.0, ROTATION)}
+    checks = [check for turn, value in green.items() for check in _judge_shape(aperture, turn, value)]
+    whole = 2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners()
+    near = polygons.coverage(whole, SIZE, pixel_center(*CENTER)) > 0
     if len(apertures.PARALLELOGRAMS[aperture]) == 1:
         # every bilinear sample shares its light out completely, so only the stores lose any: half a step or one, each
         # of the two passes, 2^-10 relative
-        low, high, why = 1 - 2 * 2.0**-10, 1 + 2 * 2.0**-10, "two stores in half floats, one step each"
+        off, why = 2 * 2.0**-10, "two stores in half floats, one step each"
     else:
-        edge = 0.5 * _outline_length(aperture) / analytic(aperture, 0.0).sum()
-        low, high = light_kept(aperture) * (1 - edge), light_kept(aperture) * (1 + edge)
+        off = 0.5 * _outline_length(aperture) / analytic(aperture, 0.0).sum()
         why = "area of the outline over that of a parallelogram, boundary known to half a pixel"
-    checks.append(Check("light kept", value[near].sum() / PEAK, low, high, why))
-    if aperture == "square":
-        checks += _judge_stages(outputs["0 degrees"])
-    return checks
+    kept = light_kept(aperture)
+    checks.append(Check("light kept", green[0.0][near].sum() / PEAK, kept * (1 - off), kept * (1 + off), why))
+    return checks + (_judge_stages(outputs["0 degrees"]) if aperture == "square" else [])
 
 
 def _judge_stages(outputs: Outputs) -> list[Check]:
     """Figure 5: after the first pass a line, one pixel thin."""
-    line = outputs["line 1"][..., 1] - AMBIENT
-    lit = line > 0.5 * PEAK / line_length()
+    lit = outputs["line 1"][..., 1] - AMBIENT > 0.5 * PEAK / line_length()
+    length, thickness = (float(lit.any(axis=axis).sum()) for axis in (0, 1))
     why = f"{SAMPLES} samples half a pixel apart, ends known to half a pixel"
     return [
-        Check("first pass: length (pixels)", float(lit.any(axis=0).sum()), line_length() - 1, line_length() + 1, why),
-        Check("first pass: thickness (pixels)", float(lit.any(axis=1).sum()), 1, 1, "a horizontal line"),
+        Check("first pass: length (pixels)", length, line_length() - 1, line_length() + 1, why),
+        Check("first pass: thickness (pixels)", thickness, 1, 1, "a horizontal line"),
     ]
 
 
 def probe(aperture: str) -> Probe:
     """The probe of one aperture, upright and turned."""
-    keep = ("coc", "line 1", "result") if aperture == "square" else ("result",)
-    cases = tuple(
-        Case(
-            f"{rotation:g} degrees",
-            constant_coc(aperture, rotation),
-            impulse_image(),
-            depth_of(SIZE, 10.0),
-            keep if rotation == 0.0 else ("result",),
-            exposure=PICTURE / plateau(aperture),
-        )
-        for rotation in (0.0, ROTATION)
+    upright, turned = (
+        point_case(f"{turn:g} degrees", constant_coc(aperture, turn), (CENTER,), SIZE) for turn in (0.0, ROTATION)
     )
-    return Probe(
-        f"impulse-{aperture}",
-        f"One bright pixel becomes a {aperture}",
-        FIGURES[aperture],
-        f"A {aperture} of CoC {COC} pixels, upright and turned by {ROTATION:g} degrees, with straight, sharp sides.",
-        cases,
-        partial(_judge, aperture),
-    )
+    if aperture == "square":
+        upright = replace(upright, keep=("coc", "line 1", "result"))
+    shows = f"A {aperture} of CoC {COC} pixels, upright and turned by {ROTATION:g} degrees, with straight, sharp sides."
+    title = f"One bright pixel becomes a {aperture}"
+    return Probe(f"impulse-{aperture}", title, shows, (upright, turned), partial(_judge, aperture), FIGURES[aperture])
 
 
 PROBES = tuple(probe(aperture) for aperture in apertures.APERTURES)

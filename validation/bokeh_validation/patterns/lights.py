@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat, pixel_center
+from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
 from bokeh_validation.patterns.near_edges import (
     CAMERA,
     SIZE,
@@ -22,20 +22,18 @@ LIGHT = 800.0
 # Blue around the lights: a half float near zero would count thousands of steps for a filter's rounding beside a light
 AMBIENT = 0.125
 
-# ----------------------------------------------------------------------------------------------------------------------
-# isolated lights
-# ----------------------------------------------------------------------------------------------------------------------
+# ------------------------------------------------------------------------------------------------------ isolated lights
 
 LIGHT_COCS = (-80, -24, -12, 12, 24, 80)
-LIGHT_PIXELS = (1, 3, 9)
-# Least overlap asked for at 80 pixels with 16 samples an edge, 2.5 pixels apart: a sample is a tent of 4 pixels, and
-# more of them make dots
-DOTS = {1: 0.9, 3: 0.94, 9: 0.97}
+# Pixels across -> least overlap asked for at 80 pixels with 16 samples an edge, 2.5 pixels apart: a sample is a tent of
+# 4 pixels, and more of them make dots
+LIGHT_PIXELS = {1: 0.9, 3: 0.94, 9: 0.97}
+LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
 
 
-def light_label(coc: float, pixels: int) -> str:
+def light_label(coc: float, pixels: int, quality: str) -> str:
     """Names of cases and checks."""
-    return f"{pixels} px at CoC {coc}"
+    return f"{pixels} px at CoC {coc}" + (", 16 samples" if quality == "high" else "")
 
 
 def light_case(coc: float, pixels: int, quality: str = "medium") -> Case:
@@ -50,9 +48,8 @@ def light_case(coc: float, pixels: int, quality: str = "medium") -> Case:
     rows, columns = (slice((length - pixels) // 2, (length + pixels) // 2) for length in size[::-1])
     color[rows, columns, :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
     depth[rows, columns] = metres(coc, side)
-    label = light_label(coc, pixels)
     exposure = 0.3 * abs(polygons.signed_area(polygon_of("hexagon", 0.0, coc))) / (LIGHT * pixels**2)
-    return Case(label, settings(quality=quality), color, depth, exposure=exposure)
+    return Case(light_label(coc, pixels, quality), settings(quality=quality), color, depth, exposure=exposure)
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
@@ -64,11 +61,6 @@ def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
     return sum(moved) / pixels**2
 
 
-def overlap(seen: np.ndarray, wanted: np.ndarray) -> float:
-    """Sum of the smaller over sum of the larger."""
-    return float(np.minimum(seen, wanted).sum() / np.maximum(seen, wanted).sum())
-
-
 def half_pixel_overlap(coc: float, off: float = 0.5) -> float:
     """Least overlap of a hexagon whose outline is off by so many pixels: by perimeter times that of its area."""
     polygon = polygon_of("hexagon", 0.0, coc)
@@ -76,54 +68,37 @@ def half_pixel_overlap(coc: float, off: float = 0.5) -> float:
     return (area - edge) / (area + edge)
 
 
-def _judge_lights(cases: dict[str, tuple[float, int, float | None]], outputs: dict[str, Outputs]) -> list[Check]:
+def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
     checks = []
-    for label, (coc, pixels, least) in cases.items():
-        blue = outputs[label]["result"][..., 2]
-        total = LIGHT * pixels**2
+    for coc, quality in LIGHTS:
+        label = light_label(coc, pixels, quality)
+        blue, total = outputs[label]["result"][..., 2], LIGHT * pixels**2
         spread = light_spread(coc, pixels, blue.shape[::-1])
         # a near light hides what is behind it
         around = AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
         checks.append(Check(f"light kept, {label}", (blue - around).sum() / total, 0.99, 1.01, "asked for"))
         found = overlap((blue - around) / total, spread)
-        if least is not None:
-            checks.append(Check(f"overlap with the polygon, {label}", found, least, 1.0, "asked for at 16 samples"))
+        if quality == "high":
+            least, why = LIGHT_PIXELS[pixels], "asked for at 16 samples"
         elif abs(coc) < 80:
             # far light below 12.4 pixels is gathered, in rings 1/7 of the CoC apart
-            off = max(0.5, coc / 14.0) if 0 < coc < 12.4 else 0.5
+            least = half_pixel_overlap(coc, max(0.5, coc / 14.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
-            checks.append(Check(f"overlap with the polygon, {label}", found, half_pixel_overlap(coc, off), 1.0, why))
+        else:
+            continue
+        checks.append(Check(f"overlap with the polygon, {label}", found, least, 1.0, why))
     return checks
 
 
 def light_probe(pixels: int) -> Probe:
     """Lights of one size at every CoC; and at 80 pixels with more samples."""
-    wanted: dict[str, tuple[float, int, float | None]] = {}
-    cases = []
-    for coc in LIGHT_COCS:
-        cases.append(light_case(coc, pixels))
-        wanted[cases[-1].label] = coc, pixels, None
-    for coc in (-80, 80):
-        found = light_case(coc, pixels, "high")
-        label = f"{found.label}, 16 samples"
-        cases.append(Case(label, found.settings, found.color, found.depth, exposure=found.exposure))
-        wanted[label] = coc, pixels, DOTS[pixels]
-    return Probe(
-        f"layered-light-{pixels}",
-        f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far",
-        "beyond the paper",
-        "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots.",
-        tuple(cases),
-        partial(_judge_lights, wanted),
-    )
+    cases = tuple(light_case(coc, pixels, quality) for coc, quality in LIGHTS)
+    title = f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far"
+    shows = "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots."
+    return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels))
 
 
-LIGHTS = tuple(light_probe(pixels) for pixels in LIGHT_PIXELS)
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# far lights and what is in front of them
-# ----------------------------------------------------------------------------------------------------------------------
+# ---------------------------------------------------------------------------- far lights and what is in front of them
 
 COC = 24
 EDGE = 47  # first column of what is behind the silhouette: within a texel of half the size
@@ -159,43 +134,29 @@ def silhouette_case() -> Case:
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     result = outputs["silhouette"]["result"]
     sharp, behind = result[:, :EDGE], result[:, EDGE:]
-    seen = far_spread(EDGE + BESIDE)[:, EDGE:].sum() * 9.0 * LIGHT
+    nothing = "nothing behind it can be sampled there"
+    off = np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max()
+    quotient = "a quotient that is 1 but for rounding, and its store"
+    darkest = behind[..., 0].min() / float(np.float16(BEHIND))
+    rim = "no dark rim: a mean of one colour; the layer and its share are cut off three times, the picture once"
+    light = behind[..., 2].sum() / (far_spread(EDGE + BESIDE)[:, EDGE:].sum() * 9.0 * LIGHT)
+    why = "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more"
     return [
-        Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, "nothing behind it can be sampled there"),
-        Check(
-            "the sharp side, off by",
-            np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max(),
-            0.0,
-            STEP,
-            "a quotient that is 1 but for rounding, and its store",
-        ),
-        Check(
-            "darkest behind, in units of what is there",
-            behind[..., 0].min() / float(np.float16(BEHIND)),
-            1 - 4 * STEP,
-            1 + 4 * STEP,
-            "no dark rim: a mean of one colour; the layer and its share are cut off three times, the picture once",
-        ),
+        Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, nothing),
+        Check("the sharp side, off by", off, 0.0, STEP, quotient),
+        Check("darkest behind, in units of what is there", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
         Check("the silhouette's light behind it", behind[..., 1].max(), 0.0, 0.0, "it does not spread"),
-        Check(
-            "light behind it, in units of the polygon's part there",
-            behind[..., 2].sum() / seen,
-            0.99,
-            2.0,
-            "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more",
-        ),
+        Check("light behind it, in units of the polygon's part there", light, 0.99, 2.0, why),
     ]
 
 
 SILHOUETTE = Probe(
     "silhouette-light",
     "A far light beside a sharp silhouette stays behind it",
-    "beyond the paper",
     "The hexagon is cut off at the silhouette, without a dark rim and without a glow on the sharp side.",
     (silhouette_case(),),
     _judge_silhouette,
 )
-
 
 NEAR_COC = 16
 
@@ -214,43 +175,33 @@ def covered_case() -> Case:
 
 def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     result = outputs["covered"]["result"]
-    edge = EDGE + 6
+    edge, x = EDGE + 6, np.arange(SIZE[0]) + 0.5
     blue = result[..., 2] - result[..., 1] * (AMBIENT / BEHIND)
-    x = np.arange(SIZE[0]) + 0.5
     alpha = edge_spread(polygon_of("hexagon", 0.0, NEAR_COC), x - edge)
     hidden = edge_spread(polygon_of("hexagon", 0.0, COC), x - edge)
     spread = far_spread(EDGE) * 9.0 * LIGHT
+    covered = blue[:, alpha >= 1.0].max() / spread.max()
     # a ray from a pixel to the light passes the near plane on the other side of the pixel, by similar triangles
     ratio = NEAR_COC / COC
     seen = spread[:, x < (edge + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
     most = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / seen
+    nothing = "light where the near thing covers all, in units of the light's bokeh"
+    why = (
+        "a lens sees it up to a line; here it fades with the near edge, and what that hides is taken like the rest: "
+        "1 - alpha of the polygon over the share of the far plane that is in the picture"
+    )
     return [
-        Check(
-            "light where the near thing covers all, in units of the light's bokeh",
-            blue[:, alpha >= 1.0].max() / spread.max(),
-            0.0,
-            WHOLE + STEP,
-            "near shares from 0.998 count as 1",
-        ),
-        Check(
-            "light, in units of what the lens sees of it",
-            blue.sum() / seen,
-            0.99,
-            1.01 * most,
-            "a lens sees it up to a line; here it fades with the near edge, and what that hides is taken like the "
-            "rest: 1 - alpha of the polygon over the share of the far plane that is in the picture",
-        ),
+        Check(nothing, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
+        Check("light, in units of what the lens sees of it", blue.sum() / seen, 0.99, 1.01 * most, why),
     ]
 
 
 COVERED = Probe(
     "covered-light",
     "A near thing over a far light lets it through only where the lens sees it",
-    "beyond the paper",
     "The hexagon fades under the near edge, and nothing of it is where that covers all.",
     (covered_case(),),
     _judge_covered,
 )
 
-
-PROBES = (*LIGHTS, SILHOUETTE, COVERED)
+PROBES = (*(light_probe(pixels) for pixels in LIGHT_PIXELS), SILHOUETTE, COVERED)

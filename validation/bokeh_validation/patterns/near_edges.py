@@ -66,9 +66,8 @@ def polygon_of(aperture: str, rotation: float, coc: float) -> np.ndarray:
 
 
 EDGE_COCS = (80, 24, 12)
-HALF_PIXEL = (
-    "texels of half the size lie half a pixel off the pixels: an edge is known to that, times the steepest slope"
-)
+HALF_PIXEL = "texels of half the size lie half a pixel off the pixels: so is an edge, times the steepest slope"
+FILLED = "what is hidden is filled with a mean of what is around, 0.1 to 0.8; three stores, over 1 - alpha"
 
 
 def edge_size(coc: float) -> tuple[int, int]:
@@ -99,106 +98,66 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
         width, _ = size = edge_size(coc)
         result = outputs[f"CoC {coc}"]["result"]
         alpha, behind = result[..., 0], result[..., 1]
-        edge = width // 2 + 1
-        x = np.arange(width)
+        edge, x = width // 2 + 1, np.arange(width)
         polygon = polygon_of(aperture, rotation, coc)
-        wanted = edge_spread(polygon, edge - x - 0.5)
-        checks.append(
-            Check(
-                f"alpha off from the edge spread by, CoC {coc}",
-                np.abs(alpha - wanted).max(),
-                0.0,
-                0.5 * steepest(polygon) + WHOLE + STEP,
-                HALF_PIXEL,
-            )
-        )
-        seen = x >= edge
-        through = (1.0 - alpha) * checker(size)
-        checks.append(
-            Check(
-                f"what is in focus, off from 1 - alpha of it by, CoC {coc}",
-                np.abs(behind - through)[:, seen].max(),
-                0.0,
-                2 * STEP,
-                "it adds nothing of its own: a store of red and one of green",
-            )
-        )
+        spread_off = np.abs(alpha - edge_spread(polygon, edge - x - 0.5)).max()
+        through_off = np.abs(behind - (1.0 - alpha) * checker(size))[:, x >= edge].max()
         hidden = (x < edge) & (edge - x < 0.3 * coc)
         filled = (behind / np.maximum(1.0 - alpha, STEP))[:, hidden]
+        known = 0.5 * steepest(polygon) + WHOLE + STEP
         off = 3 * STEP / (1.0 - alpha[:, hidden]).min()
+        through, own = "what is in focus, off from 1 - alpha of it by", "it adds nothing of its own: two stores"
         checks += [
+            Check(f"alpha off from the edge spread by, CoC {coc}", spread_off, 0.0, known, HALF_PIXEL),
+            Check(f"{through}, CoC {coc}", through_off, 0.0, 2 * STEP, own),
             Check(f"darkest behind the edge, CoC {coc}", filled.min(), 0.1 - off, INFINITY, FILLED),
             Check(f"brightest behind the edge, CoC {coc}", filled.max(), -INFINITY, 0.8 + off, FILLED),
         ]
     return checks
 
 
-FILLED = "what is hidden is filled with a mean of what is around, 0.1 to 0.8; three stores, over 1 - alpha"
-
-
 def edge_probe(aperture: str, rotation: float) -> Probe:
     """The probe of one polygon."""
-    return Probe(
-        f"near-edge-{aperture}",
-        f"A near edge spreads over what is in focus, {aperture}",
-        "beyond the paper",
-        "A soft edge as a lens makes it; the checker is sharp up to the edge, and goes on behind it.",
-        tuple(edge_case(coc, aperture, rotation) for coc in EDGE_COCS),
-        partial(_judge_edges, aperture, rotation),
-    )
+    title = f"A near edge spreads over what is in focus, {aperture}"
+    shows = "A soft edge as a lens makes it; the checker is sharp up to the edge, and goes on behind it."
+    cases = tuple(edge_case(coc, aperture, rotation) for coc in EDGE_COCS)
+    return Probe(f"near-edge-{aperture}", title, shows, cases, partial(_judge_edges, aperture, rotation))
 
 
-BRANCH_WIDTH, BRANCH_COC, BRANCH_SIZE = 3, 24, (80, 48)
-
-
-def _branch() -> np.ndarray:
-    """(W,) bool, an odd column first."""
-    start = BRANCH_SIZE[0] // 2 - 1
-    x = np.arange(BRANCH_SIZE[0])
-    return (x >= start) & (x < start + BRANCH_WIDTH)
+# An upright near line of three pixels, an odd column first
+BRANCH_SIZE, BRANCH_COC = (80, 48), 24
+BRANCH_WIDTH, BRANCH_FIRST = 3, BRANCH_SIZE[0] // 2 - 1
 
 
 def branch_case() -> Case:
-    """An upright near line."""
-    held = np.broadcast_to(_branch(), BRANCH_SIZE[::-1])
+    """The line over the checker."""
+    held = np.zeros(BRANCH_SIZE[::-1], bool)
+    held[:, BRANCH_FIRST : BRANCH_FIRST + BRANCH_WIDTH] = True
     return near_case("branch", BRANCH_COC, held, settings())
 
 
 def _judge_branch(outputs: dict[str, Outputs]) -> list[Check]:
     alpha = outputs["branch"]["result"][..., 0]
-    x = np.arange(BRANCH_SIZE[0])
-    first = x[_branch()][0]
-    polygon = polygon_of("hexagon", 0.0, BRANCH_COC)
-    after, before = (edge_spread(polygon, e - x - 0.5) for e in (first + BRANCH_WIDTH, first))
+    x, polygon = np.arange(BRANCH_SIZE[0]), polygon_of("hexagon", 0.0, BRANCH_COC)
+    after, before = (edge_spread(polygon, BRANCH_FIRST + e - x - 0.5) for e in (BRANCH_WIDTH, 0))
     wanted = after - before
-    slope = np.abs(np.diff(wanted)).max()
+    off = np.abs(alpha - wanted).max()
+    known = np.abs(np.diff(wanted)).max() + WHOLE * wanted.max() + STEP
+    why = "its texels of half the size reach a pixel beyond it on either side, times the steepest slope"
+    light = alpha.sum(axis=1) / BRANCH_WIDTH
     return [
-        Check(
-            "alpha off from the spread of the line by",
-            np.abs(alpha - wanted).max(),
-            0.0,
-            slope + WHOLE * wanted.max() + STEP,
-            "its texels of half the size reach a pixel beyond it on either side, times the steepest slope",
-        ),
-        Check(
-            "light kept, darkest row",
-            alpha.sum(axis=1).min() / BRANCH_WIDTH,
-            0.99,
-            1.01,
-            "asked for of isolated lights",
-        ),
-        Check("light kept, brightest row", alpha.sum(axis=1).max() / BRANCH_WIDTH, 0.99, 1.01, "the same"),
+        Check("alpha off from the spread of the line by", off, 0.0, known, why),
+        Check("light kept, darkest row", light.min(), 0.99, 1.01, "asked for of isolated lights"),
+        Check("light kept, brightest row", light.max(), 0.99, 1.01, "the same"),
     ]
 
 
 BRANCH = Probe(
     "near-branch",
     "A thin near branch becomes a soft band",
-    "beyond the paper",
     "A faint red band without grain, and the checker sharp through it.",
     (branch_case(),),
     _judge_branch,
 )
-
 
 PROBES = (edge_probe("hexagon", 0.0), edge_probe("octagon", 17.0), BRANCH)

@@ -18,14 +18,8 @@ HALF_STEP = 2.0**-10
 
 def thin_lens(depth):
     """CoC of a depth or of an array of them, fraction of the image height."""
-    return listings.circle_of_confusion(
-        depth,
-        CAMERA.aperture_diameter,
-        CAMERA.focal_length,
-        CAMERA.focus_distance,
-        CAMERA.sensor_height,
-        CAMERA.max_coc,
-    )
+    lens = CAMERA.aperture_diameter, CAMERA.focal_length, CAMERA.focus_distance, CAMERA.sensor_height, CAMERA.max_coc
+    return listings.circle_of_confusion(depth, *lens)
 
 
 def coc_pixels(depth: float) -> float:
@@ -41,110 +35,83 @@ def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> t
     return color, depth
 
 
+def _outside(image: np.ndarray) -> np.ndarray:
+    """Values around the square."""
+    held = np.ones_like(image, bool)
+    held[SQUARE] = False
+    return image[held]
+
+
 def _settings(aperture: str = "square", **changes) -> methods.Settings:
     return replace(methods.Settings("paper", aperture, 25, camera=CAMERA), **changes)
 
 
 # ---------------------------------------------------------------------------------------------- intensity leakage
 
-LEAK_COLOR, LEAK_DEPTH = square_scene((16.0, FOCUS), (0.25, FAR))
-
 
 def _judge_leakage(outputs: dict[str, Outputs]) -> list[Check]:
-    outside = np.ones((SIZE[1], SIZE[0]), bool)
-    outside[SQUARE] = False
-    leaked = {label: (o["result"][..., 1][outside] - 0.25).sum() for label, o in outputs.items()}
-    without, fixed = leaked["without the fix"], leaked["with the fix"]
+    # the square is brighter than the background by so much
+    green = {label: output["result"][..., 1] for label, output in outputs.items()}
+    leaked = {label: _outside(value - 0.25).sum() / 15.75 for label, value in green.items()}
+    without, share = leaked["without the fix"], leaked["with the fix"] / leaked["without the fix"]
     # Without the fix the background collects the square's light over half a CoC around it. A box filter gives to the
     # outside the mean of |x| over the line, L / 4, for each pixel of edge and each of the two lines.
     side, line = SQUARE[0].stop - SQUARE[0].start, coc_pixels(FAR)
-    expected = 15.75 * 2 * 2 * side * line / 8
+    expected = 2 * 2 * side * line / 8
+    why = f"perimeter x CoC / 8 = {expected:.0f}, within a factor of two for the square's corners"
     # With the fix only samples that straddle the edge still leak: their nearest depth is the background's, but up to
     # half a texel of the square is in their colour. That is a strip of 1/8 pixel (the integral of x over half a texel)
     # in place of line / 8 pixels.
+    strip = "a strip of 1/8 pixel where samples straddle the edge, against CoC / 8 pixels; twice for two passes"
+    change = float(np.abs(green["with the fix"][SQUARE] / 16.0 - 1.0).max())
+    same = "CoC 0: every sample is the pixel itself; three stores of one step each"
     return [
-        Check(
-            "light leaked without the fix (pixels of the square)",
-            without / 15.75,
-            0.5 * expected / 15.75,
-            2.0 * expected / 15.75,
-            f"perimeter x CoC / 8 = {expected / 15.75:.0f}, within a factor of two for the square's corners",
-        ),
-        Check(
-            "leaked with the fix, share of that without",
-            fixed / without,
-            0.0,
-            2.0 / line,
-            "a strip of 1/8 pixel where samples straddle the edge, against CoC / 8 pixels; twice for two passes",
-        ),
-        Check(
-            "the focused square keeps its colour (relative)",
-            float(np.abs(outputs["with the fix"]["result"][SQUARE][..., 1] / 16.0 - 1.0).max()),
-            0.0,
-            3 * HALF_STEP,
-            "CoC 0: every sample is the pixel itself; three stores of one step each",
-        ),
+        Check("light leaked without the fix (pixels of the square)", without, 0.5 * expected, 2.0 * expected, why),
+        Check("leaked with the fix, share of that without", share, 0.0, 2.0 / line, strip),
+        Check("the focused square keeps its colour (relative)", change, 0.0, 3 * HALF_STEP, same),
     ]
 
 
+_BRIGHT = square_scene((16.0, FOCUS), (0.25, FAR))
 LEAKAGE = Probe(
     "leakage",
     "Intensity leakage, with and without the fix",
-    "2",
     "Without the fix a halo of the focused bright square lies on the blurred background. With it a faint one is left, "
     "of samples that straddle the outline: linear filtering gives them colour of the square and the far depth.",
     (
-        Case("without the fix", _settings(leak_fix=False), LEAK_COLOR, LEAK_DEPTH, tone_map=True),
-        Case("with the fix", _settings(), LEAK_COLOR, LEAK_DEPTH, tone_map=True),
+        Case("without the fix", _settings(leak_fix=False), *_BRIGHT, tone_map=True),
+        Case("with the fix", _settings(), *_BRIGHT, tone_map=True),
     ),
     _judge_leakage,
+    "2",
 )
 
 # ---------------------------------------------------------------------------------------------- sharp silhouette
 
-SILHOUETTE_COLOR, SILHOUETTE_DEPTH = square_scene((4.0, NEAR), (0.25, FOCUS))
+_NEAR_SQUARE = "near square before a focused background"
 
 
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
-    value = outputs["near square before a focused background"]["result"][..., 1]
-    outside = np.ones_like(value, bool)
-    outside[SQUARE] = False
+    value = outputs[_NEAR_SQUARE]["result"][..., 1]
+    change = float(np.abs(_outside(value - 0.25)).max())
+    itself = "the background's CoC is 0, so it gathers nothing but itself: the artefact of section 2.1"
     row = value[(SQUARE[0].start + SQUARE[0].stop) // 2, SQUARE[1]]
     faded = int((row < 4.0 * (1 - 4 * HALF_STEP)).sum()) / 2
     coc = coc_pixels(NEAR)
+    why = f"half a CoC ({coc / 2:.1f} pixels) at most; less where the blurred CoC shortens the later lines"
     return [
-        Check(
-            "change outside the silhouette",
-            float(np.abs(value[outside] - 0.25).max()),
-            0.0,
-            3 * HALF_STEP * 0.25,
-            "the background's CoC is 0, so it gathers nothing but itself: the artefact of section 2.1",
-        ),
-        Check(
-            "fading inside the silhouette (pixels)",
-            faded,
-            0.25 * coc,
-            coc / 2 + 1,
-            f"half a CoC ({coc / 2:.1f} pixels) at most; less where the blurred CoC shortens the later lines",
-        ),
+        Check("change outside the silhouette", change, 0.0, 3 * HALF_STEP * 0.25, itself),
+        Check("fading inside the silhouette (pixels)", faded, 0.25 * coc, coc / 2 + 1, why),
     ]
 
 
 SILHOUETTE = Probe(
     "silhouette",
     "Sharp silhouette of a defocused foreground",
-    "3",
     "The square fades inside its outline but does not spread over it, as a lens would make it.",
-    (
-        Case(
-            "near square before a focused background",
-            _settings("hexagon"),
-            SILHOUETTE_COLOR,
-            SILHOUETTE_DEPTH,
-            tone_map=True,
-        ),
-    ),
+    (Case(_NEAR_SQUARE, _settings("hexagon"), *square_scene((4.0, NEAR), (0.25, FOCUS)), tone_map=True),),
     _judge_silhouette,
+    "3",
 )
 
 # ---------------------------------------------------------------------------------------------- CoC blurred or not
@@ -160,60 +127,39 @@ def branches() -> tuple[np.ndarray, np.ndarray]:
     return color, depth
 
 
-BRANCH_COLOR, BRANCH_DEPTH = branches()
-
-
 def steepest(value: np.ndarray) -> float:
     """Largest difference of horizontal neighbours, away from the image's border."""
     return float(np.abs(np.diff(value[20:-20], axis=1)).max())
 
 
 def _judge_coc_blur(outputs: dict[str, Outputs]) -> list[Check]:
-    blurred = outputs["CoC blurred"]["result"]
-    kept = outputs["CoC not blurred"]["result"]
-    stored = outputs["CoC not blurred"]["coc"]
+    blurred, kept = outputs["CoC blurred"]["result"], outputs["CoC not blurred"]["result"]
+    stored = outputs["CoC not blurred"]["coc"][..., 3]
+    edges, steps = (
+        steepest(kept[..., 1]) / steepest(blurred[..., 1]),
+        steepest(blurred[..., 3]) / steepest(kept[..., 3]),
+    )
+    changed = float((np.abs(kept[..., 3] - stored) / stored).max())
+    soft = "blurring the CoC softens the edges at depth discontinuities; 1 % is above what the stores can do"
+    mean = "a mean over a line is smoother than what it averages"
+    on = "each pass hands the centre's CoC on: one step for each of three stores, one for reading at a rounded uv"
     return [
-        Check(
-            "steepest edge, not blurred over blurred",
-            steepest(kept[..., 1]) / steepest(blurred[..., 1]),
-            1.01,
-            float("inf"),
-            "blurring the CoC softens the edges at depth discontinuities; 1 % is above what the stores can do",
-        ),
-        Check(
-            "steepest step of the CoC, blurred over not",
-            steepest(blurred[..., 3]) / steepest(kept[..., 3]),
-            0.0,
-            0.75,
-            "a mean over a line is smoother than what it averages",
-        ),
-        Check(
-            "CoC changed by the passes when not blurred (relative)",
-            float((np.abs(kept[..., 3] - stored[..., 3]) / stored[..., 3]).max()),
-            0.0,
-            4 * HALF_STEP,
-            "each pass hands the centre's CoC on: one step for each of three stores, one for reading at a rounded uv",
-        ),
+        Check("steepest edge, not blurred over blurred", edges, 1.01, float("inf"), soft),
+        Check("steepest step of the CoC, blurred over not", steps, 0.0, 0.75, mean),
+        Check("CoC changed by the passes when not blurred (relative)", changed, 0.0, 4 * HALF_STEP, on),
     ]
 
 
 COC_BLUR = Probe(
     "coc-blur",
     "CoC blurred with the colour, or not",
-    "7",
     "With the CoC left alone the branch keeps hard edges; averaged with the colour they soften.",
     (
-        Case("CoC blurred", _settings("hexagon"), BRANCH_COLOR, BRANCH_DEPTH, exposure=0.5),
-        Case(
-            "CoC not blurred",
-            _settings("hexagon", blur_coc=False),
-            BRANCH_COLOR,
-            BRANCH_DEPTH,
-            ("coc", "result"),
-            exposure=0.5,
-        ),
+        Case("CoC blurred", _settings("hexagon"), *branches(), exposure=0.5),
+        Case("CoC not blurred", _settings("hexagon", blur_coc=False), *branches(), ("coc", "result"), exposure=0.5),
     ),
     _judge_coc_blur,
+    "7",
 )
 
 # ---------------------------------------------------------------------------------------------- constant field
@@ -241,7 +187,6 @@ def _judge_constant(outputs: dict[str, Outputs]) -> list[Check]:
 CONSTANT = Probe(
     "constant",
     "A constant field stays as it is",
-    "-",
     "Depth runs from half a metre to 500 m, the colour is the same everywhere: nothing may change.",
     (
         Case("paper, octagon", _settings("octagon"), FIELD, field_depth()),
@@ -254,42 +199,26 @@ CONSTANT = Probe(
 
 
 def _judge_coc(outputs: dict[str, Outputs]) -> list[Check]:
-    seen = outputs["depth 0.5 m to 500 m"]["coc"][..., 3]
-    camera = CAMERA
-    truth = thin_lens(field_depth().astype(np.float64))
+    seen, sky = (outputs[label]["coc"][..., 3] for label in ("depth 0.5 m to 500 m", "infinite depth"))
+    camera, truth = CAMERA, thin_lens(field_depth().astype(np.float64))
     off = np.abs(seen - truth) / images.step(truth + 16 * 2.0**-24 * truth, np.float16)
+    clamped = float((seen >= np.float16(camera.max_coc) * (1 - HALF_STEP)).mean())
+    share = float((truth >= camera.max_coc).mean())
     far = camera.aperture_diameter * camera.focal_length / (camera.focus_distance - camera.focal_length)
-    sky = outputs["infinite depth"]["coc"][..., 3]
-    limit = far / camera.sensor_height
+    beyond = float(np.abs(sky / (far / camera.sensor_height) - 1.0).max())
+    store = "one store in half a float, and 16 float32 roundings, 0.01 of a step"
+    within = "where the formula exceeds MaxCoC; 0.1 % for pixels within a step of it"
+    limit = "CoC at infinite depth over its limit A f / (S1 - f)"
     return [
-        Check(
-            "CoC off the thin-lens formula (half-float steps)",
-            float(off.max()),
-            0.0,
-            1.01,
-            "one store in half a float, and 16 float32 roundings, 0.01 of a step",
-        ),
-        Check(
-            "clamped to MaxCoC (share of the image)",
-            float((seen >= np.float16(camera.max_coc) * (1 - HALF_STEP)).mean()),
-            float((truth >= camera.max_coc).mean()) - 1e-3,
-            float((truth >= camera.max_coc).mean()) + 1e-3,
-            "where the formula exceeds MaxCoC; 0.1 % for pixels within a step of it",
-        ),
-        Check(
-            "CoC at infinite depth over its limit A f / (S1 - f)",
-            float(np.abs(sky / limit - 1.0).max()),
-            0.0,
-            HALF_STEP * 1.01,
-            "one half-float step",
-        ),
+        Check("CoC off the thin-lens formula (half-float steps)", float(off.max()), 0.0, 1.01, store),
+        Check("clamped to MaxCoC (share of the image)", clamped, share - 1e-3, share + 1e-3, within),
+        Check(limit, beyond, 0.0, HALF_STEP * 1.01, "one half-float step"),
     ]
 
 
 COC = Probe(
     "coc",
     "CoC over depth against the thin-lens formula",
-    "-",
     "Depth grows from the upper left to the lower right; the CoC falls to zero at the focus distance and rises again.",
     (
         Case("depth 0.5 m to 500 m", _settings(), FIELD, field_depth(), ("coc",)),

@@ -6,7 +6,7 @@ import numpy as np
 
 from bokeh_validation import apertures
 from bokeh_validation.patterns import impulse
-from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, pixel_center
+from bokeh_validation.patterns.model import Check, Outputs, Probe, pixel_center
 from bokeh_validation.reference import polygons
 
 SIZE = (160, 128)
@@ -61,92 +61,59 @@ def combined(aperture: str, combine) -> np.ndarray:
     return combine(first[0] + second[0], first[1] + second[1])
 
 
-def _edge_light(aperture: str) -> float:
-    """Half a pixel along the outlines of all four parallelograms, in pixels of plateau."""
-    return 0.5 * 2 * sum(polygons.perimeter(p) for p in impulse.parallelograms(aperture, 0.0))
-
-
 def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    value = outputs["two points"]["result"][..., 1] - impulse.AMBIENT
-    value /= impulse.plateau(aperture)
+    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
     truth, predicted = correct_sum(aperture, np.minimum), combined(aperture, np.minimum)
     # a pixel away from the true shapes, so that their soft edges do not count as false light
     outside = grown(truth > 0) == 0
-    seen, expected = value[outside].sum(), predicted[outside].sum()
     one_shape = truth.sum() / 2
-    border = 0.5 * boundary_pixels(predicted * outside)
+    seen, expected = value[outside].sum() / one_shape, predicted[outside].sum() / one_shape
+    border = 0.5 * boundary_pixels(predicted * outside) / one_shape
+    least, most = max(expected - border, 0.25 * expected), expected + border
     why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
+    bright = "both blurs have light 1, but for the ripple of their samples"
     return [
-        Check(
-            "light in false shapes (share of one highlight)",
-            seen / one_shape,
-            max(expected - border, 0.25 * expected) / one_shape,
-            (expected + border) / one_shape,
-            why,
-        ),
-        Check(
-            "brightest false pixel (plateaus)",
-            value[outside].max(),
-            0.5,
-            1 + ripple(aperture),
-            "both blurs have light 1, but for the ripple of their samples",
-        ),
+        Check("light in false shapes (share of one highlight)", seen, least, most, why),
+        Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), bright),
     ]
 
 
 def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    value = outputs["two points"]["result"][..., 1] - impulse.AMBIENT
-    value /= impulse.plateau(aperture)
+    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
     truth, predicted = correct_sum(aperture, np.maximum), combined(aperture, np.maximum)
     # where the formula says that one of two highlights is missing; a pixel away from the edges of that place
     missing = truth - predicted > 0.5
-    inner = ~grown(~missing)
-    shown = value[inner].mean() / truth[inner].mean()
-    expected = predicted[inner].mean() / truth[inner].mean()
+    inner, off = ~grown(~missing), ripple(aperture)
+    shown, expected = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
+    area, why = float(missing.sum()), f"the analytic shapes give {expected:.3f}, but for the ripple of the samples"
     return [
-        Check("area with light missing (pixels)", float(missing.sum()), 10.0, float("inf"), "the artefact must show"),
-        Check(
-            "light shown there, share of the correct sum",
-            shown,
-            expected - ripple(aperture),
-            expected + ripple(aperture),
-            f"the analytic shapes give {expected:.3f}, but for the ripple of the samples",
-        ),
+        Check("area with light missing (pixels)", area, 10.0, float("inf"), "the artefact must show"),
+        Check("light shown there, share of the correct sum", shown, expected - off, expected + off, why),
     ]
 
 
 def grown(mask: np.ndarray) -> np.ndarray:
     """A mask and the pixels next to it."""
-    padded = np.pad(mask, 1)
-    return np.any(
-        [padded[dy : dy + mask.shape[0], dx : dx + mask.shape[1]] for dy in range(3) for dx in range(3)], axis=0
-    )
+    return np.lib.stride_tricks.sliding_window_view(np.pad(mask, 1), (3, 3)).any(axis=(2, 3))
 
 
 def boundary_pixels(image: np.ndarray) -> float:
     """Number of pixels at which a picture of plateaus changes: the length of its boundary."""
-    across = np.abs(np.diff(image, axis=1)) > 0.01
-    down = np.abs(np.diff(image, axis=0)) > 0.01
+    across, down = (np.abs(np.diff(image, axis=axis)) > 0.01 for axis in (1, 0))
     return float((across[:-1] | down[:, :-1]).sum())
 
 
 def probe(aperture: str) -> Probe:
     """Two points for one aperture."""
-    case = Case(
-        "two points",
-        impulse.constant_coc(aperture, 0.0, SIZE),
-        impulse.impulse_image(points(aperture), SIZE),
-        depth_of(SIZE, 10.0),
-        exposure=impulse.PICTURE / impulse.plateau(aperture),
-    )
+    case = impulse.point_case("two points", impulse.constant_coc(aperture, 0.0, SIZE), points(aperture), SIZE)
     if aperture == "star":
-        title, figure = "Two highlights that do not add up under max", "13"
+        title = "Two highlights that do not add up under max"
         shows = "Where the stars overlap the light should be twice as bright; max shows it once."
-        return Probe("two-points-max", title, figure, shows, (case,), partial(_judge_max, aperture))
+        return Probe("two-points-max", title, shows, (case,), partial(_judge_max, aperture), "13")
     title = f"Two highlights make false ones under min, {aperture}"
     shows = "Beside the two shapes there is light that belongs to neither: discarded corners that met."
     figure = {"hexagon": "12a", "octagon": "12b"}[aperture]
-    return Probe(f"two-points-{aperture}", title, figure, shows, (case,), partial(_judge_min, aperture))
+    return Probe(f"two-points-{aperture}", title, shows, (case,), partial(_judge_min, aperture), figure)
 
 
 PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon", "star"))

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from bokeh_validation import methods
 from bokeh_validation.patterns.lights import LIGHT
 from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat
 from bokeh_validation.patterns.near_edges import CAMERA, STEP, metres, settings
@@ -12,18 +11,17 @@ SWEEP_STEP = 0.25
 SWEEPS = ((-9.75, -8.25), (-3.0, 0.0), (0.0, 3.0), (12.25, 13.75))
 
 
-def patches(size: tuple[int, int], seed: int = 3) -> np.ndarray:
+def patches(size: tuple[int, int]) -> np.ndarray:
     """Random patches of 6 pixels, 0 to 1, (H, W, 3)."""
-    random = np.random.default_rng(seed)
     width, height = size
-    coarse = random.random((height // 6 + 1, width // 6 + 1, 3))
+    coarse = np.random.default_rng(3).random((height // 6 + 1, width // 6 + 1, 3))
     return np.kron(coarse, np.ones((6, 6, 1)))[:height, :width]
 
 
-def hills(size: tuple[int, int], seed: int = 3) -> np.ndarray:
+def hills(size: tuple[int, int]) -> np.ndarray:
     """Random values 6 pixels apart, with straight slopes between them, 0 to 1, (H, W, 3)."""
     width, height = size
-    coarse = np.random.default_rng(seed).random((height // 6 + 2, width // 6 + 2, 3))
+    coarse = np.random.default_rng(3).random((height // 6 + 2, width // 6 + 2, 3))
     for axis, length in ((0, height), (1, width)):
         place = np.arange(length) / 6.0
         first = place.astype(int)
@@ -77,18 +75,10 @@ def _judge_sweep(outputs: dict[str, Outputs]) -> list[Check]:
 SWEEP = Probe(
     "layered-sweep",
     "Nothing pops as the CoC goes through zero and into the layers",
-    "beyond the paper",
     "Hills that get blurred a little more from picture to picture.",
     tuple(plane_case(coc) for coc in sorted({coc for cocs in sweep_cocs() for coc in cocs})),
     _judge_sweep,
 )
-
-
-def constant(size: tuple[int, int], depth: np.ndarray, label: str, chosen: methods.Settings | None = None) -> Case:
-    """One colour at any depth."""
-    color = flat(size)
-    color[..., :3] = COLOR
-    return Case(label, chosen or settings(), color, depth.astype(np.float32))
 
 
 COLOR = (0.7, 0.3, 40.0)
@@ -99,11 +89,12 @@ PLANES = (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)
 def constant_cases() -> list[Case]:
     """Planes; random depth, each pixel and in patches."""
     size = (61, 43)
-    cases = [constant(size, depth_of(size, metres(coc, size[1])), f"plane at CoC {coc:g}") for coc in PLANES]
-    random = np.random.default_rng(5)
-    noise = random.uniform(0.8, 30.0, size[::-1])
-    wide = 0.8 + 29.0 * patches(size)[..., 0]
-    return [*cases, constant(size, noise, "noise"), constant(size, wide, "patches")]
+    color = flat(size)
+    color[..., :3] = COLOR
+    depths = {f"plane at CoC {coc:g}": depth_of(size, metres(coc, size[1])) for coc in PLANES}
+    depths["noise"] = np.random.default_rng(5).uniform(0.8, 30.0, size[::-1])
+    depths["patches"] = 0.8 + 29.0 * patches(size)[..., 0]
+    return [Case(label, settings(), color, depth.astype(np.float32)) for label, depth in depths.items()]
 
 
 def _judge_constant(outputs: dict[str, Outputs]) -> list[Check]:
@@ -118,7 +109,6 @@ def _judge_constant(outputs: dict[str, Outputs]) -> list[Check]:
 CONSTANT = Probe(
     "layered-constant",
     "One colour stays as it is at any depth",
-    "beyond the paper",
     "A plain grey-blue everywhere: no seam between layers, tiles and gather.",
     tuple(constant_cases()),
     _judge_constant,
@@ -141,7 +131,6 @@ def _judge_focus(outputs: dict[str, Outputs]) -> list[Check]:
 FOCUS = Probe(
     "layered-focus",
     "What is in focus stays as it is",
-    "beyond the paper",
     "The picture, to the bit.",
     (focus_case(),),
     _judge_focus,
