@@ -128,12 +128,10 @@ def _texts(given: Sequence[Given]) -> list[tuple[str, str]]:
 
 
 def _glslang(given: Sequence[Given]) -> list[CompileResult]:
-    first, texts = given[0][0], _texts(given)
-    if first.language == "hlsl":
-        return [glslang.hlsl(text, program.stage, program.function) for program, text in given]
-    if first.profile == "330" and glslang.all_parse(texts):
-        return [glslang.spirv(*text, glslang.OPENGL) for text in texts]
-    return [glslang.glsl(*text, first.profile) for text in texts]
+    first, _ = given[0]
+    if first.language == "glsl":
+        return glslang.glsl(_texts(given), first.profile)
+    return [glslang.hlsl(text, program.stage, program.function) for program, text in given]
 
 
 def _valid(program: Program, module: bytes) -> CompileResult:
@@ -219,10 +217,10 @@ COMPILERS = (
 )
 # What they consist of -> which version it is, or Unavailable, which says how it is installed
 TOOLS: dict[str, Callable[[], str]] = {
-    "glslang": glslang.version,
-    "glslc": glslang.glslc_version,
+    "glslang": glslang.GLSLANG.version,
+    "glslc": glslang.GLSLC.version,
     "mojoshader": mojoshader.version,
-    "spirv-val": spirv.version_val,
+    "spirv-val": spirv.VAL.version,
     "spirv-cross": spirv.version_cross,
     "mesa": mesa.version,
     "naga": naga.version,

@@ -8,8 +8,8 @@ from bokeh_validation import passes
 from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.result import CompileResult
 
-INSTALL_VAL = "apt-get install -y spirv-tools"
-INSTALL_CROSS = "apt-get install -y spirv-cross"
+VAL = tool.Tool("spirv-val", "spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
+CROSS = tool.Tool("spirv-cross", "spirv-cross", "--revision", r"^(.*)")
 
 # HLSL's registers on the bindings of the WGSL file, all in set 0
 REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
@@ -70,31 +70,21 @@ def opcodes(binary: bytes) -> list[int]:
     return found
 
 
-def version_val() -> str:
-    """Version of spirv-val, such as v2023.1. Raises Unavailable."""
-    words = tool.run(tool.find("spirv-val", INSTALL_VAL), ["--version"]).output.split()
-    return words[1] if len(words) > 1 else "unknown"
-
-
 def version_cross() -> str:
     """Version of spirv-cross. Raises Unavailable."""
-    said = tool.run(tool.find("spirv-cross", INSTALL_CROSS), ["--revision"]).output
+    said = CROSS.version()
     # Debian's build says only that it is Debian's
     if "Debian" in said and shutil.which("dpkg-query"):
         package = tool.run("dpkg-query", ["-W", "-f=${Version}", "spirv-cross"])
-        if package.ok:
-            return package.output
-    return said.splitlines()[0] if said else "unknown"
+        said = package.output if package.ok else said
+    return said
 
 
 def validate(binary: bytes, environment: str = VULKAN_RULES) -> CompileResult:
     """Check a module against the rules of an environment that spirv-val knows."""
-    program = tool.find("spirv-val", INSTALL_VAL)
-    return tool.compiled(program, ["--target-env", environment, "shader.spv"], {"shader.spv": binary})
+    return VAL.compile(["--target-env", environment, "shader.spv"], {"shader.spv": binary})
 
 
 def cross(binary: bytes, target: str) -> CompileResult:
     """Turn a module into another language, one of TARGETS; the text is the result's `binary`."""
-    program = tool.find("spirv-cross", INSTALL_CROSS)
-    arguments = ["shader.spv", *TARGETS[target], "--output", "out.txt"]
-    return tool.compiled(program, arguments, {"shader.spv": binary}, "out.txt")
+    return CROSS.compile(["shader.spv", *TARGETS[target], "--output", "out.txt"], {"shader.spv": binary}, "out.txt")

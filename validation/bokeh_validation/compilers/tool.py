@@ -1,5 +1,6 @@
 """Command line compilers: found, run with a time limit, and their end told as it was. Others: made once."""
 
+import re
 import shutil
 import signal
 import subprocess
@@ -80,15 +81,60 @@ def run(
         return Finished(done.returncode == 0, _text(done.stdout, inputs), written)
 
 
-def compiled(program: str, arguments: Sequence[str], inputs: Mapping[str, bytes], output: str = "") -> CompileResult:
-    """Run a compiler: what it says, and the file that it was to write, if any."""
-    done = run(program, arguments, inputs, [output] if output else [])
-    if not done.ok:
-        return refused(done.output)
-    binary = done.files.get(output, b"")
-    if output and not binary.strip():
-        return refused(f"{Path(program).name} ended well but wrote nothing\n{done.output}")
-    return accepted(done.output, binary, {"bytes": len(binary)} if output else None)
+Source = tuple[str, str]  # text and stage, 'vert' or 'frag'
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A compiler on the command line.
+
+    package  Debian's
+    option   makes it print its version, which `pattern` finds
+    """
+
+    name: str
+    package: str
+    option: str
+    pattern: str
+
+    @property
+    def install(self) -> str:
+        """The command that does."""
+        return f"apt-get install -y {self.package}"
+
+    def run(self, *given) -> Finished:
+        """See run(). Raises Unavailable."""
+        return run(find(self.name, self.install), *given)
+
+    def version(self) -> str:
+        """Such as 2023.1. Raises Unavailable."""
+        found = re.search(self.pattern, self.run([self.option]).output, re.MULTILINE)
+        return found[1] if found else "unknown"
+
+    def compile(self, arguments: Sequence[str], inputs: Mapping[str, bytes], output: str = "") -> CompileResult:
+        """What it says, and the file that it was to write, if any. Raises Unavailable."""
+        done = self.run(arguments, inputs, [output] if output else [])
+        if not done.ok:
+            return refused(done.output)
+        binary = done.files.get(output, b"")
+        if output and not binary.strip():
+            return refused(f"{self.name} ended well but wrote nothing\n{done.output}")
+        return accepted(done.output, binary, {"bytes": len(binary)} if output else None)
+
+    def each(self, options: Sequence[str], sources: Sequence[Source], written: str = "") -> list[CompileResult]:
+        """compile() of several shaders; `written` is added to the name of a file for that of what is made of it.
+
+        All at once, since a start takes far longer than a shader. Where anything is said, one after the other: each is
+        told what is its own. It does not link them.
+        """
+        inputs = {f"{index}.{stage}": text.encode("ascii") for index, (text, stage) in enumerate(sources)}
+        outputs = [name + written for name in inputs] if written else []
+        done = self.run([*options, *inputs], inputs, outputs) if inputs else Finished(True, "")
+        if done.ok and not done.output and len(done.files) == len(outputs):
+            found = [done.files[name] for name in outputs] if written else [b""] * len(inputs)
+            return [accepted("", binary, {"bytes": len(binary)} if written else None) for binary in found]
+        alone = [(f"shader.{stage}", text.encode("ascii")) for text, stage in sources]
+        return [self.compile([*options, name], {name: text}, name + written if written else "") for name, text in alone]
 
 
 def _text(output: bytes, names: Sequence[str] | Mapping = ()) -> str:

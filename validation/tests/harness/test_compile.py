@@ -48,7 +48,7 @@ def broken() -> matrix.Matrix:
 @pytest.fixture(scope="module")
 def module() -> bytes:
     """A SPIR-V module that is right."""
-    return compiled(lambda: glslang.glsl(shaders.glsl("BokehDebug", "450"), "frag", "450")).binary
+    return compiled(lambda: glslang.spirv(shaders.glsl("BokehDebug", "450"), "frag", glslang.VULKAN)).binary
 
 
 def chosen(result: matrix.Matrix, variant: str, column: str) -> list[tuple[matrix.Row, Cell]]:
@@ -69,8 +69,7 @@ def there(cell: Cell) -> Cell:
 
 def bindings(module: bytes) -> dict[str, int]:
     """Name -> binding of the textures and samplers of a SPIR-V module, as spirv-cross finds them. All are in set 0."""
-    program = tool.find("spirv-cross", spirv.INSTALL_CROSS)
-    done = tool.run(program, ["m.spv", "--reflect", "--output", "out.json"], {"m.spv": module}, ["out.json"])
+    done = spirv.CROSS.run(["m.spv", "--reflect", "--output", "out.json"], {"m.spv": module}, ["out.json"])
     told = json.loads(done.files["out.json"])
     found = [item for kind in ("textures", "separate_images", "separate_samplers") for item in told.get(kind, [])]
     assert all(item["set"] == 0 for item in found)
@@ -92,7 +91,7 @@ class TestShaders:
         counted = [(name, known) for name, known in facts if "implicit_lod" in known]
         with needed("SPIR-V"):
             if not counted:
-                raise Unavailable(glslang.INSTALL)
+                raise Unavailable(glslang.GLSLANG.install)
         assert [name for name, known in counted if known["implicit_lod"]] == []
         assert any(known["samples"] for _, known in counted)
 
@@ -110,7 +109,7 @@ class TestShaders:
     @pytest.mark.parametrize(
         ("module", "samplers"),
         [
-            (lambda entry: glslang.glsl(shaders.glsl(entry, "450"), "frag", "450"), ()),
+            (lambda entry: glslang.spirv(shaders.glsl(entry, "450"), "frag", glslang.VULKAN), ()),
             (lambda entry: glslang.hlsl(shaders.hlsl(5), "frag", f"{entry}_PS"), SAMPLERS),
             (lambda entry: dxc.build(shaders.hlsl(6), "frag", f"{entry}_PS"), SAMPLERS),
         ],
@@ -223,7 +222,7 @@ class TestCompilersNotice:
         assert (done.returncode, done.stdout, done.stderr) == (3, "printed\n", "")
 
     def test_spirv_of_another_environment(self):
-        module = compiled(lambda: glslang.glsl(shaders.glsl("BokehDebug"), "frag", "330")).binary
+        module = compiled(lambda: glslang.spirv(shaders.glsl("BokehDebug"), "frag", glslang.OPENGL)).binary
         assert compiled(lambda: spirv.validate(module, spirv.OPENGL_RULES)).ok
         assert says(compiled(lambda: spirv.validate(module, spirv.VULKAN_RULES)), "OriginLowerLeft")
 
@@ -295,7 +294,7 @@ class TestTools:
                 assert row.cells[column].status == MISSING
                 assert "apt-get install -y" in row.cells[column].message
         told = matrix.failures(result)
-        assert any(glslang.INSTALL in text for text in told)
+        assert any(glslang.GLSLANG.install in text for text in told)
         assert len(told) == 5  # glslang, glslc, mesa, naga, tint: the rest only waits for glslang
 
 
