@@ -1,9 +1,10 @@
 """The one interface of all drivers: passes and textures in, textures out."""
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,20 @@ def precision_of(adapter: str) -> precision.Precision:
     return known.get(software_device(adapter), precision.GPU)
 
 
+STORAGE = {"half": np.float16, "float": np.float32}
+
+
+def storage_type(storage: str) -> type:
+    """NumPy type of a storage name."""
+    return STORAGE[storage]
+
+
+def kind_of(pixels: np.ndarray) -> tuple[str, int]:
+    """Storage name and number of channels of (H, W) or (H, W, channels)."""
+    storage = next(name for name, dtype in STORAGE.items() if pixels.dtype == dtype)
+    return storage, 1 if pixels.ndim == 2 else pixels.shape[2]
+
+
 @dataclass(frozen=True)
 class Timing:
     """How long a job took, seconds, each for one draw of all its passes.
@@ -40,74 +55,6 @@ class Timing:
     wall: float
     cpu: float
     query: float | None
-
-
-class Stopwatch:
-    """Wall and CPU time from its making."""
-
-    def __init__(self) -> None:
-        self.wall, self.cpu = time.perf_counter(), time.process_time()
-
-    def timing(self, repeats: int) -> Timing:
-        """What passed since, for each of the repeats, without a query."""
-        wall, cpu = time.perf_counter() - self.wall, time.process_time() - self.cpu
-        return Timing(wall / repeats, cpu / repeats, None)
-
-
-class Job:
-    """Passes with their textures and targets on a device, to be drawn many times.
-
-    A subclass has `driver` with upload() and target(), and says what a texture is like: shape_of().
-    """
-
-    def __init__(self, driver: "TimedDriver", storage: str, share: "Job | None"):
-        self.driver, self.storage, self.share = driver, storage, share
-        self.live = dict(share.live) if share else {}
-        self.made = []
-
-    def upload(self, textures: Textures) -> None:
-        """All textures that no other job has."""
-        for name in set(textures) - set(self.live):
-            self.live[name] = self._made(self.driver.upload(textures[name]))
-
-    def targets(self, item: Pass, kept: frozenset[str], size: tuple[int, int]) -> list:
-        """A target for each output of a pass: what is drawn over, what another job has, or a new one."""
-        found, wanted = [], target_size(item.scale, size)
-        for name in item.outputs:
-            target = self.live[name] if name in kept else self.share.live.get(name) if self.share else None
-            if target is None or self.shape_of(target) != (wanted, item.channels):
-                target = self._made(self.driver.target(wanted, self.storage, item.channels))
-            found.append(target)
-        return found
-
-    def _made(self, texture):
-        self.made.append(texture)
-        return texture
-
-    def shape_of(self, texture) -> tuple[tuple[int, int], int]:
-        """((width, height), channels)."""
-        raise NotImplementedError
-
-    def draw(self) -> None:
-        """Give the passes to the device once; does not wait."""
-        raise NotImplementedError
-
-    def timed(self, repeats: int) -> Timing:
-        """Draw `repeats` times without a pause and wait for the end."""
-        raise NotImplementedError
-
-    def pixels(self, texture) -> np.ndarray:
-        """What is in a texture, of any shape."""
-        raise NotImplementedError
-
-    def read(self, name: str) -> np.ndarray:
-        """A target after the last draw, (H, W, 4) of its own size; see four_channels()."""
-        (width, height), channels = self.shape_of(self.live[name])
-        return four_channels(self.pixels(self.live[name]).reshape(height, width, channels))
-
-    def release(self) -> None:
-        """Free the textures and targets."""
-        raise NotImplementedError
 
 
 class Driver:
@@ -149,20 +96,15 @@ class Driver:
 
         Raises ValueError as drawn_over() does.
         """
-        raise NotImplementedError
 
 
 class TimedDriver(Driver):
-    """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc."""
+    """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
 
-    def prepared(
-        self,
-        passes: Sequence[Pass],
-        textures: Textures,
-        size: tuple[int, int],
-        storage: str = "half",
-        share: Job | None = None,
-    ) -> Job:
+    A subclass makes textures and targets of its device, and of each pass a step: whatever it draws it from.
+    """
+
+    def prepared(self, passes, textures, size, storage="half", share: "Job | None" = None) -> "Job":
         """What `run` would draw, uploaded and compiled.
 
         share  a job of the same size and storage: textures and targets of a name that it has are used again, not
@@ -170,15 +112,7 @@ class TimedDriver(Driver):
 
         Raises Unavailable as `run` does.
         """
-        raise NotImplementedError
-
-    def upload(self, pixels: np.ndarray):
-        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
-        raise NotImplementedError
-
-    def target(self, size: tuple[int, int], storage: str, channels: int = 4):
-        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
-        raise NotImplementedError
+        return Job(self, passes, textures, size, storage, share)
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver."""
@@ -189,10 +123,101 @@ class TimedDriver(Driver):
         finally:
             job.release()
 
+    def make_current(self) -> None:
+        """Called before anything else here."""
 
-def storage_type(storage: str) -> type:
-    """NumPy type of a storage name."""
-    return {"half": np.float16, "float": np.float32}[storage]
+    def upload(self, pixels: np.ndarray) -> object:
+        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
+
+    def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> object:
+        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
+
+    def step(self, item: Pass, bound: Mapping[str, object], targets: Sequence, kept: frozenset[str]) -> object:
+        """A pass with its textures by slot and its targets; `kept` names the outputs that keep what is in them."""
+
+    def draw(self, steps: Sequence) -> None:
+        """Give the steps to the device; does not wait."""
+
+    def timer(self, steps: Sequence, repeats: int) -> tuple[Callable[[], None], Callable[[], float | None]]:
+        """What draws the steps so often without a pause; and what then tells the device's own seconds, if it can."""
+
+    def wait(self) -> None:
+        """Return when all that was given to the device is done."""
+
+    def pixels(self, texture: "Texture") -> np.ndarray:
+        """What is in a target, of any shape."""
+
+    def release(self, textures: Sequence, steps: Sequence) -> None:
+        """Free them."""
+
+
+class Texture(NamedTuple):
+    """Of a job: the device's, (width, height), storage and channels."""
+
+    handle: object
+    size: tuple[int, int]
+    storage: str
+    channels: int
+
+
+class Job:
+    """Passes with their textures and targets on a device, to be drawn many times."""
+
+    def __init__(
+        self, driver: TimedDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage, share
+    ):
+        """See TimedDriver.prepared()."""
+        over = drawn_over(passes, size)
+        driver.make_current()
+        self.driver, self.made, self.steps = driver, [], []
+        self.live: dict[str, Texture] = dict(share.live) if share else {}
+        for name in set(textures) - set(self.live):
+            pixels = np.ascontiguousarray(textures[name])
+            self.live[name] = self._made(driver.upload(pixels), pixels.shape[1::-1], *kind_of(pixels))
+        for item, kept in zip(passes, over, strict=True):
+            kind, targets = (target_size(item.scale, size), storage, item.channels), []
+            for name in item.outputs:
+                known = self.live[name] if name in kept else share.live.get(name) if share else None
+                new = known is None or known[1:] != kind
+                targets.append(self._made(driver.target(*kind), *kind) if new else known)
+            bound = {slot: self.live[name].handle for slot, name in item.inputs.items()}
+            self.steps.append(driver.step(item, bound, [target.handle for target in targets], kept))
+            self.live.update(zip(item.outputs, targets, strict=True))
+
+    def _made(self, handle: object, *kind) -> Texture:
+        self.made.append(handle)
+        return Texture(handle, *kind)
+
+    def draw(self) -> None:
+        """Give the passes to the device once; does not wait."""
+        self.driver.make_current()
+        self.driver.draw(self.steps)
+
+    def timed(self, repeats: int) -> Timing:
+        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time."""
+        self.driver.make_current()
+        draw, queried = self.driver.timer(self.steps, repeats)
+        self.driver.wait()
+        wall, cpu = time.perf_counter(), time.process_time()
+        draw()
+        self.driver.wait()
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        # asked for afterwards: a device's answer may take a while
+        query = queried()
+        return Timing(wall / repeats, cpu / repeats, None if query is None else query / repeats)
+
+    def read(self, name: str) -> np.ndarray:
+        """A target after the last draw, (H, W, 4) of its own size; see four_channels()."""
+        self.driver.make_current()
+        (width, height), channels = self.live[name].size, self.live[name].channels
+        return four_channels(self.driver.pixels(self.live[name]).reshape(height, width, channels))
+
+    def release(self) -> None:
+        """Free the textures and targets."""
+        self.driver.make_current()
+        self.driver.release(self.made, self.steps)
+        for kept in (self.live, self.made, self.steps):
+            kept.clear()
 
 
 def four_channels(pixels: np.ndarray) -> np.ndarray:

@@ -11,18 +11,11 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, software_device, storage_type
+from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, kind_of, software_device, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 from bokeh_validation.windows import programs, server
 
-FORMATS = {
-    (np.dtype(np.float16), 4): "half4",
-    (np.dtype(np.float32), 4): "float4",
-    (np.dtype(np.float16), 2): "half2",
-    (np.dtype(np.float32), 2): "float2",
-    (np.dtype(np.float32), 1): "float1",
-}
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
 
 
@@ -58,25 +51,23 @@ class Direct3D(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
-        over = drawn_over(passes, size)
-        folder, dtype = self.server.folder, np.dtype(storage_type(storage))
+        over, folder = drawn_over(passes, size), self.server.folder
         numbers: dict[str, int] = {}
         shapes: dict[str, tuple[int, int, int]] = {}
         free = itertools.count()
-        lines = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"]
-        files = []
+        lines, files = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"], []
         for name, pixels in textures.items():
             numbers[name] = next(free)
             files.append(folder / f"texture-{numbers[name]}")
-            height, width = pixels.shape[:2]
-            kind = FORMATS[pixels.dtype, 1 if pixels.ndim == 2 else pixels.shape[2]]
             files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
-            lines.append(f"texture {numbers[name]} {width} {height} {kind} {files[-1].name}")
+            kind, channels = kind_of(pixels)
+            size_of = f"{pixels.shape[1]} {pixels.shape[0]}"
+            lines.append(f"texture {numbers[name]} {size_of} {kind}{channels} {files[-1].name}")
         for item, kept in zip(passes, over, strict=True):
             width, height = target_size(item.scale, size)
             targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
             new = [number for name, number in targets.items() if name not in kept]
-            lines += [f"texture {number} {width} {height} {FORMATS[dtype, item.channels]}" for number in new]
+            lines += [f"texture {number} {width} {height} {storage}{item.channels}" for number in new]
             area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, width, height)
             lines += self._draw(item, numbers, area)
             lines.append(f"draw {' '.join(map(str, targets.values()))}")
@@ -91,7 +82,7 @@ class Direct3D(Driver):
             ok, answer = self.server.ask(job.name, RUN_S)
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
-            pixels = {name: np.frombuffer(file.read_bytes(), dtype) for name, file in results.items()}
+            pixels = {name: np.frombuffer(file.read_bytes(), storage_type(storage)) for name, file in results.items()}
             return {name: four_channels(values.reshape(shapes[name])) for name, values in pixels.items()}
         except server.Ended as error:
             raise RuntimeError(f"{self.name}: {error}") from error

@@ -2,27 +2,16 @@
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import (
-    Job,
-    Stopwatch,
-    Textures,
-    TimedDriver,
-    Timing,
-    drawn_over,
-    software_device,
-    storage_type,
-)
+from bokeh_validation.drivers.base import Texture, TimedDriver, kind_of, software_device, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area
-
-DTYPES = {np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
 
 
 class GLDriver(TimedDriver):
@@ -42,10 +31,7 @@ class GLDriver(TimedDriver):
 
     def program(self, item: Pass) -> moderngl.VertexArray:
         """The linked program of a pass as a vertex array without buffers, cached by its text."""
-        if item.sources is None:
-            text = shaders.glsl(item.entry, "330", item.constants)
-        else:
-            text = item.sources["glsl"]
+        text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
         if text not in self._programs:
             program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
             for unit, slot in enumerate(SLOTS):
@@ -55,20 +41,17 @@ class GLDriver(TimedDriver):
         return self._programs[text]
 
     def upload(self, pixels: np.ndarray) -> moderngl.Texture:
-        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
-        pixels = np.ascontiguousarray(pixels)
-        height, width = pixels.shape[:2]
-        channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-        return self._clamped(
-            self.context.texture((width, height), channels, pixels.tobytes(), alignment=1, dtype=DTYPES[pixels.dtype])
-        )
+        """See TimedDriver."""
+        storage, channels = kind_of(pixels)
+        return self._texture(pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels).tobytes())
 
     def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> moderngl.Texture:
-        """A render target: RGBA, or RG with two channels."""
-        return self._clamped(self.context.texture(size, channels, dtype=DTYPES[np.dtype(storage_type(storage))]))
+        """See TimedDriver."""
+        return self._texture(size, storage, channels)
 
-    @staticmethod
-    def _clamped(texture: moderngl.Texture) -> moderngl.Texture:
+    def _texture(self, size: tuple[int, int], storage: str, channels: int, data: bytes | None = None):
+        dtype = {"half": "f2", "float": "f4"}[storage]
+        texture = self.context.texture(size, channels, data, alignment=1, dtype=dtype)
         texture.repeat_x = texture.repeat_y = False
         return texture
 
@@ -81,27 +64,63 @@ class GLDriver(TimedDriver):
             for linear, kind in filters.items()
         }
 
-    def draw(self, item: Pass, bound: Mapping[str, moderngl.Texture], target: moderngl.Framebuffer) -> None:
-        """Draw one pass into a framebuffer; `bound` has a texture for each slot that it reads."""
-        array = self.program(item)
-        for unit, slot in enumerate(SLOTS):
-            if slot in bound:
-                bound[slot].use(unit)
-                self.samplers[is_linear(item.entry, slot)].use(unit)
-        for name, value in item.values().items():
-            # every time: it is cheap, and a program need not have the values that it was left with
-            if name in array.program:
-                array.program[name] = value
-        target.use()
-        array.render(moderngl.TRIANGLES, vertices=3)
-
-    def prepared(self, passes, textures, size, storage="half", share=None) -> "GLJob":
+    def step(self, item: Pass, bound: Mapping, targets: Sequence, kept: frozenset[str]) -> "Step":
         """See TimedDriver."""
-        return GLJob(self, passes, textures, size, storage, share)
+        self.program(item)
+        framebuffer, cleared = self.context.framebuffer(targets), None
+        if item.viewport:
+            # a triangle is clipped to it; its y counts from the first row in memory, as v does
+            framebuffer.viewport = target_area(item.scale, item.viewport)
+            fresh = [target for name, target in zip(item.outputs, targets, strict=True) if name not in kept]
+            cleared = self.context.framebuffer(fresh) if fresh else None
+        return Step(item, bound, framebuffer, cleared)
+
+    def draw(self, steps: Sequence["Step"]) -> None:
+        """See TimedDriver."""
+        for item, bound, target, cleared in steps:
+            if cleared:
+                cleared.clear()
+            array = self.program(item)
+            for unit, slot in enumerate(SLOTS):
+                if slot in bound:
+                    bound[slot].use(unit)
+                    self.samplers[is_linear(item.entry, slot)].use(unit)
+            for name, value in item.values().items():
+                # every time: it is cheap, and a program need not have the values that it was left with
+                if name in array.program:
+                    array.program[name] = value
+            target.use()
+            array.render(moderngl.TRIANGLES, vertices=3)
+
+    def timer(self, steps: Sequence["Step"], repeats: int):
+        """See TimedDriver."""
+        query = self.context.query(time=True)
+
+        def draw() -> None:
+            with query:
+                for _ in range(repeats):
+                    self.draw(steps)
+
+        return draw, lambda: query.elapsed * 1e-9
+
+    def wait(self) -> None:
+        """See TimedDriver."""
+        self.context.finish()
+
+    def pixels(self, texture: Texture) -> np.ndarray:
+        """See TimedDriver."""
+        return np.frombuffer(texture.handle.read(alignment=1), storage_type(texture.storage))
+
+    def release(self, textures: Sequence, steps: Sequence["Step"]) -> None:
+        """See TimedDriver."""
+        for step in steps:
+            for framebuffer in filter(None, (step.target, step.cleared)):
+                framebuffer.release()
+        for texture in textures:
+            texture.release()
 
 
-@dataclass(frozen=True)
-class Step:
+class Step(NamedTuple):
     """One pass with its textures by slot and its targets.
 
     cleared  those of its targets that it draws a part of and that no earlier pass has drawn; None where there are none
@@ -109,78 +128,8 @@ class Step:
 
     item: Pass
     bound: Mapping[str, moderngl.Texture]
-    targets: moderngl.Framebuffer
+    target: moderngl.Framebuffer
     cleared: moderngl.Framebuffer | None
-
-
-class GLJob(Job):
-    """See base.Job."""
-
-    def __init__(
-        self, driver: GLDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str, share
-    ):
-        over = drawn_over(passes, size)
-        driver.make_current()
-        super().__init__(driver, storage, share)
-        self.steps: list[Step] = []
-        self.upload(textures)
-        self.framebuffers = []
-        for item, kept in zip(passes, over, strict=True):
-            driver.program(item)
-            bound = {slot: self.live[name] for slot, name in item.inputs.items()}
-            targets = self.targets(item, kept, size)
-            framebuffer, cleared = self._framebuffer(targets), None
-            if item.viewport:
-                # a triangle is clipped to it; its y counts from the first row in memory, as v does
-                framebuffer.viewport = target_area(item.scale, item.viewport)
-                fresh = [target for name, target in zip(item.outputs, targets, strict=True) if name not in kept]
-                cleared = self._framebuffer(fresh) if fresh else None
-            self.steps.append(Step(item, bound, framebuffer, cleared))
-            self.live.update(zip(item.outputs, targets, strict=True))
-
-    def _framebuffer(self, targets: list) -> moderngl.Framebuffer:
-        self.framebuffers.append(self.driver.context.framebuffer(targets))
-        return self.framebuffers[-1]
-
-    def shape_of(self, texture: moderngl.Texture) -> tuple[tuple[int, int], int]:
-        """See base.Job."""
-        return texture.size, texture.components
-
-    def draw(self) -> None:
-        """See base.Job."""
-        self.driver.make_current()
-        for step in self.steps:
-            if step.cleared:
-                step.cleared.clear()
-            self.driver.draw(step.item, step.bound, step.targets)
-
-    def timed(self, repeats: int) -> Timing:
-        """See base.Job."""
-        self.driver.make_current()
-        context = self.driver.context
-        context.finish()
-        query = context.query(time=True)
-        watch = Stopwatch()
-        with query:
-            for _ in range(repeats):
-                self.draw()
-        context.finish()
-        # the query is asked for afterwards: a device's answer may take a while
-        passed = watch.timing(repeats)
-        return replace(passed, query=query.elapsed * 1e-9 / repeats)
-
-    def pixels(self, texture: moderngl.Texture) -> np.ndarray:
-        """See base.Job."""
-        self.driver.make_current()
-        return np.frombuffer(texture.read(alignment=1), storage_type(self.storage))
-
-    def release(self) -> None:
-        """See base.Job."""
-        self.driver.make_current()
-        for framebuffer in self.framebuffers:
-            framebuffer.release()
-        for texture in self.made:
-            texture.release()
 
 
 class EGL(GLDriver):

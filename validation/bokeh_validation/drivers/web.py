@@ -6,31 +6,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import (
-    Driver,
-    Textures,
-    drawn_over,
-    four_channels,
-    require_targets,
-    storage_type,
-)
+from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, kind_of, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear, target_area, target_size
 
-TYPES = {np.dtype(np.float16): "half", np.dtype(np.float32): "float"}
 SOFTWARE_DEVICE = "swiftshader"
 
 
 def packed(pixels: np.ndarray) -> dict[str, object]:
     """(H, W, 4) or (H, W), float16 or float32, as page/job.js takes it."""
-    pixels = np.ascontiguousarray(pixels)
-    return {
-        "width": pixels.shape[1],
-        "height": pixels.shape[0],
-        "channels": 1 if pixels.ndim == 2 else pixels.shape[2],
-        "type": TYPES[pixels.dtype],
-        "data": base64.b64encode(pixels.tobytes()).decode("ascii"),
-    }
+    (height, width), (kind, channels) = pixels.shape[:2], kind_of(pixels)
+    data = base64.b64encode(np.ascontiguousarray(pixels).tobytes()).decode("ascii")
+    return {"width": width, "height": height, "channels": channels, "type": kind, "data": data}
 
 
 def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
@@ -106,7 +93,7 @@ class BrowserDriver(Driver):
         kept = self.session.call(f"{self.name}.run", job)
         return {name: unpacked(pixels, storage) for name, pixels in kept.items()}
 
-    def _require_filter(self, passes: Sequence[Pass], textures: Textures, storage: str) -> None:
+    def _require_filter(self, passes: Sequence[Pass], textures: Mapping, storage: str) -> None:
         """32-bit textures under a linear filter are an option in WebGL 2 and in WebGPU."""
         if self.told["floatFilterable"]:
             return

@@ -1,19 +1,16 @@
 """WGSL on WebGPU (`wgpu`), and HLSL compiled by DXC to SPIR-V on the same runtime (`dxc`): lavapipe or a GPU."""
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.drivers.base import (
     Job,
-    Stopwatch,
-    Textures,
+    Texture,
     TimedDriver,
-    Timing,
-    drawn_over,
+    kind_of,
     require_targets,
     software_device,
     storage_type,
@@ -21,13 +18,6 @@ from bokeh_validation.drivers.base import (
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass, target_area
 
-FORMATS = {
-    (np.dtype(np.float16), 4): "rgba16float",
-    (np.dtype(np.float32), 4): "rgba32float",
-    (np.dtype(np.float16), 2): "rg16float",
-    (np.dtype(np.float32), 2): "rg32float",
-    (np.dtype(np.float32), 1): "r32float",
-}
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
 # half-float targets, but two of 32 bits.
 ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
@@ -62,20 +52,9 @@ def _choose(adapter: str | None):
     raise Unavailable(f"no adapter named like {adapter!r}; there are: {names}")
 
 
-@dataclass(frozen=True)
-class Step:
-    """One pass, ready to be recorded.
-
-    views     of its targets
-    kept      for each target whether it is drawn over with its contents kept
-    viewport  see passes.target_area; None: all of the targets
-    """
-
-    pipeline: object
-    bindings: object
-    views: tuple
-    kept: tuple[bool, ...]
-    viewport: tuple[int, int, int, int] | None
+def texture_format(storage: str, channels: int) -> str:
+    """WebGPU's name of it."""
+    return {4: "rgba", 2: "rg", 1: "r"}[channels] + {"half": "16float", "float": "32float"}[storage]
 
 
 class WGPU(TimedDriver):
@@ -97,7 +76,7 @@ class WGPU(TimedDriver):
         self.float_filterable = "float32-filterable" in wanted
         self._pipelines: dict[tuple, object] = {}
         self._modules: dict[str, object] = {}
-        self.timer = "timestamp-query" in wanted
+        self.has_timer = "timestamp-query" in wanted
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
@@ -145,54 +124,104 @@ class WGPU(TimedDriver):
         return self._pipelines[key]
 
     def upload(self, pixels: np.ndarray):
-        """Pixels as a texture; row 0 is v = 0."""
-        pixels = np.ascontiguousarray(pixels)
-        height, width = pixels.shape[:2]
-        channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-        usage = self.wgpu.TextureUsage.TEXTURE_BINDING | self.wgpu.TextureUsage.COPY_DST
-        texture = self.device.create_texture(
-            size=(width, height, 1), format=FORMATS[pixels.dtype, channels], usage=usage
-        )
+        """See TimedDriver."""
+        (height, width), usage = pixels.shape[:2], self.wgpu.TextureUsage
+        texture = self._texture((width, height), *kind_of(pixels), usage.TEXTURE_BINDING | usage.COPY_DST)
         layout = {"bytes_per_row": pixels.nbytes // height, "rows_per_image": height}
-        self.device.queue.write_texture({"texture": texture}, pixels.tobytes(), layout, (width, height, 1))
+        data = np.ascontiguousarray(pixels).tobytes()
+        self.device.queue.write_texture({"texture": texture}, data, layout, texture.size)
         return texture
 
     def target(self, size: tuple[int, int], storage: str, channels: int = 4):
-        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
+        """See TimedDriver."""
         usage = self.wgpu.TextureUsage
-        return self.device.create_texture(
-            size=(*size, 1),
-            format=FORMATS[np.dtype(storage_type(storage)), channels],
-            usage=usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC,
-        )
+        return self._texture(size, storage, channels, usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC)
 
-    def bind(self, item: Pass, live: dict):
+    def _texture(self, size: tuple[int, int], storage: str, channels: int, usage: int):
+        return self.device.create_texture(size=(*size, 1), format=texture_format(storage, channels), usage=usage)
+
+    def bind(self, item: Pass, bound: Mapping):
         """Bind group of a pass; slots it does not read get a dummy."""
         values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block has a multiple of 16 bytes
         values[: len(PARAMETERS)] = list(item.values().values())
         buffer = self.device.create_buffer_with_data(data=values.tobytes(), usage=self.wgpu.BufferUsage.UNIFORM)
         entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": values.nbytes}}]
         for slot in SLOTS:
-            texture = live[item.inputs[slot]] if slot in item.inputs else self._dummy
-            entries.append({"binding": BINDINGS[slot], "resource": texture.create_view()})
+            view = bound.get(slot, self._dummy).create_view()
+            entries.append({"binding": BINDINGS[slot], "resource": view})
         entries.append({"binding": FIRST_SAMPLER, "resource": self._sampler})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
-    def step(self, item: Pass, live: dict, targets: Sequence, kept: frozenset[str]) -> Step:
-        """A pass with all that it needs; `kept` names the outputs that keep what is in them."""
-        pipeline = self.pipeline(item, [target.format for target in targets])
-        views = tuple(target.create_view() for target in targets)
+    def step(self, item: Pass, bound: Mapping, targets: Sequence, kept: frozenset[str]) -> Callable:
+        """See TimedDriver: what records the pass with an encoder."""
+        pipeline, bindings = self.pipeline(item, [target.format for target in targets]), self.bind(item, bound)
         area = target_area(item.scale, item.viewport) if item.viewport else None
-        return Step(pipeline, self.bind(item, live), views, tuple(name in kept for name in item.outputs), area)
+        attachments = [
+            {
+                "view": target.create_view(),
+                "load_op": "load" if name in kept else "clear",
+                "store_op": "store",
+                "clear_value": (0, 0, 0, 0),
+            }
+            for name, target in zip(item.outputs, targets, strict=True)
+        ]
+
+        def record(encoder, stamps: dict | None) -> None:
+            render = encoder.begin_render_pass(color_attachments=attachments, timestamp_writes=stamps)
+            render.set_pipeline(pipeline)
+            render.set_bind_group(0, bindings)
+            if area:
+                render.set_viewport(*area, 0.0, 1.0)  # a triangle is clipped to it
+            render.draw(3)
+            render.end()
+
+        return record
+
+    def draw(self, steps: Sequence[Callable]) -> None:
+        """See TimedDriver."""
+        encoder = self.device.create_command_encoder()
+        for record in steps:
+            record(encoder, None)
+        self.device.queue.submit([encoder.finish()])
+
+    def timer(self, steps: Sequence[Callable], repeats: int):
+        """See TimedDriver: the time from the beginning of the first pass to the end of the last."""
+        encoder, queue, usage = self.device.create_command_encoder(), self.device.queue, self.wgpu.BufferUsage
+        stamps = [{} for _ in steps] * repeats
+        if self.has_timer:
+            queries = self.device.create_query_set(type="timestamp", count=2)
+            stamps[0] = {"query_set": queries, "beginning_of_pass_write_index": 0}
+            stamps[-1] = {**stamps[-1], "query_set": queries, "end_of_pass_write_index": 1}
+        for record, stamp in zip([*steps] * repeats, stamps, strict=True):
+            record(encoder, stamp or None)
+        if self.has_timer:
+            found = self.device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
+            encoder.resolve_query_set(queries, 0, 2, found, 0)
+        commands = encoder.finish()
+
+        def queried() -> float | None:
+            if not self.has_timer:
+                return None
+            begin, end = (int(stamp) for stamp in np.frombuffer(queue.read_buffer(found), np.uint64))
+            return (end - begin) * 1e-9
+
+        return lambda: queue.submit([commands]), queried
 
     def wait(self) -> None:
-        """Return when all that was submitted is done: a read of four bytes, which the queue puts behind it.
+        """See TimedDriver: a read of four bytes, which the queue puts behind all that was submitted.
 
         on_submitted_work_done of wgpu 0.32.0 raises TypeError.
         """
         self.device.queue.read_buffer(self._fence)
 
-    def prepared(self, passes, textures, size, storage="half", share=None) -> "WGPUJob":
+    def pixels(self, texture: Texture) -> np.ndarray:
+        """See TimedDriver."""
+        (width, height), dtype = texture.size, np.dtype(storage_type(texture.storage))
+        layout = {"bytes_per_row": width * texture.channels * dtype.itemsize, "rows_per_image": height}
+        data = self.device.queue.read_texture({"texture": texture.handle}, layout, texture.handle.size)
+        return np.frombuffer(data, dtype)
+
+    def prepared(self, passes, textures, size, storage="half", share=None) -> Job:
         """See TimedDriver."""
         wide = storage == "float" or any(
             t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
@@ -200,93 +229,7 @@ class WGPU(TimedDriver):
         if wide and not self.float_filterable:
             raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
         require_targets(self, passes, storage, self.attachment_bytes)
-        return WGPUJob(self, passes, textures, size, storage, share)
-
-
-class WGPUJob(Job):
-    """See base.Job."""
-
-    def __init__(
-        self, driver: WGPU, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str, share
-    ):
-        over = drawn_over(passes, size)
-        super().__init__(driver, storage, share)
-        self.upload(textures)
-        self.steps: list[Step] = []
-        for item, kept in zip(passes, over, strict=True):
-            targets = self.targets(item, kept, size)
-            self.steps.append(driver.step(item, self.live, targets, kept))
-            self.live.update(zip(item.outputs, targets, strict=True))
-
-    def shape_of(self, texture) -> tuple[tuple[int, int], int]:
-        """See base.Job."""
-        channels = next(count for (_, count), known in FORMATS.items() if known == texture.format)
-        return texture.size[:2], channels
-
-    def _record(self, encoder, query_set=None, first: bool = False, last: bool = False) -> None:
-        """Record all passes; with a query set, the time at which the first begins and the last ends."""
-        for index, step in enumerate(self.steps):
-            stamps = {}
-            if first and index == 0:
-                stamps["beginning_of_pass_write_index"] = 0
-            if last and index == len(self.steps) - 1:
-                stamps["end_of_pass_write_index"] = 1
-            how = {"store_op": "store", "clear_value": (0, 0, 0, 0)}
-            render = encoder.begin_render_pass(
-                color_attachments=[
-                    {"view": view, "load_op": "load" if kept else "clear", **how}
-                    for view, kept in zip(step.views, step.kept, strict=True)
-                ],
-                timestamp_writes={"query_set": query_set, **stamps} if query_set is not None and stamps else None,
-            )
-            render.set_pipeline(step.pipeline)
-            render.set_bind_group(0, step.bindings)
-            if step.viewport:
-                render.set_viewport(*step.viewport, 0.0, 1.0)  # a triangle is clipped to it
-            render.draw(3)
-            render.end()
-
-    def draw(self) -> None:
-        """See base.Job."""
-        encoder = self.driver.device.create_command_encoder()
-        self._record(encoder)
-        self.driver.device.queue.submit([encoder.finish()])
-
-    def timed(self, repeats: int) -> Timing:
-        """See base.Job. What is recorded beforehand is not in the time."""
-        device, usage = self.driver.device, self.driver.wgpu.BufferUsage
-        encoder = device.create_command_encoder()
-        queries = device.create_query_set(type="timestamp", count=2) if self.driver.timer else None
-        for index in range(repeats):
-            self._record(encoder, queries, index == 0, index == repeats - 1)
-        stamps = None
-        if queries is not None:
-            stamps = device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
-            encoder.resolve_query_set(queries, 0, 2, stamps, 0)
-        commands = encoder.finish()
-        self.driver.wait()
-        watch = Stopwatch()
-        device.queue.submit([commands])
-        self.driver.wait()
-        passed = watch.timing(repeats)
-        if stamps is None:
-            return passed
-        begin, end = (int(stamp) for stamp in np.frombuffer(device.queue.read_buffer(stamps), np.uint64))
-        return replace(passed, query=(end - begin) * 1e-9 / repeats)
-
-    def pixels(self, texture) -> np.ndarray:
-        """See base.Job."""
-        (width, height), channels = self.shape_of(texture)
-        dtype = np.dtype(storage_type(self.storage))
-        layout = {"bytes_per_row": width * channels * dtype.itemsize, "rows_per_image": height}
-        data = self.driver.device.queue.read_texture({"texture": texture}, layout, texture.size)
-        return np.frombuffer(data, dtype)
-
-    def release(self) -> None:
-        """See base.Job: textures go when nothing names them any more."""
-        self.live.clear()
-        self.made.clear()
-        self.steps.clear()
+        return super().prepared(passes, textures, size, storage, share)
 
 
 class DXC(WGPU):
