@@ -34,14 +34,19 @@ def of_filters(passes: tuple[Pass, ...]) -> float:
     return of_frame(tuple(item for item in passes if item.spec.role != COPY))["color"]
 
 
+def tiles_along(item: Pass) -> int:
+    """How many tiles along one axis the passes over tiles of the layers look at; float32 as on the device."""
+    values = item.values()
+    largest = np.float32(values["BokehMaxCoC"]) * np.float32(values["BokehImageHeight"])
+    return min(2 * (int(np.ceil(largest / np.float32(16.0))) + 2) + 1, 255)
+
+
 def _of_layers(item: Pass, in_focus: bool) -> int:
     """As the loops of bokeh_layers.* count."""
     values = item.values()
     sides = round(values["BokehSides"])
     rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "CELLS", "CUBIC"))
-    # tiles along one axis; float32 as on the device
-    largest = np.float32(values["BokehMaxCoC"]) * np.float32(values["BokehImageHeight"])
-    along = min(2 * (int(np.ceil(largest / np.float32(16.0))) + 2) + 1, 255)
+    along = tiles_along(item)
 
     if in_focus:
         cells = 0

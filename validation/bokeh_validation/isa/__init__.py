@@ -1,0 +1,1 @@
+"""What the passes cost on real GPUs, by these GPUs' own compilers: `validation/run isa`, docs/performance.md."""

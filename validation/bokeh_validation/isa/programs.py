@@ -1,0 +1,130 @@
+"""The methods whose cost is counted, and their passes as programs: as they are, and with their loops written out."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from bokeh_validation import fetches, methods, shaders
+from bokeh_validation.compilers import glslang
+from bokeh_validation.entries import EDGE, EXACT
+from bokeh_validation.errors import UserError
+from bokeh_validation.isa.unrolled import unrolled
+from bokeh_validation.methods import QUALITIES, Settings
+from bokeh_validation.passes import Pass
+
+VERTEX = "BokehFullScreen"
+SIZE = (1920, 1080)  # for which the tiles that the largest CoC reaches are counted
+# preset of `exact` -> BOKEH_NUM_SAMPLES, pixels between samples
+PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
+
+
+@dataclass(frozen=True)
+class Method:
+    """A row of the table: a way to render, with all of its passes."""
+
+    name: str
+    settings: Settings
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """From the CoC map on."""
+        return methods.plan(self.settings, SIZE).passes
+
+    @property
+    def fetches(self) -> float:
+        """A pixel's, of colour and depth, where every pass takes all of its samples."""
+        return sum(fetches.of_frame(self.passes)[kind] for kind in ("color", "depth"))
+
+
+def all_methods() -> list[Method]:
+    """`paper`, `exact` and `layered`, with all presets."""
+    found = [Method(f"paper {shape}", Settings("paper", shape)) for shape in ("hexagon", "octagon")]
+    for shape in EXACT:
+        for preset, (samples, spacing) in PRESETS.items():
+            settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
+            found.append(Method(f"exact {shape} {preset}", settings))
+    for shape in ("hexagon", "octagon"):
+        found += [Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES]
+    return found
+
+
+@dataclass(frozen=True)
+class Program:
+    """A pass as it is compiled.
+
+    path  with its loops written out: its counts are those of the path that a pixel takes
+    """
+
+    item: Pass
+    path: bool = False
+
+    @property
+    def name(self) -> str:
+        """Unique, such as 'HexagonFirst 17 adaptive'; what does not decide about the code is not in it."""
+        constants = self.item.constants
+        words = [self.item.entry.removeprefix("Bokeh")]
+        if self.item.spec.layers:
+            words += [f"{key.removeprefix('BOKEH_LAYER_').lower()} {constants[key]}" for key in self._settings]
+        elif "BOKEH_NUM_SAMPLES" in self._settings:
+            words += [str(constants["BOKEH_NUM_SAMPLES"]), "adaptive" * constants["BOKEH_ADAPTIVE_SAMPLES"]]
+        return " ".join([word for word in words if word] + ["path"] * self.path)
+
+    @property
+    def _settings(self) -> tuple[str, ...]:
+        """The constants that decide about its code."""
+        entry = self.item.entry
+        if not self.item.spec.layers:
+            return ("BOKEH_NUM_SAMPLES",) if self.item.spec.role != "copy" else ()
+        if entry == "BokehLayered":
+            return ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CUBIC")
+        return ("BOKEH_LAYER_CELLS",) if self.item.spec.sides or self.item.spec.role == EDGE else ()
+
+    def source(self, files: dict[str, str]) -> str:
+        """Its GLSL for Vulkan; `files` are the shaders to take."""
+        constants = self.item.constants
+        text = files["glsl"]
+        if self.path:
+            values = self.item.values()
+            tiles = fetches.tiles_along(self.item)
+            text = unrolled(text, {**constants, "sides": round(values["BokehSides"]), "tiles": tiles})
+        head = {"BOKEH_PASS": shaders.glsl_pass(self.item.entry), **constants}
+        return shaders.GLSL_VERSIONS["450"] + "\n" + shaders.defines(head) + text
+
+
+def of_methods(chosen: Iterable[Method]) -> dict[str, Program]:
+    """Every program that the methods need, once, as it is and with its loops written out; by name."""
+    found = {}
+    for method in chosen:
+        for item in method.passes:
+            for path in (False, True):
+                program = Program(item, path)
+                found.setdefault(program.name, program)
+    return found
+
+
+def spirv(wanted: dict[str, Program], folder: Path | None = None) -> tuple[bytes, dict[str, tuple[bytes, int]]]:
+    """(vertex shader, name -> (SPIR-V, targets)). Raises Unavailable without glslc.
+
+    folder  holds glsl/ of another release, whose entries need not be all of them; None: this one's
+    """
+    text = shaders.text("glsl") if folder is None else _other(folder)
+    files = {"glsl": text}
+    known = {name: program for name, program in wanted.items() if shaders.glsl_pass(program.item.entry) in text}
+    head = {"BOKEH_PASS": shaders.glsl_pass(VERTEX)}
+    vertex = shaders.GLSL_VERSIONS["450"] + "\n" + shaders.defines(head) + text
+    sources = [(vertex, "vert"), *((program.source(files), "frag") for program in known.values())]
+    made = glslang.glslc(sources)
+    for result, name in zip(made, ["the vertex shader", *known], strict=True):
+        if not result.ok:
+            raise UserError(f"{name}: {result.messages.splitlines()[0]}")
+    targets = [program.item.spec.targets for program in known.values()]
+    modules = [result.binary for result in made]
+    return modules[0], dict(zip(known, zip(modules[1:], targets, strict=True), strict=True))
+
+
+def _other(folder: Path) -> str:
+    """Library, layers if there are any, and passes of another release."""
+    files = [folder / "glsl" / f"{name}.glsl" for name in ("bokeh", "bokeh_layers", "bokeh_passes")]
+    if not files[0].is_file():
+        raise UserError(f"--against {folder}: there is no glsl/bokeh.glsl in it. Name a folder with another release.")
+    return "".join(file.read_text(encoding="ascii") for file in files if file.is_file())

@@ -1,0 +1,213 @@
+"""The GPUs that `validation/run isa` compiles for: how their compilers are run, and how their code is counted."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from bokeh_validation import paths
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.isa import trees
+
+PROGRAM = Path(__file__).with_name("pipelines.py")
+TIMEOUT_S = 300
+STOCK_ICD = Path("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json")
+
+
+@dataclass(frozen=True)
+class Family:
+    """What the compilers of one vendor tell.
+
+    statistics  'instructions', 'registers', 'waves', 'spills' -> the driver's name of it; 'waves' may be missing
+    texture     pattern of a line of code that fetches from a texture
+    slow        pattern of a line that takes `slow_slots` issue slots: square roots, sines, logarithms
+    slots       pattern of a line that takes one
+    """
+
+    statistics: Mapping[str, str]
+    texture: re.Pattern
+    slow: re.Pattern
+    slots: re.Pattern
+    slow_slots: int
+
+
+# RDNA: a special function takes four times an ordinary one; scalar instructions are issued beside the vector ones.
+AMD = Family(
+    {"instructions": "Instructions", "registers": "VGPRs", "waves": "Subgroups per SIMD", "spills": "Spilled VGPRs"},
+    re.compile(r"^\timage_"),
+    re.compile(r"^\tv_(rcp|rsq|sqrt|sin|cos|exp|log)_"),
+    re.compile(r"^\tv_"),
+    4,
+)
+# An SM of Ampere issues four warps of 32 a cycle; its special function units take 16 lanes of them.
+NVIDIA = Family(
+    {"instructions": "Instruction count", "registers": "Number of GPRs", "spills": "SLM Size"},
+    re.compile(r"= (tex|tld|tld4|txd)\b"),
+    re.compile(r"= (mufu|f2i|i2f|f2f)\b"),
+    re.compile(r"delay="),
+    8,
+)
+# A line stands for as many repetitions as (rptN) says, and for as many empty slots as (nopN) does.
+ADRENO = Family(
+    {
+        "instructions": "Instruction Count",
+        "registers": "Registers used",
+        "waves": "Max Waves Per Core",
+        "spills": "STP Count",
+    },
+    re.compile(r"^(?:\([^)]*\)\s*)*(sam|isam|gather4)"),
+    re.compile(r"^(?:\([^)]*\)\s*)*(rcp|rsq|sqrt|sin|cos|exp2|log2|hrsq|hlog2|hexp2)\b"),
+    re.compile(r"^(?!;|\s*$)"),
+    4,
+)
+
+
+@dataclass(frozen=True)
+class Count:
+    """A program on one GPU. All but the last are of the whole program, a loop counted once.
+
+    texture  instructions that fetch
+    slots    cycles in which a lane's instruction is issued
+    waves    that a unit holds at a time, 0 where the compiler does not tell
+    """
+
+    instructions: int
+    texture: int
+    slots: int
+    registers: int
+    waves: int
+    spills: int
+
+
+@dataclass(frozen=True)
+class Target:
+    """A GPU.
+
+    run  (the program's path, its input) -> its finished process; raises Unavailable
+    """
+
+    name: str
+    title: str
+    family: Family
+    run: Callable[[str], subprocess.CompletedProcess]
+
+    def counts(self, vertex: bytes, fragments: Mapping[str, tuple[bytes, int]]) -> dict[str, Count]:
+        """What the compiler makes of programs: name -> (SPIR-V, number of targets). Raises Unavailable."""
+        with tempfile.TemporaryDirectory(prefix="bokeh-isa-") as folder:
+            files = {name: Path(folder, f"{index}.spv") for index, name in enumerate(["", *fragments])}
+            files[""].write_bytes(vertex)
+            for name, (code, _) in fragments.items():
+                files[name].write_bytes(code)
+            listed = [[name, str(files[name]), targets] for name, (_, targets) in fragments.items()]
+            try:
+                done = self.run(json.dumps({"vertex": str(files[""]), "fragments": listed}))
+            except (OSError, subprocess.TimeoutExpired) as error:
+                raise Unavailable(f"its compiler did not run: {error}") from error
+        try:
+            found = json.loads(done.stdout)["pipelines"]
+        except ValueError:
+            said = done.stderr.strip().splitlines()
+            raise Unavailable(f"its compiler told nothing: {said[-1] if said else 'no message'}") from None
+        return {name: self._count(*told) for name, told in found.items()}
+
+    def _count(self, statistics: Mapping[str, float], code: str) -> Count:
+        found = {key: int(statistics[name]) for key, name in self.family.statistics.items()}
+        texture = slots = 0
+        for line in code.splitlines():
+            if self.family.texture.match(line) or (self.family is NVIDIA and self.family.texture.search(line)):
+                texture += 1
+            elif self.family.slow.search(line):
+                slots += self.family.slow_slots
+            elif self.family.slots.search(line):
+                repeated = re.search(r"\(rpt(\d)\)", line)
+                slots += 1 + (int(repeated[1]) if repeated else 0)
+        return Count(texture=texture, slots=slots, **{"waves": 0, **found})
+
+
+def _run(command: list[str], given: str, **variables: str) -> subprocess.CompletedProcess:
+    environment = {**os.environ, "MESA_SHADER_CACHE_DISABLE": "true", **variables}
+    return subprocess.run(
+        command, input=given, env=environment, capture_output=True, text=True, timeout=TIMEOUT_S, cwd="/"
+    )
+
+
+def _stock(family: str) -> Callable[[str], subprocess.CompletedProcess]:
+    """RADV of the system's own Mesa, without a device."""
+
+    def run(given: str) -> subprocess.CompletedProcess:
+        if not STOCK_ICD.is_file():
+            raise Unavailable("needs RADV: sudo apt-get install -y mesa-vulkan-drivers")
+        return _run([sys.executable, str(PROGRAM)], given, RADV_FORCE_FAMILY=family, VK_ICD_FILENAMES=str(STOCK_ICD))
+
+    return run
+
+
+def _unpacked(driver: str, shim: str = "", **variables: str) -> Callable[[str], subprocess.CompletedProcess]:
+    """A driver of the unpacked system, through its own loader; `shim` stands in for the kernel's driver."""
+
+    def run(given: str) -> subprocess.CompletedProcess:
+        root = trees.tree("amd64")
+        libraries = root / trees.LIBRARIES["amd64"]
+        icd = paths.ensured(root / "icd") / f"{driver}.json"
+        icd.write_text(json.dumps({"file_format_version": "1.0.0", "ICD": {
+            "api_version": "1.1", "library_path": str(libraries / f"libvulkan_{driver}.so")}}))  # fmt: skip
+        preload = ["--preload", str(libraries / f"lib{shim}_noop_drm_shim.so")] if shim else []
+        loader = [str(root / "lib64/ld-linux-x86-64.so.2"), "--library-path", str(libraries), *preload]
+        python = [str(root / "usr/bin/python3"), str(PROGRAM)]
+        where = {"PYTHONHOME": str(root / "usr"), "PYTHONPATH": _binding(root), "VK_ICD_FILENAMES": str(icd)}
+        return _run([*loader, *python], given, **where, **variables)
+
+    return run
+
+
+def _emulated(driver: str, shim: str, **variables: str) -> Callable[[str], subprocess.CompletedProcess]:
+    """A driver of the unpacked system for ARM, under qemu."""
+
+    def run(given: str) -> subprocess.CompletedProcess:
+        host, root = trees.tree("amd64"), trees.tree("arm64")
+        libraries = "/" + trees.LIBRARIES["arm64"]
+        qemu = [str(host / "usr/bin/qemu-aarch64"), "-L", str(root)]
+        preload = ["-E", f"LD_PRELOAD={libraries}/lib{shim}_noop_drm_shim.so"]
+        where = {"PYTHONPATH": _binding(root), "VK_ICD_FILENAMES": f"/usr/share/vulkan/icd.d/{driver}_icd.json"}
+        return _run([*qemu, *preload, str(root / "usr/bin/python3"), str(PROGRAM)], given, **where, **variables)
+
+    return run
+
+
+def _binding(root: Path) -> str:
+    """A folder that holds the package `vulkan` of this environment and nothing else of it."""
+    import vulkan
+
+    link = paths.ensured(root / "binding") / "vulkan"
+    if not link.exists():
+        link.symlink_to(Path(vulkan.__file__).parent)
+    return str(link.parent)
+
+
+# Part of every run: these three take a few seconds
+STOCK = (
+    Target("polaris10", "AMD GCN 4, Radeon RX 480", AMD, _stock("polaris10")),
+    Target("vega10", "AMD GCN 5, Radeon RX Vega", AMD, _stock("vega10")),
+    Target("navi21", "AMD RDNA 2, Radeon RX 6800 XT", AMD, _stock("navi21")),
+)
+OTHERS = (
+    Target("navi31", "AMD RDNA 3, Radeon RX 7900", AMD, _unpacked("radeon", RADV_FORCE_FAMILY="navi31")),
+    Target("gfx1201", "AMD RDNA 4, Radeon RX 9070", AMD, _unpacked("radeon", RADV_FORCE_FAMILY="gfx1201")),
+    Target("tu106", "NVIDIA Turing, RTX 2070", NVIDIA, _unpacked("nouveau", "nouveau", NOUVEAU_CHIPSET="166")),
+    Target("ga102", "NVIDIA Ampere, RTX 3080", NVIDIA, _unpacked("nouveau", "nouveau", NOUVEAU_CHIPSET="172")),
+    Target("ad102", "NVIDIA Ada, RTX 4090", NVIDIA, _unpacked("nouveau", "nouveau", NOUVEAU_CHIPSET="192")),
+    Target("a660", "Adreno 660", ADRENO, _emulated("freedreno", "freedreno", FD_GPU_ID="660")),
+    Target("a740", "Adreno 740", ADRENO, _emulated("freedreno", "freedreno", FD_GPU_ID="740")),
+)
+# What was looked for and is not to be had this way
+MISSING = {
+    "Intel": "Debian does not ship the stand-in for the kernel's driver (libintel_noop_drm_shim)",
+    "Mali": "its Vulkan driver tells the size of the code only",
+    "VideoCore": "its Vulkan driver finds no device without the hardware",
+}
+TARGETS = {target.name: target for target in (*STOCK, *OTHERS)}
