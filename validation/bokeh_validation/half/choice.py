@@ -53,4 +53,4 @@ MAY_BE_HALF: dict[str, tuple[str, ...]] = {
 }
 
 # beside them what a read of colour returns; that of depth is metres, which overflow
-ALLOWED = Choice({name: frozenset(names) for name, names in {**MAY_BE_HALF, FETCHES[0]: (RETURNED,)}.items()})
+ALLOWED: Choice = MAY_BE_HALF | {FETCHES[0]: (RETURNED,)}

@@ -5,11 +5,12 @@ of 720 to 4320 rows; colour 0 .. 65504; 65 samples. Inputs that spread over deca
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
+from bokeh_validation.half import program
 from bokeh_validation.reference import listings
 
 ROWS = 2160
@@ -25,28 +26,26 @@ PIXELS, RELATIVE, ABSOLUTE, CELLS = "pixels", "relative", "absolute", "cells"
 Arguments = list
 
 
-@dataclass(frozen=True)
-class Domain:
+class Domain(NamedTuple):
     """Inputs of a function, and the unit of its error.
 
     function   as the library names it
     unit       of the error, for a reader
-    factor     what an error of 1 counts in it: a number, or of the arguments, broadcast to (N, k)
     arguments  (random generator, N) -> arrays (N,), (N, components) or numbers; structs as dictionaries of these
-    note       what sets this row apart from another one of the same function
+    pixels     how many an error of 1 counts: a number, or of the arguments, broadcast to (N, k)
     """
 
     function: str
     unit: str
-    factor: float | Callable[[Arguments], np.ndarray]
     arguments: Callable[[Generator, int], Arguments]
-    note: str = ""
+    pixels: float | Callable[[Arguments], np.ndarray] = ROWS
 
     def scale(self, exact: np.ndarray, arguments: Arguments) -> np.ndarray:
         """What an error of 1 counts in each component of the exact result (N, k)."""
         if self.unit == RELATIVE:
             return 1.0 / np.maximum(np.abs(exact), SMALLEST_NORMAL)
-        return np.broadcast_to(self.factor(arguments) if callable(self.factor) else self.factor, exact.shape)
+        counts = self.pixels if self.unit == PIXELS else 1.0
+        return np.broadcast_to(counts(arguments) if callable(counts) else counts, exact.shape)
 
 
 def _uv(aspect) -> np.ndarray:
@@ -84,30 +83,29 @@ def _size(random: Generator, n: int) -> np.ndarray:
     return np.stack([random.integers(1280, 7681, n), random.integers(720, 4321, n)], axis=1).astype(float)
 
 
-def _coc(max_coc: float):
-    def arguments(random: Generator, n: int) -> Arguments:
-        focal = random.uniform(0.024, 0.135, n)
-        aperture = focal / _logarithmic(random, 1.4, 16.0, n)
-        focus = _focus(random, n)
-        return [_depth(random, n), aperture, focal, focus, np.full(n, SENSOR), np.full(n, max_coc)]
-
-    return arguments
-
-
-def _from_depth(kind: int, *planes: str):
-    """What a depth buffer holds for a distance between the planes, and those of them that the function is given."""
-
-    def arguments(random: Generator, n: int) -> Arguments:
-        metres, near, far = _between_planes(random, n)
-        given = {"near": near, "far": far}
-        return [listings.stored_depth(metres, kind, near, far), *(given[name] for name in planes)]
-
-    return arguments
+def _coc(random: Generator, n: int) -> Arguments:
+    focal = random.uniform(0.024, 0.135, n)
+    aperture = focal / _logarithmic(random, 1.4, 16.0, n)
+    focus = _focus(random, n)
+    return [_depth(random, n), aperture, focal, focus, np.full(n, SENSOR), np.full(n, MAX_COC)]
 
 
 def _between_planes(random: Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     near, far = _logarithmic(random, 0.05, 1.0, n), _logarithmic(random, 100.0, 1e5, n)
     return near * (far / near) ** random.uniform(0.0, 1.0, n), near, far
+
+
+def _from_depth(kind: str) -> Domain:
+    """What a depth buffer of a convention holds for a distance between the planes."""
+    function = f"BokehDepthFrom{kind.capitalize()}"
+
+    def arguments(random: Generator, n: int) -> Arguments:
+        metres, near, far = _between_planes(random, n)
+        given = {"zNear": near, "zFar": far}
+        given["depth"] = listings.stored_depth(metres, listings.DEPTH_KINDS[kind], near, far)
+        return [given[name] for name in program.library()[function].parameters]
+
+    return Domain(function, RELATIVE, arguments)
 
 
 def _linear_depth(random: Generator, n: int) -> Arguments:
@@ -123,12 +121,9 @@ def _offsets(random: Generator, n: int) -> Arguments:
     return [end, np.floor(random.uniform(0.0, 1.0, n) * count).astype(np.int64), count]
 
 
-def _filter_coc(max_coc: float):
-    def arguments(random: Generator, n: int) -> Arguments:
-        rows = random.integers(720, 4321, n).astype(float)
-        return [_logarithmic(random, 1e-5, max_coc, n), rows, random.integers(0, 3, n) / 2.0]
-
-    return arguments
+def _filter_coc(random: Generator, n: int) -> Arguments:
+    rows = random.integers(720, 4321, n).astype(float)
+    return [_logarithmic(random, 1e-5, MAX_COC, n), rows, random.integers(0, 3, n) / 2.0]
 
 
 def _segment(random: Generator, n: int) -> Arguments:
@@ -151,7 +146,7 @@ def _resolve(random: Generator, n: int) -> Arguments:
     return [_color(random, n) * total[:, None], total, _color(random, n), True]
 
 
-def _polygon(random: Generator, n: int, first: int) -> list[np.ndarray]:
+def _polygon(random: Generator, n: int, first: int = 2) -> list[np.ndarray]:
     """k from `first` to sides / 2, and sides."""
     sides = random.choice(SIDES[SIDES >= 2 * first], n)
     k = first + np.floor(random.uniform(0.0, 1.0, n) * (sides // 2 - first + 1))
@@ -166,49 +161,40 @@ def _edge(random: Generator, n: int) -> Arguments:
 
 def _target(random: Generator, n: int) -> Arguments:
     """Lines as BokehLineSum returns them: a mean weight in alpha, and the colour times that; none from edge k on."""
-    k, sides = _polygon(random, n, 2)
+    k, sides = _polygon(random, n)
     weights = random.uniform(0.1, 1.0, (4, n, 1)) * (np.arange(1, 5)[:, None, None] < k[:, None])
     lines = [np.concatenate([_color(random, n)[:, :3] * weight, weight], axis=1) for weight in weights]
     return [k, sides, *lines, _color(random, n)]
 
 
+def _debug_focus(random: Generator, n: int) -> Arguments:
+    return [_depth(random, n), _focus(random, n), random.uniform(0.0, MAX_COC, n), MAX_COC]
+
+
 _OF_COC = MAX_COC * ROWS
 DOMAINS = (
-    Domain("BokehCoC", PIXELS, ROWS, _coc(MAX_COC)),
-    Domain("BokehCoC", PIXELS, ROWS, _coc(1.0), "MaxCoC 1"),
-    Domain("BokehSignedCoC", PIXELS, ROWS, _coc(MAX_COC)),
-    Domain("BokehSafeChannel", RELATIVE, 1, lambda r, n: [_color(r, n)[:, 0]]),
-    Domain("BokehSafeDepth", RELATIVE, 1, lambda r, n: [_depth(r, n)]),
-    Domain("BokehDepthFromWindow", RELATIVE, 1, _from_depth(1, "near", "far")),
-    Domain("BokehDepthFromReversed", RELATIVE, 1, _from_depth(2, "near", "far")),
-    Domain("BokehDepthFromInfinite", RELATIVE, 1, _from_depth(3, "near")),
-    Domain("BokehDepthFromClip", RELATIVE, 1, _from_depth(4, "near", "far")),
-    Domain("BokehDepthFromOrthographic", RELATIVE, 1, _from_depth(5, "near", "far")),
-    Domain("BokehDepthFromFraction", RELATIVE, 1, _from_depth(7, "far")),
-    Domain("BokehDepthFromLogarithmic", RELATIVE, 1, _from_depth(8, "far")),
-    Domain("BokehLinearDepth", RELATIVE, 1, _linear_depth),
-    Domain("BokehPackCoC", RELATIVE, 1, lambda r, n: [_color(r, n), r.uniform(0.0, MAX_COC, n)]),
-    Domain("BokehDefaultFilter", RELATIVE, 1, lambda r, n: [_size(r, n)]),
-    Domain("BokehLineEnd", PIXELS, lambda a: _uv(a[1]), lambda r, n: [_angle(r, n), r.uniform(0.5, 2.4, n)]),
-    Domain("BokehMakeOffsets", PIXELS, lambda a: _uv(WIDE), _offsets),
-    Domain("BokehFilterCoC", PIXELS, ROWS, _filter_coc(MAX_COC)),
-    Domain("BokehFilterCoC", PIXELS, ROWS, _filter_coc(1.0), "MaxCoC 1"),
-    Domain("BokehCells", CELLS, 1, lambda r, n: [r.uniform(0.0, MAX_COC * 4320.0, n), r.integers(0, 5, n) / 2.0]),
-    Domain("BokehSegment", PIXELS, _OF_COC, _segment),
-    Domain("BokehLeakageWeight", ABSOLUTE, 1, _leakage),
-    Domain("BokehSignedLeakageWeight", ABSOLUTE, 1, lambda r, n: [*_half_coc(r, n, -MAX_COC), SETTINGS]),
-    Domain("BokehResolve", RELATIVE, 1, _resolve),
-    Domain("BokehCombine", RELATIVE, 1, lambda r, n: [_color(r, n), _color(r, n), False]),
-    Domain("BokehRotated", PIXELS, _OF_COC, lambda r, n: [_directions(r, n), _directions(r, n)]),
-    Domain("BokehPolygonEdge", PIXELS, _OF_COC, _edge),
-    Domain("BokehExactWeight", RELATIVE, 1, lambda r, n: _polygon(r, n, 2)),
-    Domain("BokehExactTarget", RELATIVE, 1, _target),
-    Domain("BokehDebugDepth", ABSOLUTE, 1, lambda r, n: [_depth(r, n), _focus(r, n)]),
-    Domain("BokehDebugCoC", ABSOLUTE, 1, lambda r, n: [r.uniform(0.0, MAX_COC, n), MAX_COC]),
-    Domain(
-        "BokehDebugFocus",
-        ABSOLUTE,
-        1,
-        lambda r, n: [_depth(r, n), _focus(r, n), r.uniform(0.0, MAX_COC, n), MAX_COC],
-    ),
+    Domain("BokehCoC", PIXELS, _coc),
+    Domain("BokehSignedCoC", PIXELS, _coc),
+    Domain("BokehSafeChannel", RELATIVE, lambda r, n: [_color(r, n)[:, 0]]),
+    Domain("BokehSafeDepth", RELATIVE, lambda r, n: [_depth(r, n)]),
+    *map(_from_depth, ("window", "reversed", "infinite", "clip", "orthographic", "fraction", "logarithmic")),
+    Domain("BokehLinearDepth", RELATIVE, _linear_depth),
+    Domain("BokehPackCoC", RELATIVE, lambda r, n: [_color(r, n), r.uniform(0.0, MAX_COC, n)]),
+    Domain("BokehDefaultFilter", RELATIVE, lambda r, n: [_size(r, n)]),
+    Domain("BokehLineEnd", PIXELS, lambda r, n: [_angle(r, n), r.uniform(0.5, 2.4, n)], lambda given: _uv(given[1])),
+    Domain("BokehMakeOffsets", PIXELS, _offsets, lambda _: _uv(WIDE)),
+    Domain("BokehFilterCoC", PIXELS, _filter_coc),
+    Domain("BokehCells", CELLS, lambda r, n: [r.uniform(0.0, MAX_COC * 4320.0, n), r.integers(0, 5, n) / 2.0]),
+    Domain("BokehSegment", PIXELS, _segment, _OF_COC),
+    Domain("BokehLeakageWeight", ABSOLUTE, _leakage),
+    Domain("BokehSignedLeakageWeight", ABSOLUTE, lambda r, n: [*_half_coc(r, n, -MAX_COC), SETTINGS]),
+    Domain("BokehResolve", RELATIVE, _resolve),
+    Domain("BokehCombine", RELATIVE, lambda r, n: [_color(r, n), _color(r, n), False]),
+    Domain("BokehRotated", PIXELS, lambda r, n: [_directions(r, n), _directions(r, n)], _OF_COC),
+    Domain("BokehPolygonEdge", PIXELS, _edge, _OF_COC),
+    Domain("BokehExactWeight", RELATIVE, _polygon),
+    Domain("BokehExactTarget", RELATIVE, _target),
+    Domain("BokehDebugDepth", ABSOLUTE, lambda r, n: [_depth(r, n), _focus(r, n)]),
+    Domain("BokehDebugCoC", ABSOLUTE, lambda r, n: [r.uniform(0.0, MAX_COC, n), MAX_COC]),
+    Domain("BokehDebugFocus", ABSOLUTE, _debug_focus),
 )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bokeh_validation import exr, methods, metrics, paths
-from bokeh_validation.half.interpreter import ALL_FLOAT, Choice, Evaluator, Rounded
+from bokeh_validation.half.interpreter import ALL_FLOAT, Choice, Evaluator
 from bokeh_validation.passes import SLOTS, Pass
 from bokeh_validation.reference import images, sampling
 
@@ -74,7 +74,7 @@ def _run(method: str, exposure: float, choice: Choice, storage: str | None):
     color = scene.color[part] * np.float32([exposure, exposure, exposure, 1.0])
     plan = methods.plan(METHODS[method], FRAME)
     textures = {"color": color, "depth": scene.depth[part], **plan.tables}
-    return run(plan.passes, textures, SIZE, Rounded(), choice, storage, frame=FRAME)
+    return run(plan.passes, textures, SIZE, np.float32, choice, storage, frame=FRAME)
 
 
 def _moved(before: Places, after: Places) -> float:
@@ -90,7 +90,7 @@ def run(
     passes: Sequence[Pass],
     textures: Mapping[str, np.ndarray],
     size: tuple[int, int],
-    numbers: Rounded,
+    wide: type,
     choice: Choice = ALL_FLOAT,
     storage: str | None = None,
     rounding: str = "nearest",
@@ -107,7 +107,7 @@ def run(
     origin, extent = np.array([columns - width, rows - height]), np.array([columns, rows])
     y, x = np.mgrid[0:height, 0:width]
     # the rasteriser makes uv in float32; the shader may take it as half
-    uv = ((np.stack([x.ravel(), y.ravel()], axis=1) + 0.5 + origin) / extent).astype(numbers.types["float"])
+    uv = ((np.stack([x.ravel(), y.ravel()], axis=1) + 0.5 + origin) / extent).astype(wide)
     places: Places = []
 
     def fetch(kind: str, texture: str, at, mask) -> np.ndarray:
@@ -126,7 +126,7 @@ def run(
     for item in passes:
         bound = {f"Bokeh{slot}": item.inputs.get(slot, "nothing") for slot in SLOTS}
         given = {**item.constants, **item.given(), "BokehUV": uv, **bound}
-        written = Evaluator(numbers, choice, given, fetch).main(item.entry)
+        written = Evaluator(wide, choice, given, fetch).main(item.entry)
         for name, target in zip(item.outputs, RESULTS, strict=False):
             pixels = np.broadcast_to(written[target].astype(np.float64), (height * width, 4))
             live[name] = stored(pixels.reshape(height, width, 4), storage, rounding)

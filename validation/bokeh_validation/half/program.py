@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 from pycparser import c_ast, c_parser
 
@@ -15,35 +15,12 @@ INTEGERS = ("int", "bool")
 FORMULAS = range(3, 10)
 
 
-@dataclass(frozen=True)
-class Function:
-    """A function of the shaders.
-
-    section     number of its section; 0 in the passes
-    parameters  name -> type, in order
-    body        syntax tree
-    """
+class Function(NamedTuple):
+    """A function of the shaders; parameters: name -> type, in order."""
 
     name: str
-    section: int
     parameters: Mapping[str, str]
     body: c_ast.Compound
-
-    @property
-    def locals(self) -> tuple[str, ...]:
-        """Names of its local variables of a floating type, in the order of the text."""
-        found = _Declarations()
-        found.visit(self.body)
-        return tuple(dict.fromkeys(found.names))
-
-
-class _Declarations(c_ast.NodeVisitor):
-    def __init__(self) -> None:
-        self.names: list[str] = []
-
-    def visit_Decl(self, node: c_ast.Decl) -> None:
-        if type_name(node) not in (*INTEGERS, *structs()):
-            self.names.append(node.name)
 
 
 def type_name(node: c_ast.Decl) -> str:
@@ -54,51 +31,54 @@ def type_name(node: c_ast.Decl) -> str:
 @cache
 def structs() -> Mapping[str, Mapping[str, str]]:
     """Name -> member -> type."""
-    found = re.finditer(r"^struct (\w+)\n\{\n(.*?)^\};", _text("library"), re.MULTILINE | re.DOTALL)
+    found = re.finditer(r"^struct (\w+)\n\{\n(.*?)^\};", _library(), re.MULTILINE | re.DOTALL)
     return {one[1]: {name: kind for kind, name in re.findall(r"(\w+) (\w+);", one[2])} for one in found}
 
 
 @cache
 def library() -> Mapping[str, Function]:
     """Every function of sections [3] to [9] of glsl/bokeh.glsl by name, in the order of the text."""
-    return {
-        function["name"]: _parsed(function, number)
-        for number, section in shaders.sections(_text("library")).items()
-        if number in FORMULAS
-        for function in shaders.FUNCTION.finditer(section)
-    }
+    text = shaders.sections(_library())
+    return _functions("\n".join(text[number] for number in FORMULAS))
 
 
 @cache
 def helpers() -> Mapping[str, Function]:
     """The functions of glsl/bokeh_passes.glsl that its entries call, without those of the layered method."""
-    text = re.sub(r"^#ifdef BOKEH_LAYERS\n.*?^#endif\n", "", _text("passes"), flags=re.MULTILINE | re.DOTALL)
-    found = shaders.FUNCTION.finditer(text)
-    return {function["name"]: _parsed(function, 0) for function in found if function["name"] != "main"}
+    text = re.sub(r"^#ifdef BOKEH_LAYERS\n.*?^#endif\n", "", _passes(), flags=re.MULTILINE | re.DOTALL)
+    return _functions(text, but="main")
 
 
 @cache
 def main(entry: str) -> Function:
     """main() of one of entries.ENTRIES, from glsl/bokeh_passes.glsl."""
     head = rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(entry)}\n\n"
-    branch = re.search(head, _text("passes"), re.MULTILINE)
+    branch = re.search(head, _passes(), re.MULTILINE)
     if branch is None:
         raise KeyError(f"glsl/bokeh_passes.glsl has no pass {entry}")
-    return _parsed(shaders.FUNCTION.search(_text("passes"), branch.end()), 0)
+    return _parsed(shaders.FUNCTION.search(_passes(), branch.end()))
 
 
 @cache
 def constants() -> Mapping[str, float | int]:
     """Section [1]: the defaults of the library's defines."""
-    found = shaders.settings("glsl", _text("library"))
+    found = shaders.settings("glsl", _library())
     return {name: float(value) if "." in value else int(value) for name, value in found.items()}
 
 
-def _text(file: str) -> str:
-    return (paths.library if file == "library" else paths.passes)("glsl").read_text(encoding="ascii")
+def _library() -> str:
+    return paths.library("glsl").read_text(encoding="ascii")
 
 
-def _parsed(function: re.Match, section: int) -> Function:
+def _passes() -> str:
+    return paths.passes("glsl").read_text(encoding="ascii")
+
+
+def _functions(text: str, but: str = "") -> Mapping[str, Function]:
+    return {one["name"]: _parsed(one) for one in shaders.FUNCTION.finditer(text) if one["name"] != but}
+
+
+def _parsed(function: re.Match) -> Function:
     """A constructor, `vec2(...)`, is a type where C wants a function: it gets another name."""
     text = shaders.COMMENT.sub("", f"{function['head']}\n{function['body']}")
     text = re.sub(rf"\b({'|'.join(('float', 'int', *TYPES))})\(", r"new_\1(", text)
@@ -107,4 +87,4 @@ def _parsed(function: re.Match, section: int) -> Function:
     (definition,) = c_parser.CParser().parse(typedefs + text).ext[len(types) :]
     arguments = definition.decl.type.args
     parameters = {item.name: type_name(item) for item in arguments.params} if arguments else {}
-    return Function(definition.decl.name, section, parameters, definition.body)
+    return Function(definition.decl.name, parameters, definition.body)

@@ -8,49 +8,33 @@ from bokeh_validation import terminal
 from bokeh_validation.half import frames
 from bokeh_validation.half.choice import ALLOWED, MAY_BE_HALF, WHOLE
 from bokeh_validation.half.domain import DOMAINS, MAX_SAMPLES, Domain
-from bokeh_validation.half.interpreter import ALL_FLOAT, ALL_HALF, Choice, Evaluator, Rounded
+from bokeh_validation.half.interpreter import ALL_FLOAT, ALL_HALF, Choice, Evaluator
 
 INPUTS = 4000
 SEED = 20120
 STORAGES = {"half": "RGBA16F", "r11g11b10": "R11G11B10F, CoC elsewhere", "rgba8": "RGBA8"}
-# the columns of the budget: numbers and what is half
-PRECISIONS = {
-    "float": (Rounded(), ALL_FLOAT),
-    "half": (Rounded(), ALL_HALF),
-    "flushed": (Rounded(flush=True), ALL_HALF),
-    "allowed": (Rounded(), ALLOWED),
-}
+# the columns of the budget
+CHOICES = {"float": ALL_FLOAT, "half": ALL_HALF, "allowed": ALLOWED}
 
 
 def errors(domain: Domain) -> Mapping[str, np.ndarray]:
-    """By precision, (N,) of every input in the function's unit, the largest of its components; infinite where lost."""
+    """By choice, (N,) of every input in the function's unit, the largest of its components; infinite where lost."""
     arguments = domain.arguments(np.random.default_rng(SEED), INPUTS)
-    exact = called(Rounded(np.float64), ALL_FLOAT, domain.function, arguments)
-    scale = domain.scale(exact, arguments)
+    exact = _called(np.float64, ALL_FLOAT, domain.function, arguments)
     found = {}
-    for name, (numbers, choice) in PRECISIONS.items():
+    for name, choice in CHOICES.items():
         with np.errstate(invalid="ignore"):
-            off = np.abs(called(numbers, choice, domain.function, arguments) - exact)
-        found[name] = (np.where(np.isfinite(off), off, np.inf) * scale).max(axis=1)
+            off = np.abs(_called(np.float32, choice, domain.function, arguments) - exact)
+        found[name] = (np.where(np.isfinite(off), off, np.inf) * domain.scale(exact, arguments)).max(axis=1)
     return found
 
 
-def called(numbers: Rounded, choice: Choice, function: str, arguments: list) -> np.ndarray:
+def _called(wide: type, choice: Choice, function: str, arguments: list) -> np.ndarray:
     """Result (N, components) in float64, with as many samples as the domain has; members of a struct side by side."""
-    found = Evaluator(numbers, choice, {"BOKEH_NUM_SAMPLES": MAX_SAMPLES}).call(function, *arguments)
+    found = Evaluator(wide, choice, {"BOKEH_NUM_SAMPLES": MAX_SAMPLES}).call(function, *arguments)
     if isinstance(found, dict):
         found = np.concatenate(np.broadcast_arrays(*found.values()), axis=1)
     return found.astype(np.float64)
-
-
-def largest(off: np.ndarray) -> float:
-    """Of those that are finite."""
-    return float(np.max(off, where=np.isfinite(off), initial=0.0))
-
-
-def lost(off: np.ndarray) -> float:
-    """Share of the inputs whose result is not finite."""
-    return float(np.isinf(off).mean())
 
 
 def measured(step: Callable[[str], None] = lambda _: None) -> tuple[list, list, list]:
@@ -68,29 +52,31 @@ def measured(step: Callable[[str], None] = lambda _: None) -> tuple[list, list, 
 
 def markdown(budget: list, methods: list, storages: list) -> Iterator[str]:
     """The tables, a line each."""
-    yield "| function | error in | float | half | median | flushed | not finite | as allowed | may be half |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield "| function | error in | float | half | not finite | as allowed | may be half |"
+    yield "|---|---|---|---|---|---|---|"
     for item, off in budget:
-        name = f"`{item.function}`" + (f", {item.note}" if item.note else "")
+        float_, half, allowed = (_number(float(off[name][np.isfinite(off[name])].max())) for name in CHOICES)
         names = MAY_BE_HALF.get(item.function, ())
-        cells = [name, item.unit, number(largest(off["float"])), number(largest(off["half"]))]
-        cells += [number(float(np.median(off["half"]))), number(largest(off["flushed"])), share(lost(off["half"]))]
-        cells += [number(largest(off["allowed"])), "all" if names == WHOLE else ", ".join(names) or "nothing"]
-        yield f"| {' | '.join(cells)} |"
+        may = "all" if names == WHOLE else ", ".join(names) or "nothing"
+        lost = _share(float(np.isinf(off["half"]).mean()))
+        yield f"| `{item.function}` | {item.unit} | {float_} | {half} | {lost} | {allowed} | {may} |"
     yield ""
     yield "| method | all half: PSNR | sample moved by | not finite | as allowed: PSNR | sample moved by |"
     yield "|---|---|---|---|---|---|"
     for name, half, allowed in methods:
-        cells = [name, f"{half.psnr:.0f} dB", f"{number(half.moved)} px", share(half.lost)]
-        yield f"| {' | '.join(cells)} | {allowed.psnr:.0f} dB | {number(allowed.moved)} px |"
+        yield f"| {name} | {_moved(half)} | {_share(half.lost)} | {_moved(allowed)} |"
     yield ""
     yield "| targets between the passes | PSNR | sample moved by |"
     yield "|---|---|---|"
     for name, outcome in storages:
-        yield f"| {STORAGES[name]} | {outcome.psnr:.0f} dB | {number(outcome.moved)} px |"
+        yield f"| {STORAGES[name]} | {_moved(outcome)} |"
 
 
-def number(x: float) -> str:
+def _moved(outcome: frames.Outcome) -> str:
+    return f"{outcome.psnr:.0f} dB | {_number(outcome.moved)} px"
+
+
+def _number(x: float) -> str:
     """Two digits."""
     if x == 0.0:
         return "0"
@@ -99,9 +85,9 @@ def number(x: float) -> str:
     return f"{x:.1e}".replace("e-0", "e-").replace("e+0", "e")
 
 
-def share(x: float) -> str:
+def _share(x: float) -> str:
     """Percent."""
-    return "0" if x == 0.0 else f"{number(100.0 * x)} %"
+    return "0" if x == 0.0 else f"{_number(100.0 * x)} %"
 
 
 def precision() -> None:

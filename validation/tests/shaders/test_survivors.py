@@ -10,7 +10,7 @@ from support import in_each_language
 from support_cases import noise_case, within
 
 from bokeh_validation import methods, metrics, passes, paths, shaders
-from bokeh_validation.half.interpreter import ALL_FLOAT, Evaluator, Rounded
+from bokeh_validation.half.interpreter import Evaluator
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import depth_of, flat
 from bokeh_validation.reference import listings
@@ -57,7 +57,7 @@ def test_a_line_of_one_sample():
 
     WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
     """
-    line, evaluator = np.array([[0.25, 0.5]]), Evaluator(Rounded(np.float64), ALL_FLOAT)
+    line, evaluator = np.array([[0.25, 0.5]]), Evaluator(np.float64)
     for sample, count, wanted in ((0, 1, -line), (0, 2, -line), (1, 2, line)):
         np.testing.assert_array_equal(evaluator.call("BokehMakeOffsets", line, sample, count), wanted)
 
