@@ -18,6 +18,7 @@ Polygons are (n, 2), x right and y down, in units of the circle of confusion (Co
 them. Angles are in degrees, from +x towards +y.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -244,57 +245,48 @@ def _stars(found: list[Strip], tolerance: float) -> list[Star]:
     """The partition into stars; with one direction in two of them where there is no other way."""
     areas = sorted({chord(i, j) * j.width for i, j in combinations(found, 2)})
     for again in (0, 1):
-        low, high, best = 0, len(areas) - 1, None
-        while low <= high:
-            middle = (low + high) // 2
-            stars = _covered(found, areas[middle] * (1.0 + _STEP), again, tolerance)
-            if stars is None:
-                low = middle + 1
-            else:
-                best, high = stars, middle - 1
-        if best is not None:
-            return best
+
+        def stars(area: float, again: int = again) -> list[Star] | None:
+            return _covered(found, area * (1.0 + _STEP), again, tolerance)
+
+        least = bisect_left(areas, True, key=lambda area: stars(area) is not None)
+        if least < len(areas):
+            return stars(areas[least])
     raise AssertionError("one direction twice is always enough: pairs of directions, and one more")
 
 
 def _covered(found: list[Strip], limit: float, again: int, tolerance: float) -> list[Star] | None:
     """Cheapest stars with parallelograms up to `limit`: every direction once, `again` of them twice; None: none do."""
-    options: list[list[tuple[int, tuple[int, ...], Star]]] = [[] for _ in found]
     cheapest: dict[int, tuple[tuple[int, ...], Star]] = {}
     for star in _star_options(found, limit, tolerance):
         members = 1 << star.hub | sum(1 << leaf for leaf in star.leaves)
         cost = _cost(found, star, limit)
         if members not in cheapest or cost < cheapest[members][0]:
             cheapest[members] = cost, star
-    for members, (cost, star) in cheapest.items():
-        options[(members & -members).bit_length() - 1].append((members, cost, star))
+    # those that have a direction, and no lower one unless that is for the second time
+    having = [
+        [
+            (members, best)
+            for members, best in cheapest.items()
+            if members >> k & 1 and (again or not members % (1 << k))
+        ]
+        for k in range(len(found))
+    ]
 
     @cache
     def best(left: int, spare: int) -> tuple[tuple[int, ...], tuple[Star, ...]] | None:
         if not left:
-            return (), ()
-        lowest = (left & -left).bit_length() - 1
-        answer = None
-        # a star that has the lowest direction may, with one to spare, have a lower one for the second time
-        for members, cost, star in _with(lowest, options, spare):
+            return (0,) * 4, ()
+        answers = []
+        for members, (cost, star) in having[(left & -left).bit_length() - 1]:
             used = (members & ~left).bit_count()
-            if not members >> lowest & 1 or used > spare:
-                continue
-            rest = best(left & ~members, spare - used)
-            if rest is None:
-                continue
-            total = tuple(map(sum, zip(cost, rest[0], strict=True))) if rest[0] else cost
-            if answer is None or total < answer[0]:
-                answer = total, (star, *rest[1])
-        return answer
+            rest = best(left & ~members, spare - used) if used <= spare else None
+            if rest is not None:
+                answers.append((tuple(map(sum, zip(cost, rest[0], strict=True))), (star, *rest[1])))
+        return min(answers, key=lambda answer: answer[0], default=None)
 
     answer = best((1 << len(found)) - 1, again)
     return None if answer is None else sorted(answer[1], key=lambda star: (found[star.hub].angle, star.leaves))
-
-
-def _with(lowest: int, options: list[list], spare: int) -> Iterator[tuple]:
-    for group in options[: lowest + 1] if spare else [options[lowest]]:
-        yield from group
 
 
 def _star_options(found: list[Strip], limit: float, tolerance: float) -> Iterator[Star]:

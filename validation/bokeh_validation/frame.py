@@ -3,8 +3,8 @@
 It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
 """
 
-import re
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 import typer
@@ -23,21 +23,10 @@ from bokeh_validation.passes import (
 )
 
 LEAST_SIDE, MOST_SIDE = 2, 16384
-FORMATS = {4: "RGBA16F", 2: "RG16F"}
+FORMAT, TEXEL_BYTES = "RGBA16F", 8
 PAGE = paths.ROOT / "docs/passes.md"
 BEGIN, END = "<!-- made by validation/run plan --docs: begin -->\n", "<!-- end -->\n"
 PAGE_SIZE = (1920, 1080)
-
-
-def parsed_size(text: str) -> tuple[int, int]:
-    """(width, height) from '1920x1080'. Raises UserError."""
-    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
-    if match is None:
-        raise UserError(f"--size {text}: not a size. Give width x height in pixels, for example 1920x1080.")
-    size = int(match[1]), int(match[2])
-    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in size):
-        raise UserError(f"--size {text}: not allowed. Give {LEAST_SIDE} to {MOST_SIDE} pixels a side.")
-    return size
 
 
 def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
@@ -62,9 +51,8 @@ def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
             "inputs": [_input(item, slot) for slot in SLOTS if slot in item.inputs],
             "targets": list(item.outputs),
             "scale": item.scale,
-            "channels": item.channels,
             "size": list(target_size(item.scale, size)),
-            "format": FORMATS[item.channels],
+            "format": FORMAT,
             "changes": changed,
             "constants": item.constants,
             "fetches": fetches.of_pass(item),
@@ -131,7 +119,7 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
                 found[name] = {"name": name, "written": None, "size": list(whole), "format": None, "bytes": None}
         wide, high = target_size(item.scale, size)
         for name in item.outputs:
-            kind = {"size": [wide, high], "format": FORMATS[item.channels], "bytes": 2 * item.channels * wide * high}
+            kind = {"size": [wide, high], "format": FORMAT, "bytes": TEXEL_BYTES * wide * high}
             found[name] = {"name": name, "written": number, **kind}
     for name, texture in found.items():
         texture["read"] = read.get(name, [])
@@ -140,22 +128,19 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
     return list(found.values())
 
 
-def _share(textures) -> None:
-    """Number the memory: a target takes that of one of its kind that nobody reads any more."""
+def _share(textures: Iterable[dict]) -> None:
+    """Number the memory: a target takes that of one of its size that nobody reads any more."""
     taken: list[dict] = []
     for texture in textures:
         texture["memory"] = None
-        if not texture["written"]:
-            continue
-        kind = (texture["size"], texture["format"])
-        for number, other in enumerate(taken):
-            free = other["last_read"] is not None and other["last_read"] < texture["written"]
-            if free and (other["size"], other["format"]) == kind:
-                texture["memory"], taken[number] = number, texture
-                break
-        else:
-            texture["memory"] = len(taken)
-            taken.append(texture)
+        if texture["written"]:
+            free = (
+                number
+                for number, other in enumerate(taken)
+                if other["size"] == texture["size"] and (other["last_read"] or math.inf) < texture["written"]
+            )
+            texture["memory"] = number = next(free, len(taken))
+            taken[number : number + 1] = [texture]
 
 
 # ---------------------------------------------------------------------------------------------------------------- text
@@ -238,22 +223,14 @@ def page(text: str) -> str:
 def _page_lines() -> Iterator[str]:
     for method, aperture in SHOWN:
         yield from _section(frame(methods.Settings(method, aperture), PAGE_SIZE))
-    yield "## Other polygons, and one target a pass"
-    yield ""
-    yield (
-        f"At {_size(PAGE_SIZE)}, CoC map and result included; *shared*: every target's memory is used again as soon as "
-        "it is free."
-    )
-    yield ""
-    yield (
-        "| method, shape | passes | targets at once, at most | colour fetches a pixel, at most | MB | shared | "
-        "one target a pass |"
-    )
+    yield from ("## Other polygons, and one target a pass", "")
+    shared = "every target's memory is used again as soon as it is free."
+    yield from (f"At {_size(PAGE_SIZE)}, CoC map and result included; *shared*: {shared}", "")
+    heads = ("method, shape", "passes", "targets at once, at most", "colour fetches a pixel, at most", "MB", "shared")
+    yield _row(*heads, "one target a pass")
     yield "|---|---|---|---|---|---|---|"
     for method, aperture in OTHERS:
-        several, one = (
-            frame(methods.Settings(method, aperture, targets=targets), PAGE_SIZE) for targets in (True, False)
-        )
+        several, one = (frame(methods.Settings(method, aperture, targets=each), PAGE_SIZE) for each in (True, False))
         most = max(len(step["targets"]) for step in several["passes"])
         yield _row(
             f"{method}, {aperture}",
@@ -268,10 +245,8 @@ def _page_lines() -> Iterator[str]:
 
 def _section(found: dict) -> Iterator[str]:
     preset = f", preset {found['quality'].upper()}" if found["quality"] else ""
-    yield f"## {found['method']}, {found['aperture']}{preset}"
-    yield ""
-    yield f"Constants: {_values({n: v for n, v in constants(found).items() if v})}."
-    yield ""
+    yield from (f"## {found['method']}, {found['aperture']}{preset}", "")
+    yield from (f"Constants: {_values({n: v for n, v in constants(found).items() if v})}.", "")
     yield "| | entry | reads | writes | size | sets | fetches |"
     yield "|---|---|---|---|---|---|---|"
     for step in found["passes"]:
@@ -285,12 +260,9 @@ def _section(found: dict) -> Iterator[str]:
             _values(step["changes"]),
             f"{counts['color']}" + (f", depth {counts['depth']}" if counts["depth"] else ""),
         )
-    yield ""
-    yield (
-        f"Targets: {_megabytes(found['bytes'])} MB, {_megabytes(found['bytes_shared'])} MB where those that are free "
-        f"are used again. Fetches a pixel of the full size, at most: {_counts(found['fetches'])}."
-    )
-    yield ""
+    memory = f"{_megabytes(found['bytes'])} MB, {_megabytes(found['bytes_shared'])} MB where those that are free"
+    fetched = f"Fetches a pixel of the full size, at most: {_counts(found['fetches'])}."
+    yield from ("", f"Targets: {memory} are used again. {fetched}", "")
 
 
 def _sources(inputs: list[dict]) -> Iterator[str]:
@@ -327,6 +299,9 @@ def plan(
         text = page(PAGE.read_text(encoding="utf-8"))
         files.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
         return
-    found = frame(methods.Settings(method, aperture, targets=targets, quality=quality), parsed_size(size))
+    found = frame(
+        methods.Settings(method, aperture, targets=targets, quality=quality),
+        terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE),
+    )
     terminal.write_json(json_file, found)
     terminal.tell(*lines(found))

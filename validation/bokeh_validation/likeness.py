@@ -1,9 +1,9 @@
 """Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
@@ -24,8 +24,7 @@ METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
 PRESETS = ("low", "medium")
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """A picture against the truth of its scene.
 
     label  the method, for layered with its preset
@@ -41,28 +40,19 @@ class Row:
     light: float
 
 
+def chosen(option: str, given: Iterable[str] | None, known: Iterable[str], default: Iterable[str]) -> list[str]:
+    """Those of an option in the order of `known`. Raises UserError."""
+    for one in given or ():
+        if one not in known:
+            raise UserError(f"{option} {one}: unknown. Give one of {', '.join(known)}.")
+    return [one for one in known if one in (given or default)]
+
+
 def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None = None) -> list[str]:
     """Of the rows for --method and --quality; all by default. Raises UserError."""
-    chosen = list(methods or METHODS)
-    qualities = list(presets or PRESETS)
-    for option, given, allowed in (("--method", chosen, METHODS), ("--quality", qualities, tuple(QUALITIES))):
-        for one in given:
-            if one not in allowed:
-                raise UserError(f"{option} {one}: unknown. Give one of {', '.join(allowed)}.")
-    found = []
-    for method in METHODS:
-        if method in chosen:
-            found += [f"layered {name}" for name in QUALITIES if name in qualities] if method == "layered" else [method]
-    return found
-
-
-def scenes(names: Iterable[str] | None = None) -> list[SceneFile]:
-    """Those of --scene; all by default. Raises UserError."""
-    known = {scene.name: scene for scene in suite.SCENES}
-    for name in names or ():
-        if name not in known:
-            raise UserError(f"--scene {name}: unknown. Give one of {', '.join(known)}.")
-    return [scene for name, scene in known.items() if not names or name in names]
+    layered = [f"layered {name}" for name in chosen("--quality", presets, QUALITIES, PRESETS)]
+    wanted = chosen("--method", methods, METHODS, METHODS)
+    return [method for method in wanted if method != "layered"] + (layered if "layered" in wanted else [])
 
 
 def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
@@ -72,12 +62,9 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
     """
     method, _, preset = label.partition(" ")
     kind = {"paper": "paper", "layered": "layered"}.get(method, "exact")
-    case = suite.scene_case(scene, kind, aperture)
     changes = {"rotation": suite.TRUTH_ROTATION[aperture], **changes}
-    if method == "exact":
-        changes["spacing"] = 1.0
-    if preset:
-        changes["quality"] = preset
+    changes |= {"spacing": 1.0} if method == "exact" else {"quality": preset} if preset else {}
+    case = suite.scene_case(scene, kind, aperture)
     case = replace(case, settings=replace(case.settings, **changes))
     if method == "pinhole":
         return case.color
@@ -96,14 +83,14 @@ def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Ro
 
 def measured(
     driver: Driver,
-    chosen: Iterable[SceneFile],
+    scenes: Iterable[SceneFile],
     wanted: Iterable[str],
     folder: Path | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> list[Row]:
     """Rows of scenes by methods (see labels); pictures into `folder`, those that the documents show."""
     rows = []
-    for scene in chosen:
+    for scene in scenes:
         lens = suite.truth(scene, "hexagon")
         images = {}
         for label in wanted:
@@ -125,11 +112,6 @@ def markdown(rows: list[Row]) -> list[str]:
     return lines
 
 
-def as_json(driver: Driver, rows: list[Row]) -> dict:
-    """Everything that was measured."""
-    return {"driver": driver.name, "adapter": driver.adapter, "rows": [vars(one) for one in rows]}
-
-
 # ------------------------------------------------------------------------------------------------------------ pictures
 
 # How bright the scenes are shown
@@ -144,14 +126,8 @@ CAPTIONS = {
 }
 WHOLE = ("pinhole", "paper", "layered medium", "truth")
 DETAIL = ("gather", "scatter", "layered medium", "truth")
-# scene -> left, top, width, height of its detail
-PLACES = {
-    "market_7": (600, 220, 240, 160),
-    "street_11": (225, 150, 240, 160),
-    "canopy_12": (100, 100, 240, 160),
-    "street_11x3": (225, 150, 240, 160),
-    "canopy_12x3": (100, 100, 240, 160),
-}
+# scene, without the times of its lens -> left and top of its detail; width, height
+PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
 
 
 def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -162,7 +138,8 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
         halved = {k: np.asarray(Image.fromarray(exposed[k]).reduce(2)) for k in WHOLE}
         found[f"likeness_{scene.name}"] = _grid(halved)
     if all(label in images for label in DETAIL):
-        details = {k: pictures.enlarged(panels.crop(exposed[k], *PLACES[scene.name]), 2) for k in DETAIL}
+        place = PLACES[scene.name.removesuffix("x3")]
+        details = {k: pictures.enlarged(panels.crop(exposed[k], *place, *DETAIL_SIZE), 2) for k in DETAIL}
         found[f"likeness_{scene.name}_detail"] = _grid(details)
     return found
 
@@ -191,12 +168,14 @@ def truth(
     ] = None,
 ) -> None:
     """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
-    wanted, chosen = labels(method, quality), scenes(scene)
+    known = {scene.name: scene for scene in suite.SCENES}
+    wanted, scenes = labels(method, quality), [known[name] for name in chosen("--scene", scene, known, known)]
     terminal.check_writable(json_file)
     if folder is not None and not folder.is_dir():
         raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
     used = terminal.pick_driver(driver, adapter)
-    with terminal.progress("truth", len(chosen) * len(wanted)) as step:
-        rows = measured(used, chosen, wanted, folder, step)
-    terminal.write_json(json_file, as_json(used, rows))
+    with terminal.progress("truth", len(scenes) * len(wanted)) as step:
+        rows = measured(used, scenes, wanted, folder, step)
+    found = {"driver": used.name, "adapter": used.adapter, "rows": [one._asdict() for one in rows]}
+    terminal.write_json(json_file, found)
     terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

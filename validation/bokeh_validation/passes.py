@@ -66,9 +66,8 @@ BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
 
 
-# What Pass.scale and Pass.channels may be
+# What Pass.scale may be
 SCALES = (1, 2, 4, 8)
-CHANNELS = (2, 4)
 
 
 def is_linear(entry: str, slot: str) -> bool:
@@ -112,11 +111,8 @@ class Pass:
                 targets that is drawn, over what an earlier pass has left in a target of that name; None: all of it,
                 into new targets. x and y are multiples of `scale`; see target_area()
     scale       one of SCALES: the targets have the full size divided by it, rounded up; see target_size()
-    channels    one of CHANNELS: 2 has targets of red and green only. A shader reads blue 0 and alpha 1 from them, in
-                Direct3D 9 blue 1; Job.read returns blue 0 and alpha 1 everywhere
 
-    Raises ValueError where the entry writes another number of targets or does not read a slot, and for other scales and
-    channels.
+    Raises ValueError where the entry writes another number of targets or does not read a slot, and for other scales.
     """
 
     entry: str
@@ -128,12 +124,10 @@ class Pass:
     sources: Mapping[str, str] | None = None
     viewport: tuple[int, int, int, int] | None = None
     scale: int = 1
-    channels: int = 4
 
     def __post_init__(self):
-        for name, value, allowed in (("scale", self.scale, SCALES), ("channels", self.channels, CHANNELS)):
-            if value not in allowed:
-                raise ValueError(f"{self.entry}: {name} is one of {', '.join(map(str, allowed))}, not {value}")
+        if self.scale not in SCALES:
+            raise ValueError(f"{self.entry}: scale is one of {', '.join(map(str, SCALES))}, not {self.scale}")
         if self.sources is None and len(self.outputs) != self.spec.targets:
             raise ValueError(f"{self.entry} writes {self.spec.targets} targets, not {self.outputs}")
         unread = set(self.inputs) - set(SLOTS if self.sources else self.spec.textures)

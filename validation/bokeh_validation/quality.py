@@ -1,14 +1,15 @@
 """What a method makes of a shape, and how close it comes to a brute-force gather on real input."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import apertures, fetches, methods, metrics, terminal
+from bokeh_validation import apertures, fetches, methods, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns.model import Case
-from bokeh_validation.reference import listings, polygons
+from bokeh_validation.reference import polygons
 
 # Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
 BRUTE_CELLS = 38
@@ -40,32 +41,6 @@ def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndar
     return driver.run([coc, gather], textures, case.size)["result"]
 
 
-def around_focus(depth: np.ndarray, camera: methods.Camera, bias: float = 0.02) -> np.ndarray:
-    """Where a sharp object may glow onto what is behind it, (H, W) bool.
-
-    depth  (H, W) metres. Meant are pixels behind the focus, blurrier than `bias`, whose CoC reaches a pixel in focus,
-           which is one with a CoC below a pixel.
-    """
-    height = len(depth)
-    coc = listings.circle_of_confusion(listings.safe_depth(depth.astype(np.float64)), *vars(camera).values())
-    radius = np.where(depth > camera.focus_distance, coc, 0.0) * height / 2
-    sharp = coc * height < 1.0
-    found = np.zeros(depth.shape, bool)
-    reach = int(np.ceil(radius.max()))
-    padded = np.pad(sharp, reach)
-    for dy in range(-reach, reach + 1):
-        for dx in range(-reach, reach + 1):
-            rows, columns = slice(reach + dy, reach + dy + height), slice(reach + dx, reach + dx + depth.shape[1])
-            found |= padded[rows, columns] & (dx * dx + dy * dy <= radius * radius)
-    return found & (coc > bias) & ~sharp
-
-
-def distance(driver: Driver, case: Case, truth: np.ndarray | None = None) -> float:
-    """Tone-mapped PSNR of a case against its brute force, dB."""
-    truth = brute_force(driver, case) if truth is None else truth
-    return metrics.psnr(driver.run(case.plan.passes, case.textures(), case.size)["result"], truth)
-
-
 # Shapes of the table in docs/apertures.md: method, aperture
 SHAPES = (
     *(("exact", aperture) for aperture in methods.EXACT),
@@ -80,8 +55,7 @@ DISTANCES, DIRECTIONS = (0.5, 0.8, 1.06), 8
 PEAK, AMBIENT = 4096.0, 0.5
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(NamedTuple):
     """What a method makes of one bright pixel and of two.
 
     passes   after the CoC map; `targets` of the widest of them
@@ -92,14 +66,17 @@ class Shape:
              distances between them, relative to the brightest place
     """
 
-    method: str
-    aperture: str
     passes: int
     targets: int
     fetches: int
     light: float
     error: float
     sum_off: float
+
+    def __str__(self) -> str:
+        """Cells of the table in docs/apertures.md."""
+        shares = f"{self.light:.3f} | {100 * self.error:.0f} % | {100 * self.sum_off:.0f} %"
+        return f"{self.passes} | {self.targets} | {self.fetches} | {shares}"
 
 
 def shape(driver: Driver, method: str, aperture: str) -> Shape:
@@ -113,8 +90,6 @@ def shape(driver: Driver, method: str, aperture: str) -> Shape:
     seen = one * truth.sum() / one.sum()
     plan = methods.plan(methods.Settings(method, aperture), SIZE).passes
     return Shape(
-        method,
-        aperture,
         len(plan) - 1,
         max(len(item.outputs) for item in plan),
         round(fetches.of_filters(plan)),
@@ -159,26 +134,15 @@ def _lit(driver: Driver, settings: methods.Settings, size: tuple[int, int], plac
     return driver.run(plan.passes, textures, size)["result"][..., 1].astype(np.float64) - AMBIENT
 
 
-def markdown(rows: list[Shape]) -> list[str]:
-    """The table of docs/apertures.md."""
+def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:
+    """The table of docs/apertures.md: every shape by every method, measured on a driver."""
+    used = terminal.pick_driver(driver, adapter)
     lines = [
         "| shape | method | passes | targets | fetches a pixel | light kept | shape off by | two highlights off by |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for row in rows:
-        lines.append(
-            f"| {row.aperture} | {row.method} | {row.passes} | {row.targets} | {row.fetches} | {row.light:.3f} | "
-            f"{100 * row.error:.0f} % | {100 * row.sum_off:.0f} % |"
-        )
-    return lines
-
-
-def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:
-    """The table of docs/apertures.md: every shape by every method, measured on a driver."""
-    used = terminal.pick_driver(driver, adapter)
-    rows = []
     with terminal.progress("shapes", len(SHAPES)) as step:
         for method, aperture in SHAPES:
-            rows.append(shape(used, method, aperture))
+            lines.append(f"| {aperture} | {method} | {shape(used, method, aperture)} |")
             step(f"{method} {aperture}")
-    terminal.tell(*markdown(rows), f"CoC {COC:g} pixels, {used.name} ({used.adapter})")
+    terminal.tell(*lines, f"CoC {COC:g} pixels, {used.name} ({used.adapter})")

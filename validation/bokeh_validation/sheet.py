@@ -1,7 +1,6 @@
 """The work behind `validation/run aperture`: a polygon's passes as a table, as JSON and as a picture."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,10 +31,7 @@ def sheet(sides: int | None, vertices: str | None, rotation: float = 0.0, squeez
     """
     if (sides is None) == (vertices is None):
         raise UserError("aperture: give either --sides or --vertices.")
-    if not math.isfinite(rotation):
-        raise UserError(f"--rotation {rotation:g} degrees: not allowed. Give any finite number.")
-    if not 0.0 < squeeze <= MAX_SQUEEZE:
-        raise UserError(f"--squeeze {squeeze:g}: not allowed. Give more than 0, at most {MAX_SQUEEZE:g}.")
+    check_lens(rotation, squeeze)
     if vertices is not None:
         return Sheet(decomposition.decompose(parsed(vertices)).rotated(rotation), squeeze)
     if not 3 <= sides <= MAX_SIDES or (sides % 2 and sides > decomposition.MAX_DIRECTIONS):
@@ -44,6 +40,14 @@ def sheet(sides: int | None, vertices: str | None, rotation: float = 0.0, squeez
             f"or an even number up to {MAX_SIDES}."
         )
     return Sheet(decomposition.decompose(apertures.regular_polygon(sides)).rotated(rotation), squeeze)
+
+
+def check_lens(rotation: float, squeeze: float) -> None:
+    """Raises UserError."""
+    if not math.isfinite(rotation):
+        raise UserError(f"--rotation {rotation:g} degrees: not allowed. Give any finite number.")
+    if not 0.0 < squeeze <= MAX_SQUEEZE:
+        raise UserError(f"--squeeze {squeeze:g}: not allowed. Give more than 0, at most {MAX_SQUEEZE:g}.")
 
 
 def parsed(text: str) -> np.ndarray:
@@ -63,15 +67,12 @@ def parsed(text: str) -> np.ndarray:
 def summary(sheet: Sheet) -> str:
     """One line."""
     shape = sheet.shape
-    parts, passes = _count(len(shape.parts), "parallelogram"), _count(len(shape.lines), "pass", "passes")
+    parts, passes, shared = len(shape.parts), len(shape.lines), shape.shared
+    counts = f"{parts} parallelogram{'s' * (parts != 1)}, {passes} passes, {shared} shared line{'s' * (shared != 1)}"
     return (
-        f"{len(shape.polygon)} sides in {len(shape.directions)} directions: {parts}, {passes}, "
-        f"{_count(shape.shared, 'shared line')}; light kept {shape.light:.3f}, at most {shape.bound:.3f}"
+        f"{len(shape.polygon)} sides in {len(shape.directions)} directions: {counts}; "
+        f"light kept {shape.light:.3f}, at most {shape.bound:.3f}"
     )
-
-
-def _count(number: int, one: str, many: str | None = None) -> str:
-    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def entry(line: decomposition.Line) -> str:
@@ -145,6 +146,7 @@ SUPERSAMPLING = 4
 INK, FAINT, SHAPE = (40, 40, 40), (190, 190, 190), (205, 205, 205)
 # Okabe and Ito's colours, which the colour-blind can tell apart
 COLORS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233))
+CIRCLE = np.array([0.5 * apertures.direction(angle) for angle in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]])
 
 
 class Canvas:
@@ -197,7 +199,7 @@ def picture(sheet: Sheet) -> np.ndarray:
     squeeze = np.array([sheet.squeeze, 1.0])
     shape = sheet.shape
     corners = [part.corners * squeeze for part in shape.parts]
-    circle = np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]]) * squeeze
+    circle = CIRCLE * squeeze
     reach = max(float(np.abs(points).max()) for points in (circle, *corners))
     canvas = Canvas(1 + len(corners), reach)
     outline = shape.polygon * squeeze
@@ -220,24 +222,20 @@ def _panel(canvas: Canvas, panel: int, sheet: Sheet, part, points, outline, circ
     canvas.path(panel, outline, INK, 1)
     canvas.path(panel, points, color, 2)
     canvas.dot(panel, np.zeros(2), INK, 3)
-    lines = [sheet.shape.lines[index] for index in (part.first, part.second)]
-    for line, width in zip(lines, (5, 3), strict=True):
+    # lines first, then their numbers on top
+    drawn, words = [], []
+    for index, width in ((part.first, 5), (part.second, 3)):
+        line = sheet.shape.lines[index]
         # minus: the picture is the mirror image of where the samples are
         middle, half = -np.array(line.center), 0.5 * line.length * apertures.direction(math.radians(line.angle))
         canvas.path(panel, np.array([middle - half, middle + half]) * squeeze, INK, width)
-    for number, line in zip((part.first, part.second), lines, strict=True):
-        half = 0.5 * line.length * apertures.direction(math.radians(line.angle))
-        end = (0.8 * half - np.array(line.center)) * squeeze
         along = half * squeeze / np.linalg.norm(half * squeeze)
-        canvas.text(panel, end, str(number + 1), INK, 15, shift=(-11 * along[1], 11 * along[0]))
-    caption(canvas, panel, "\n".join(_described(sheet, part)))
-
-
-def _described(sheet: Sheet, part) -> Iterator[str]:
-    first, second = (sheet.shape.lines[index] for index in (part.first, part.second))
-    yield f"pass {part.first + 1}: {first.angle:.4g}° · {first.length:.3f}"
-    ending = "" if second.combines is None else f", min with {second.combines + 1}"
-    yield f"pass {part.second + 1}: {second.angle:.4g}° · {second.length:.3f}{ending}"
+        drawn.append((index, (middle + 0.8 * half) * squeeze, (-11 * along[1], 11 * along[0])))
+        ending = "" if line.combines is None else f", min with {line.combines + 1}"
+        words.append(f"pass {index + 1}: {line.angle:.4g}° · {line.length:.3f}{ending}")
+    for index, end, shift in drawn:
+        canvas.text(panel, end, str(index + 1), INK, 15, shift)
+    caption(canvas, panel, "\n".join(words))
 
 
 def caption(canvas: Canvas, panel: int, text: str) -> None:

@@ -6,7 +6,6 @@ see what the paper's remark that 256 samples and more do not compile can mean.
 
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from bokeh_validation import shaders, terminal
 from bokeh_validation.compilers import fxc
@@ -43,18 +42,9 @@ float4 BokehOneLoop_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 ENTRIES = ("BokehNaiveGather", "BokehNaiveGrid", ONE_LOOP)
 
 
-class Attempt(NamedTuple):
-    """A program and what fxc, with the harness's budget behind it, said.
-
-    entry    'BokehNaiveGather' (one loop over a table) or 'BokehNaiveGrid' (two nested loops)
-    samples  in all
-    loop     a key of LOOPS
-    """
-
-    entry: str
-    samples: int
-    loop: str
-    result: CompileResult
+# (entry, samples in all) -> a key of LOOPS -> what fxc, with the harness's budget behind it, said. BokehNaiveGather is
+# one loop over a table, BokehNaiveGrid two nested ones.
+Attempts = dict[tuple[str, int], dict[str, CompileResult]]
 
 
 def source(entry: str, samples: int, loop: str) -> str:
@@ -67,24 +57,25 @@ def source(entry: str, samples: int, loop: str) -> str:
     return text + ONE_LOOP_TEXT if entry == ONE_LOOP else text
 
 
-def attempts(samples: Sequence[int] = SAMPLES) -> list[Attempt]:
-    """Both entries, every count, every kind of loop. Raises Unavailable without fxc."""
+def attempts(samples: Sequence[int] = SAMPLES) -> Attempts:
+    """Every entry, every count, every kind of loop. Raises Unavailable without fxc."""
     compiler = fxc.load()
-    return [
-        Attempt(entry, count, loop, compiler.compile(source(entry, count, loop), "ps_3_0", f"{entry}_PS"))
+    return {
+        (entry, count): {
+            loop: compiler.compile(source(entry, count, loop), "ps_3_0", f"{entry}_PS")
+            for loop in LOOPS
+            if loop != "[unroll]" or count <= UNROLLED
+        }
         for entry in ENTRIES
         for count in samples
-        for loop in LOOPS
-        if loop != "[unroll]" or count <= UNROLLED
-    ]
+    }
 
 
-def lines(found: Sequence[Attempt]) -> list[str]:
+def lines(found: Attempts) -> list[str]:
     """A Markdown table: slots (texture + arithmetic) of what compiles, the reason of what does not."""
-    results = {(item.entry, item.samples, item.loop): item.result for item in found}
     text = ["| ps_3_0 | samples | " + " | ".join(LOOPS) + " |", "|---" * (2 + len(LOOPS)) + "|"]
-    for entry, samples in dict.fromkeys((item.entry, item.samples) for item in found):
-        cells = [_cell(results.get((entry, samples, loop))) for loop in LOOPS]
+    for (entry, samples), results in found.items():
+        cells = [_cell(results.get(loop)) for loop in LOOPS]
         text.append(f"| {entry.removeprefix('Bokeh')} | {samples} | {' | '.join(cells)} |")
     return text
 

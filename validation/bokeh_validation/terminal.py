@@ -1,6 +1,7 @@
 """What the commands of validation/run share: options, progress, output, and the drivers that --driver names."""
 
 import json
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -55,6 +56,17 @@ def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
     task = bar.add_task(description, total=total)
     with bar:
         yield lambda text: bar.update(task, advance=1, description=f"{description} {text}")
+
+
+def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
+    """(width, height) of --size '1920x1080'. Raises UserError."""
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if match is None:
+        raise UserError(f"--size {text}: not a size. Give width x height in pixels, for example 1920x1080.")
+    size = int(match[1]), int(match[2])
+    if not all(least <= side <= most for side in size):
+        raise UserError(f"--size {text}: not allowed. Give {least} to {most} pixels a side.")
+    return size
 
 
 def check_writable(*targets: Path | None) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from bokeh_validation import apertures, methods
 from bokeh_validation.errors import UserError
 from bokeh_validation.reference import segments
-from bokeh_validation.sheet import FAINT, INK, MAX_SQUEEZE, Canvas, caption, color, columns, lighter
+from bokeh_validation.sheet import CIRCLE, FAINT, INK, Canvas, caption, check_lens, color, columns, lighter
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,7 @@ def tiling(sides: int | None, vertices: str | None, rotation: float, squeeze: fl
     if sides not in methods.EXACT.values():
         known = ", ".join(map(str, methods.EXACT.values()))
         raise UserError(f"--sides {sides}: the exact passes make polygons of {known} sides. Give one of them.")
-    if not math.isfinite(rotation):
-        raise UserError(f"--rotation {rotation:g} degrees: not allowed. Give any finite number.")
-    if not 0.0 < squeeze <= MAX_SQUEEZE:
-        raise UserError(f"--squeeze {squeeze:g}: not allowed. Give more than 0, at most {MAX_SQUEEZE:g}.")
+    check_lens(rotation, squeeze)
     return Tiling(sides, rotation, squeeze)
 
 
@@ -104,7 +101,7 @@ def picture(shape: Tiling) -> np.ndarray:
     """8-bit rgb (H, W, 3): the tiling, coloured by the edge of the second pass, then the lines of each pass."""
     stretch = np.array([shape.squeeze, 1.0])
     outline = apertures.even_polygon(shape.sides, shape.rotation) * stretch
-    circle = np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]]) * stretch
+    circle = CIRCLE * stretch
     half = shape.sides // 2
     lines = [shape.edge(k, True) for k in range(2, half + 1)]
     ends = [np.abs(line.middle).max() + line.half_length for line in lines]

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.bench.reads import Line, Reads, reads
-from bokeh_validation.entries import COPYING_ENTRIES
+from bokeh_validation.entries import ADAPTIVE, COPYING_ENTRIES, GRID, LINE
 from bokeh_validation.passes import Pass
+from bokeh_validation.reference.lines import Line, lines
+from bokeh_validation.reference.segments import Segment
 
 ENTRY = "BokehFloor"
 
@@ -94,79 +95,97 @@ DIALECTS = {
 }  # fmt: skip
 
 
-def added(dialect: Dialect, name: str, line: Line, deep: bool, aspect: float = 1.0, height: float = 1.0) -> str:
+def adaptive(item: Pass) -> float:
+    """Pixels between the samples of a filter pass that takes as many as the CoC needs; 0 for fixed counts."""
+    return 0.0 if ends(item) else item.values()["BokehSpacing"]
+
+
+def ends(item: Pass) -> bool:
+    """Whether the first and the last sample are a line's ends, as the paper has them; else middles of equal parts."""
+    return item.spec.role in (LINE, GRID)
+
+
+def others(item: Pass) -> tuple[str, ...]:
+    """Further colour textures that a filter pass fetches at the pixel."""
+    return ("ColorSampB",) if item.spec.role in (LINE, ADAPTIVE) and "ColorSampB" in item.inputs else ()
+
+
+def _added(d: Dialect, item: Pass, name: str, line: Line, side: np.ndarray | None, deep: bool) -> str:
     """A block that adds up a line's samples, and of depth too where `deep`, to the variable `name`.
 
-    The program has `uv` and `coc`, the CoC that the pass blurs by.
+    The program has `uv` and `coc`, the CoC that the pass blurs by. A grid is a line moved along `side`, half of it.
     """
-    d, to_uv = dialect, np.array([1.0 / aspect, 1.0])
-    middle, half = line.middle * to_uv, line.half * to_uv
-    parts = line.count - 1 if line.ends else line.count
-    first, between = middle - half + (0.0 if line.ends else half / parts), 2.0 * half / parts
-    loop, number = d.loop.format(i="i", count=line.count), f"{d.scalar}(i)"
+    values, count, spacing = item.values(), item.samples, adaptive(item)
+    to_uv = np.array([1.0 / values["BokehAspectRatio"], 1.0])
+    middle, half = line.segment.middle * to_uv, line.segment.half * to_uv
+    parts = count - 1 if ends(item) else count
+    first, between = middle - half + (0.0 if ends(item) else half / parts), 2.0 * half / parts
+    loop, number = d.loop.format(i="i", count=count), f"{d.scalar}(i)"
     place, guard = f"first + between * {number}", ""
     block = [d.declare(d.vec4, "colors", f"{d.vec4}(0.0, 0.0, 0.0, 0.0)")]
     block += [d.declare(d.scalar, "depths", "0.0")] if deep else []
-    if line.spacing > 0.0:
+    if spacing > 0.0:
         # as many samples as the line needs, where BokehLineSum has them
-        length = 2.0 * float(np.hypot(*line.half)) * height
-        cells = f"clamp({_number(length / line.spacing)} * coc, 1.0, {line.count}.0)"
+        length = 2.0 * line.segment.half_length * values["BokehImageHeight"]
+        cells = f"clamp({_number(length / spacing)} * coc, 1.0, {count}.0)"
         block += [d.declare(d.scalar, "cells", cells), d.declare(d.vec2, "halfLine", f"{d.vector(half)} * coc")]
         block += [d.declare(d.vec2, "first", f"uv + {d.vector(middle)} * coc - halfLine")]
         block += [d.declare(d.vec2, "between", "halfLine * (2.0 / cells)")]
         place = f"first + between * ({number} + 0.5 * clamp(cells - {number}, 0.0, 1.0))"
         guard = f"if ({number} >= cells) {{ break; }} "
     else:
-        start = first if line.side is None else first - line.side * to_uv
+        start = first if side is None else first - side * to_uv
         block += [d.declare(d.vec2, "first", f"uv + {d.vector(start)} * coc")]
         block += [d.declare(d.vec2, "between", f"{d.vector(between)} * coc")]
-    if line.side is not None:
-        rows = d.vector(2.0 * line.side * to_uv / parts)
-        loop = f"{d.loop.format(i='j', count=line.count)} {{ {loop}"
+    if side is not None:
+        rows = d.vector(2.0 * side * to_uv / parts)
+        loop = f"{d.loop.format(i='j', count=count)} {{ {loop}"
         place = f"first + {rows} * coc * {d.scalar}(j) + between * {number}"
     taken = f"{d.declare(d.vec2, 'coords', place)}; colors += {d.fetch(line.slot, 'coords')};"
     taken += " depths += BokehFetchNearest(BokehDepthSamp, coords).r;" if deep else ""
-    block += [f"{loop} {{ {guard}{taken} }}{' }' if line.side is not None else ''}"]
+    block += [f"{loop} {{ {guard}{taken} }}{' }' if side is not None else ''}"]
     return f"{{ {'; '.join(block)} {name} += colors{' + depths' if deep else ''}; }}"
 
 
-def _program(dialect: Dialect, item: Pass, found: Reads) -> str:
-    d, values = dialect, item.values()
-    aspect, height, spacing = (values[f"Bokeh{name}"] for name in ("AspectRatio", "ImageHeight", "Spacing"))
-    skips = found.skips and spacing > 0.0
-    coc = f"BokehFilterCoC(abs(center.a), {_number(height)}, {_number(spacing)})" if skips else "abs(center.a)"
-    names = [f"sum{index}" for index in range(len(found.lines))]
+def _program(d: Dialect, item: Pass, along: tuple[Line, ...]) -> str:
+    values, spacing, side, deep = item.values(), adaptive(item), None, "DepthSamp" in item.inputs
+    samples = item.samples
+    if along and item.spec.role == GRID:
+        # the first line of a grid is one side away from the middle
+        side, samples = -along[0].segment.middle, item.samples**2
+        along = (replace(along[0], segment=Segment(np.zeros(2), along[0].segment.half)),)
+    skips, height = along and spacing > 0.0, _number(values["BokehImageHeight"])
+    coc = f"BokehFilterCoC(abs(center.a), {height}, {_number(spacing)})" if skips else "abs(center.a)"
+    names = [f"sum{index}" for index in range(len(along))]
     statements = [d.declare(d.vec4, "center", d.fetch("ColorSamp")), d.declare(d.scalar, "coc", coc)]
     statements += [d.declare(d.vec4, name, "center") for name in names]
-    taken = [f"{names[0]} += BokehFetchNearest(BokehDepthSamp, uv).r;"] if names and found.depth else []
-    lines = zip(names, found.lines, strict=True)
-    taken += [added(d, name, line, found.depth, aspect, height) for name, line in lines]
+    taken = [f"{names[0]} += BokehFetchNearest(BokehDepthSamp, uv).r;"] if names and deep else []
+    taken += [_added(d, item, name, line, side, deep) for name, line in zip(names, along, strict=True)]
     statements += [f"{'if (coc > 0.0) ' if skips else ''}{{ {' '.join(taken)} }}"] if taken else []
-    others = "".join(f" + {d.fetch(slot)}" for slot in found.others)
+    rest = "".join(f" + {d.fetch(slot)}" for slot in others(item)) if along else ""
     # a first pass with several targets: each holds the lines up to its own, as the method's do
     several = len(item.outputs) > 1
     results = []
     for target in range(len(item.outputs)):
-        used = found.lines[: target + 1] if several else found.lines
-        scale = _number(1.0 / (sum(line.samples for line in used) + len(used) + 1))
-        mean = f"({' + '.join(names[: len(used)] or ['center'])}{others}) * {scale}"
-        statements.append(d.declare(d.vec4, f"mean{target}", mean))
+        used = names[: target + 1] if several else names
+        scale = _number(1.0 / (samples * len(used) + len(used) + 1))
+        statements.append(d.declare(d.vec4, f"mean{target}", f"({' + '.join(used or ['center'])}{rest}) * {scale}"))
         results.append(f"{d.vec4}(mean{target}.rgb + mean{target}.a, center.a)")
     return d.frame(statements, results)
 
 
-def _replaced(item: Pass, found: Reads) -> Pass:
-    sources = {language: _program(dialect, item, found) for language, dialect in DIALECTS.items()}
-    wanted = {"ColorSamp", *(["DepthSamp"] if found.depth else []), *found.others, *(line.slot for line in found.lines)}
+def _replaced(item: Pass, along: tuple[Line, ...]) -> Pass:
+    sources = {language: _program(dialect, item, along) for language, dialect in DIALECTS.items()}
+    wanted = {"ColorSamp", *(("DepthSamp", *others(item), *(line.slot for line in along)) if along else ())}
     inputs = {slot: name for slot, name in item.inputs.items() if slot in wanted}
     return replace(item, entry=ENTRY, inputs=inputs, parameters={}, sources=sources)
 
 
 def floor(passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
     """A plan's passes with every filter pass replaced by its floor; names of textures and targets stay."""
-    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, reads(item)) for item in passes)
+    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, lines(item)) for item in passes)
 
 
 def one_fetch(passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
     """The same with one colour fetch a pass, at the pixel, and no depth: a pass in focus cannot cost less."""
-    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, Reads(())) for item in passes)
+    return tuple(item if item.entry in COPYING_ENTRIES else _replaced(item, ()) for item in passes)

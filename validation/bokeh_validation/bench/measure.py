@@ -17,12 +17,6 @@ MOST_REPEATS = 10000
 AGREES = (0.8, 1.05)
 
 
-def spread(values: np.ndarray) -> dict[str, float]:
-    """Median of all rounds, and what a tenth of them is below and above."""
-    low, median, high = np.percentile(values, (10, 50, 90))
-    return {"median": float(median), "low": float(low), "high": float(high)}
-
-
 @dataclass(frozen=True)
 class Times:
     """Seconds for one draw.
@@ -36,13 +30,18 @@ class Times:
     clock: str
     why: str
 
-    def spread(self, key: str) -> dict[str, float]:
-        """Of a job, by the clock that is used."""
-        return spread(self.clocks[self.clock][key])
+    def spread(self, key: str, over: str | None = None) -> dict[str, float]:
+        """Median of all rounds and what a tenth of them is below and above: of a job, or of its ratio to another's."""
+        used = self.clocks[self.clock]
+        low, median, high = np.percentile(used[key] / used[over] if over else used[key], (10, 50, 90))
+        return {"median": float(median), "low": float(low), "high": float(high)}
 
-    def ratio(self, key: str, other: str) -> dict[str, float]:
-        """Of two jobs, computed within each round."""
-        return spread(self.clocks[self.clock][key] / self.clocks[self.clock][other])
+    def raw(self, key: str) -> dict[str, list]:
+        """By clock as JSON has it: None where there is no number."""
+        return {
+            name: [None if np.isnan(value) else float(value) for value in times[key]]
+            for name, times in self.clocks.items()
+        }
 
 
 def chosen_clock(clocks: Mapping[str, Mapping[str, np.ndarray]], software: bool) -> tuple[str, str]:

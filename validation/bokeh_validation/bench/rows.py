@@ -4,12 +4,16 @@ grows: with the number of samples, with the CoC, with the size of the picture.
 
 from dataclasses import dataclass, replace
 from math import ceil, pi, tan
+from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import methods, suite
+from bokeh_validation import fetches, methods, suite
 from bokeh_validation.bench import floors
+from bokeh_validation.entries import COPYING_ENTRIES
 from bokeh_validation.passes import Pass
+from bokeh_validation.reference import listings, segments
+from bokeh_validation.reference.lines import lines
 
 # Samples on a line for the effective counts of Table 1: 16, 64, 144, 256, 400, 576
 SIDES = (4, 8, 12, 16, 20, 24)
@@ -23,6 +27,7 @@ COC = 0.1
 # As many as a line of CoC length can take at a sample a pixel in a picture of 2540 rows
 MOST = 254
 FARTHEST = 1e4  # metres: the floors add up depth, and infinity has no mean
+TARGET_BYTES = 8  # RGBA16F
 
 
 @dataclass(frozen=True)
@@ -147,36 +152,27 @@ CURVES = (
     ("exact hexagon 144", methods.Settings("exact", "hexagon", 6)),
     ("exact hexagon adaptive", methods.Settings("exact", "hexagon", spacing=1.0, max_samples=MOST)),
 )
-
-
-@dataclass(frozen=True)
-class Series:
-    """Jobs of one curve: `against` is 'CoC' or 'pixels'; points are x, size, passes."""
-
-    name: str
-    against: str
-    points: list[tuple[float, tuple[int, int], tuple[Pass, ...]]]
+# x of a curve, size, passes
+Point = tuple[float, tuple[int, int], tuple[Pass, ...]]
 
 
 def _passes(settings: methods.Settings, size: tuple[int, int], coc: float) -> tuple[Pass, ...]:
     return methods.plan(replace(settings, camera=methods.Camera(max_coc=1.0), coc=coc), size).passes
 
 
-def with_coc(size: tuple[int, int]) -> list[Series]:
+def with_coc(size: tuple[int, int]) -> dict[str, list[Point]]:
     """Time against the CoC, pixels: fixed counts stay, adaptive ones grow with it."""
-    return [
-        Series(name, "CoC", [(coc * size[1], size, _passes(settings, size, coc)) for coc in COCS])
-        for name, settings in CURVES[1:]
-    ]
+    return {
+        name: [(coc * size[1], size, _passes(settings, size, coc)) for coc in COCS] for name, settings in CURVES[1:]
+    }
 
 
-def with_size(size: tuple[int, int]) -> list[Series]:
+def with_size(size: tuple[int, int]) -> dict[str, list[Point]]:
     """Time against the number of pixels, the CoC a constant fraction of the height."""
     sizes = [tuple(max(2, round(side * scale)) for side in size) for scale in SCALES]
-    return [
-        Series(name, "pixels", [(float(w * h), (w, h), _passes(settings, (w, h), COC)) for w, h in sizes])
-        for name, settings in CURVES
-    ]
+    return {
+        name: [(float(w * h), (w, h), _passes(settings, (w, h), COC)) for w, h in sizes] for name, settings in CURVES
+    }
 
 
 def textures(size: tuple[int, int], file: suite.SceneFile = SCENE) -> dict[str, np.ndarray]:
@@ -189,3 +185,51 @@ def textures(size: tuple[int, int], file: suite.SceneFile = SCENE) -> dict[str, 
     sharp[..., 3] = 0.0
     depth = np.minimum(scene.depth[lines][:, columns], np.float32(FARTHEST))
     return {"color": color, "depth": depth, "sharp": sharp}
+
+
+class Cost(NamedTuple):
+    """Of one picture: passes, and a pixel's colour and depth fetches and bytes written.
+
+    Fetches are means; of the layers they are the most that a pixel takes, or all that it takes in focus. A texel of a
+    target of 1 / n of the size counts 1 / n^2.
+    """
+
+    passes: int
+    color: float
+    depth: float
+    written: float
+
+
+def stored_coc(item: Pass, depth: np.ndarray) -> np.ndarray:
+    """Size of the CoC that the first pass stores in a half float, from depth (H, W) in metres; (H, W)."""
+    values = item.values()
+    if item.entry not in COPYING_ENTRIES:
+        found = np.zeros(depth.shape)  # it reads 'sharp'
+    elif item.entry == "BokehConstantCoC":
+        found = np.full(depth.shape, min(values["BokehConstantCoC"], values["BokehMaxCoC"]))
+    else:
+        names = ("ApertureDiameter", "FocalLength", "FocusDistance", "SensorHeight", "MaxCoC")
+        lens = (values[f"Bokeh{name}"] for name in names)
+        found = listings.circle_of_confusion(listings.safe_depth(depth.astype(np.float64)), *lens)
+    return found.astype(np.float16).astype(np.float64)
+
+
+def cost(passes: tuple[Pass, ...], depth: np.ndarray) -> Cost:
+    """Cost of a plan on this depth, (H, W) in metres: filter passes that all blur by the CoC of the first pass."""
+    coc, height = stored_coc(passes[0], depth), len(depth)
+    color, of_depth, written = 0.0, 0.0, 0.0
+    for item in passes:
+        texel, spacing = 1.0 / item.scale**2, floors.adaptive(item)
+        counts = fetches.of_pass(item, not coc.any())
+        if spacing > 0.0 and not item.spec.layers and (along := lines(item)):
+            used = segments.filter_coc(coc, height, spacing)
+            cells = sum(
+                np.ceil(np.clip(2.0 * line.segment.half_length * used * height / spacing, 1.0, item.samples))
+                for line in along
+            )
+            samples = np.where(used > 0.0, cells, 0.0)
+            counts["color"] = float(samples.mean()) + 1 + len(floors.others(item))
+            counts["depth"] = float((samples + (used > 0.0)).mean()) if "DepthSamp" in item.inputs else 0.0
+        color, of_depth = color + counts["color"] * texel, of_depth + counts["depth"] * texel
+        written += TARGET_BYTES * len(item.outputs) * texel
+    return Cost(len(passes), color, of_depth, written)

@@ -10,19 +10,51 @@ A row's spreads (median, low, high) are over the rounds; each ratio is computed 
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
 
 import numpy as np
 
 from bokeh_validation import __version__, doctor, suite
-from bokeh_validation.bench import reads, rows
-from bokeh_validation.bench.measure import CLOCKS, Times, interleaved
-from bokeh_validation.bench.request import Plan, is_software
-from bokeh_validation.drivers.base import TimedDriver
+from bokeh_validation.bench import rows
+from bokeh_validation.bench.measure import Times, interleaved
+from bokeh_validation.drivers.base import TimedDriver, software_device
 
 Step = Callable[[str], None]
+SIZE, SOFTWARE_SIZE = (800, 800), (400, 400)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to measure.
+
+    size         (width, height); None: 800 x 800 on a GPU, as the paper has it, and smaller in software
+    layers_size  the same for the layers
+    rounds       that count
+    sides        samples on a line
+    clock        'wall', 'cpu' or 'query'; None: see measure.chosen_clock
+    """
+
+    size: tuple[int, int] | None
+    layers_size: tuple[int, int]
+    rounds: int
+    sides: tuple[int, ...]
+    clock: str | None
+
+    def size_on(self, driver: TimedDriver) -> tuple[int, int]:
+        """(width, height) for a driver."""
+        return self.size or (SOFTWARE_SIZE if software_device(driver.adapter) else SIZE)
+
+    @property
+    def growth_rounds(self) -> int:
+        """Rounds of the two kinds of growth."""
+        return min(self.rounds, 5)
+
+    @property
+    def steps(self) -> int:
+        """Of the progress bar for each driver: rows, layers and two kinds of growth, each with a warm-up."""
+        return 2 * (self.rounds + 1) + 2 * (self.growth_rounds + 1)
 
 
 def measure_rows(
@@ -41,7 +73,7 @@ def measure_rows(
     chosen = list(chosen)
     passes = {row.key: row.passes for row in chosen} | {f"{row.key} floor": row.floor for row in chosen if row.floor}
     jobs = {key: driver.prepared(items, images, size, share=shared) for key, items in passes.items()}
-    times = interleaved(jobs, rounds, is_software(driver), step, clock)
+    times = interleaved(jobs, rounds, bool(software_device(driver.adapter)), step, clock)
     for job in [*jobs.values(), shared]:
         job.release()
     return [_row(row, times, images["depth"]) for row in chosen], times
@@ -58,90 +90,68 @@ def _row(row: rows.Row, times: Times, depth: np.ndarray) -> dict:
         "samples": settings.count,
         "spacing": settings.spacing,
         "coc": settings.coc,
-        "cost": asdict(_cost(row, depth)),
+        "cost": rows.cost(row.passes, depth)._asdict(),
         "seconds": times.spread(row.key),
         "floor_seconds": floor and times.spread(floor),
-        "floor_ratio": floor and times.ratio(row.key, floor),
-        "naive_ratio": naive and times.ratio(naive, row.key),
-        "ratios": {name: {"to": other, **times.ratio(row.key, other)} for name, other in row.versus.items()},
-        "rounds": {name: _raw(times.clocks[name][row.key]) for name in CLOCKS},
-        "floor_rounds": {name: _raw(times.clocks[name][floor]) for name in CLOCKS} if floor else {},
+        "floor_ratio": floor and times.spread(row.key, floor),
+        "naive_ratio": naive and times.spread(naive, row.key),
+        "ratios": {name: {"to": other, **times.spread(row.key, other)} for name, other in row.versus.items()},
+        "rounds": times.raw(row.key),
+        "floor_rounds": times.raw(floor) if floor else {},
     }
-
-
-def _raw(seconds: np.ndarray) -> list:
-    """As JSON has it: None where there is no number."""
-    return [None if np.isnan(value) else float(value) for value in seconds]
-
-
-def _cost(row: rows.Row, depth: np.ndarray) -> reads.Cost:
-    if row.group == "in focus":
-        written = reads.TARGET_BYTES * sum(len(item.outputs) for item in row.passes)
-        return reads.Cost(len(row.passes), float(len(row.passes)), 0.0, written)
-    return reads.cost(row.passes, depth)
-
-
-def fit(x: np.ndarray, seconds: np.ndarray) -> dict[str, float]:
-    """seconds = constant * x ^ slope, by least squares of the logarithms; r2 = share of the variance it explains.
-
-    Two or more points, all positive.
-    """
-    lx, ly = np.log(np.asarray(x, float)), np.log(np.asarray(seconds, float))
-    slope, constant = np.polyfit(lx, ly, 1)
-    rest, all_ = ((ly - slope * lx - constant) ** 2).sum(), ((ly - ly.mean()) ** 2).sum()
-    return {"slope": float(slope), "r2": float(1.0 - rest / all_) if all_ > 0.0 else 1.0}
 
 
 def _curve(name: str, against: str, x: list[float], seconds: list[float]) -> dict:
-    """Times along a series; `x` in samples, pixels of CoC or pixels."""
-    return {"name": name, "against": against, "x": x, "seconds": seconds, "fit": fit(x, seconds)}
+    """Times along a series, and the fit seconds = constant * x ^ slope by least squares of the logarithms.
+
+    x   samples, pixels of CoC or pixels; two or more, all positive
+    r2  share of the variance that the fit explains
+    """
+    lx, ly = np.log(np.asarray(x, float)), np.log(np.asarray(seconds, float))
+    slope, constant = np.polyfit(lx, ly, 1)
+    rest, whole = ((ly - slope * lx - constant) ** 2).sum(), ((ly - ly.mean()) ** 2).sum()
+    fit = {"slope": float(slope), "r2": float(1.0 - rest / whole) if whole > 0.0 else 1.0}
+    return {"name": name, "against": against, "x": x, "seconds": seconds, "fit": fit}
 
 
-def measure_curves(
-    driver: TimedDriver, series: list[rows.Series], rounds: int, step: Step = lambda _: None, clock: str | None = None
-) -> list[dict]:
+def _growth(driver: TimedDriver, against: str, series: dict[str, list[rows.Point]], plan: Plan, step: Step):
     """Time series, all points of all of them interleaved."""
     jobs = {
-        f"{curve.name} {x:.6g}": driver.prepared(passes, rows.textures(size), size)
-        for curve in series
-        for x, size, passes in curve.points
+        f"{name} {x:.6g}": driver.prepared(passes, rows.textures(size), size)
+        for name, points in series.items()
+        for x, size, passes in points
     }
-    times = interleaved(jobs, rounds, is_software(driver), step, clock)
+    times = interleaved(jobs, plan.growth_rounds, bool(software_device(driver.adapter)), step, plan.clock)
     for job in jobs.values():
         job.release()
-    found = []
-    for curve in series:
-        x = [point[0] for point in curve.points]
-        seconds = [times.spread(f"{curve.name} {value:.6g}")["median"] for value in x]
-        found.append(_curve(curve.name, curve.against, x, seconds))
-    return found
+    for name, points in series.items():
+        x = [point[0] for point in points]
+        yield _curve(name, against, x, [times.spread(f"{name} {value:.6g}")["median"] for value in x])
 
 
-def sample_curves(measured: list[dict]) -> list[dict]:
+def _sample_curves(measured: list[dict]):
     """Time against effective samples, out of Table 1's rows."""
-    found = []
     for name in ("naive", "paper hexagon", "paper octagon", "exact hexagon", "exact octagon"):
         points = [row for row in measured if row["group"] == "table 1" and row["key"].rsplit(" ", 1)[0] == name]
         x, seconds = [float(row["effective"]) for row in points], [row["seconds"]["median"] for row in points]
         if len(points) > 1:
-            found.append(_curve(name, "samples", x, seconds))
-    return found
+            yield _curve(name, "samples", x, seconds)
 
 
 def measure(driver: TimedDriver, plan: Plan, step: Step = lambda _: None) -> dict:
     """The whole measurement on one driver."""
-    size, layers_size, few = plan.size_on(driver), plan.layers_size, plan.growth_rounds
+    size, layers_size = plan.size_on(driver), plan.layers_size
     chosen = [*rows.table_one(size, plan.sides), *rows.defaults(size), *rows.adaptive(size), *rows.in_focus(size)]
     found, times = measure_rows(driver, chosen, size, plan.rounds, step, plan.clock)
     layers = rows.layers(layers_size)
     found += measure_rows(driver, layers, layers_size, plan.rounds, step, plan.clock, rows.LAYERS_SCENE)[0]
-    curves = sample_curves(found)
-    for series in (rows.with_coc(size), rows.with_size(size)):
-        curves += measure_curves(driver, series, few, step, plan.clock)
+    curves = [*_sample_curves(found)]
+    for against, series in (("CoC", rows.with_coc(size)), ("pixels", rows.with_size(size))):
+        curves += _growth(driver, against, series, plan, step)
     return {
         "driver": driver.name,
         "adapter": driver.adapter,
-        "software": is_software(driver),
+        "software": bool(software_device(driver.adapter)),
         "size": list(size),
         "layers_size": list(layers_size),
         "rounds": plan.rounds,

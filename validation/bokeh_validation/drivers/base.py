@@ -87,8 +87,7 @@ class Driver:
         textures  (H, W, 4) float16 or float32, or (H, W) float32 for depth
         size      (width, height) of every target of scale 1
         storage   'half' or 'float': format of the targets between and after the passes
-        returns   name -> (H, W, 4) of the target's size, float16 or float32 by `storage`; where it has two channels,
-                  the others are 0 and 1
+        returns   name -> (H, W, 4) of the target's size, float16 or float32 by `storage`
 
         A pass with a viewport draws nothing outside of it; uv runs 0 .. 1 over it. What an earlier pass has left in its
         targets stays around it; a target that no earlier pass has made is 0 there, also where a texture of that name
@@ -108,7 +107,7 @@ class TimedDriver(Driver):
         """What `run` would draw, uploaded and compiled.
 
         share  a job of the same size and storage: textures and targets of a name that it has are used again, not
-               uploaded and not made; a target only if it has the same size and channels. It is to be released last.
+               uploaded and not made; a target only if it has the same size. It is to be released last.
 
         Raises Unavailable as `run` does.
         """
@@ -130,7 +129,7 @@ class TimedDriver(Driver):
         """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
 
     def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> object:
-        """A render target that can be sampled and read back: RGBA, or RG with two channels."""
+        """A render target that can be sampled; of four channels, it can be read back."""
 
     def step(self, item: Pass, bound: Mapping[str, object], targets: Sequence, kept: frozenset[str]) -> object:
         """A pass with its textures by slot and its targets; `kept` names the outputs that keep what is in them."""
@@ -152,7 +151,7 @@ class TimedDriver(Driver):
 
 
 class Texture(NamedTuple):
-    """Of a job: the device's, (width, height), storage and channels."""
+    """Of a job: the device's, (width, height), storage and channels (those of targets are four)."""
 
     handle: object
     size: tuple[int, int]
@@ -175,7 +174,7 @@ class Job:
             pixels = np.ascontiguousarray(textures[name])
             self.live[name] = self._made(driver.upload(pixels), pixels.shape[1::-1], *kind_of(pixels))
         for item, kept in zip(passes, over, strict=True):
-            kind, targets = (target_size(item.scale, size), storage, item.channels), []
+            kind, targets = (target_size(item.scale, size), storage, 4), []
             for name in item.outputs:
                 known = self.live[name] if name in kept else share.live.get(name) if share else None
                 new = known is None or known[1:] != kind
@@ -207,10 +206,10 @@ class Job:
         return Timing(wall / repeats, cpu / repeats, None if query is None else query / repeats)
 
     def read(self, name: str) -> np.ndarray:
-        """A target after the last draw, (H, W, 4) of its own size; see four_channels()."""
+        """A target after the last draw, (H, W, 4) of its own size, a copy."""
         self.driver.make_current()
-        (width, height), channels = self.live[name].size, self.live[name].channels
-        return four_channels(self.driver.pixels(self.live[name]).reshape(height, width, channels))
+        width, height = self.live[name].size
+        return self.driver.pixels(self.live[name]).reshape(height, width, 4).copy()
 
     def release(self) -> None:
         """Free the textures and targets."""
@@ -220,23 +219,15 @@ class Job:
             kept.clear()
 
 
-def four_channels(pixels: np.ndarray) -> np.ndarray:
-    """A target of (H, W, 2) or (H, W, 4) as (H, W, 4), a copy: with two channels, blue is 0 and alpha 1."""
-    result = np.zeros((*pixels.shape[:2], 4), pixels.dtype)
-    result[..., 3] = 1
-    result[..., : pixels.shape[2]] = pixels
-    return result
-
-
 def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[str]]:
     """For each pass the names of those outputs that an earlier pass has made and that it draws over.
 
     size  (width, height) of every target of scale 1
 
-    Raises ValueError where a pass reads what it draws over, or draws over a target of another scale or other channels,
-    and for a viewport that is not within the targets or begins within a texel of them.
+    Raises ValueError where a pass reads what it draws over, or draws over a target of another scale, and for a
+    viewport that is not within the targets or begins within a texel of them.
     """
-    made: dict[str, tuple[int, int]] = {}
+    made: dict[str, int] = {}
     found = []
     for item in passes:
         over = frozenset(set(made).intersection(item.outputs)) if item.viewport else frozenset()
@@ -247,23 +238,21 @@ def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[
             target_area(item.scale, item.viewport)
         for name in over.intersection(item.inputs.values()):
             raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
-        kind = (item.scale, item.channels)
         for name in over:
-            if made[name] != kind:
+            if made[name] != item.scale:
                 raise ValueError(
-                    f"{item.entry} has scale {item.scale} and {item.channels} channels, and draws over {name!r}, which "
-                    f"has scale {made[name][0]} and {made[name][1]} channels"
+                    f"{item.entry} has scale {item.scale} and draws over {name!r}, which has scale {made[name]}"
                 )
         found.append(over)
-        made.update(dict.fromkeys(item.outputs, kind))
+        made.update(dict.fromkeys(item.outputs, item.scale))
     return found
 
 
 def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
     """Raise Unavailable where all targets of a pass together have more bytes a pixel than the device's `limit`."""
-    channel = np.dtype(storage_type(storage)).itemsize
+    texel = 4 * np.dtype(storage_type(storage)).itemsize
     for item in passes:
-        needed = channel * item.channels * len(item.outputs)
+        needed = texel * len(item.outputs)
         if needed > limit:
             raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
 

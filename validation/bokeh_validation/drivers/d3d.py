@@ -11,7 +11,7 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, kind_of, software_device, storage_type
+from bokeh_validation.drivers.base import Driver, drawn_over, kind_of, software_device, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
 from bokeh_validation.windows import programs, server
@@ -67,13 +67,13 @@ class Direct3D(Driver):
             width, height = target_size(item.scale, size)
             targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
             new = [number for name, number in targets.items() if name not in kept]
-            lines += [f"texture {number} {width} {height} {storage}{item.channels}" for number in new]
+            lines += [f"texture {number} {width} {height} {storage}4" for number in new]
             area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, width, height)
             lines += self._draw(item, numbers, area)
             lines.append(f"draw {' '.join(map(str, targets.values()))}")
             # an output may have the name of an earlier texture: from here on it is this one
             numbers.update(targets)
-            shapes.update(dict.fromkeys(targets, (height, width, item.channels)))
+            shapes.update(dict.fromkeys(targets, (height, width, 4)))
         results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
         lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
         job = folder / f"{self.name}.job"
@@ -83,7 +83,7 @@ class Direct3D(Driver):
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
             pixels = {name: np.frombuffer(file.read_bytes(), storage_type(storage)) for name, file in results.items()}
-            return {name: four_channels(values.reshape(shapes[name])) for name, values in pixels.items()}
+            return {name: values.reshape(shapes[name]) for name, values in pixels.items()}
         except server.Ended as error:
             raise RuntimeError(f"{self.name}: {error}") from error
         finally:

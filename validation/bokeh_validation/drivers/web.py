@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Driver, drawn_over, four_channels, kind_of, require_targets, storage_type
+from bokeh_validation.drivers.base import Driver, drawn_over, kind_of, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear, target_area, target_size
 
@@ -23,8 +23,7 @@ def packed(pixels: np.ndarray) -> dict[str, object]:
 def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
     """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
     data = np.frombuffer(base64.b64decode(pixels["data"]), storage_type(pixels["type"]))
-    shape = (pixels["height"], pixels["width"], pixels["channels"])
-    return four_channels(data.reshape(shape).astype(storage_type(storage)))
+    return data.reshape(pixels["height"], pixels["width"], 4).astype(storage_type(storage))
 
 
 class BrowserDriver(Driver):
@@ -79,7 +78,6 @@ class BrowserDriver(Driver):
                     **self._program(item),
                     "outputs": [{"name": name, "over": name in kept} for name in item.outputs],
                     "size": target_size(item.scale, size),
-                    "channels": item.channels,
                     "viewport": target_area(item.scale, item.viewport) if item.viewport else None,
                     "values": {name: float(value) for name, value in item.values().items()},
                     "inputs": {

@@ -54,7 +54,7 @@ def _choose(adapter: str | None):
 
 def texture_format(storage: str, channels: int) -> str:
     """WebGPU's name of it."""
-    return {4: "rgba", 2: "rg", 1: "r"}[channels] + {"half": "16float", "float": "32float"}[storage]
+    return {4: "rgba", 1: "r"}[channels] + {"half": "16float", "float": "32float"}[storage]
 
 
 class WGPU(TimedDriver):
@@ -217,7 +217,7 @@ class WGPU(TimedDriver):
     def pixels(self, texture: Texture) -> np.ndarray:
         """See TimedDriver."""
         (width, height), dtype = texture.size, np.dtype(storage_type(texture.storage))
-        layout = {"bytes_per_row": width * texture.channels * dtype.itemsize, "rows_per_image": height}
+        layout = {"bytes_per_row": 4 * width * dtype.itemsize, "rows_per_image": height}
         data = self.device.queue.read_texture({"texture": texture.handle}, layout, texture.handle.size)
         return np.frombuffer(data, dtype)
 

@@ -22,11 +22,10 @@ def kernels(_: Driver | None = None) -> Made:
     shapes = {name: _outline(name) for name in KERNELS}
     reach = max(float(np.abs(corners).max()) for corners in shapes.values())
     canvas = sheet.Canvas(len(KERNELS), 1.04 * reach)
-    circle = np.array([0.5 * apertures.direction(a) for a in np.linspace(0.0, 2.0 * np.pi, 181)[:-1]])
     numbers = []
     for panel, (name, letter) in enumerate(KERNELS.items()):
         table = apertures.kernel(name, methods.PAPER_SAMPLES)
-        canvas.path(panel, circle, sheet.FAINT, 1)
+        canvas.path(panel, sheet.CIRCLE, sheet.FAINT, 1)
         canvas.path(panel, shapes[name], sheet.color(panel), 1.5)
         for place in table:
             canvas.dot(panel, place, sheet.INK, 3)

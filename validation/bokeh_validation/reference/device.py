@@ -70,7 +70,7 @@ class Reference:
                 if item.viewport is not None:
                     area = target_area(item.scale, item.viewport)
                     kept = _drawn(kept, area, live[name] if name in over else None, whole)
-                live[name] = kept if item.channels == 4 else _two_channels(kept)
+                live[name] = kept
                 scales[name] = item.scale
                 results_of[name] = live[name]
                 if given is not None and name in given:
@@ -88,17 +88,6 @@ def _exactly(pixels: np.ndarray, precision: Precision | None) -> Image:
     if precision is None:
         return Image(value)
     return Image(value, np.zeros_like(value), np.zeros(value.shape[:2], bool))
-
-
-def _two_channels(image: Image) -> Image:
-    """The image as a target of two channels has it: blue 0 and alpha 1, both exact."""
-    value = image.value.copy()
-    value[..., 2:] = 0.0, 1.0
-    if image.error is None:
-        return Image(value)
-    error = image.error.copy()
-    error[..., 2:] = 0.0
-    return Image(value, error, image.undecided)
 
 
 def _run_in_viewport(

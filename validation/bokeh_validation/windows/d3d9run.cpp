@@ -11,9 +11,7 @@
 #define TEXEL_SIZE_REGISTER 20
 
 /* Of two channels a shader reads blue 1, in later versions of Direct3D 0. */
-static const D3DFORMAT FORMATS[] = {
-    D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_G16R16F, D3DFMT_G32R32F, D3DFMT_R32F,
-};
+static const D3DFORMAT FORMATS[] = {D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_R32F};
 
 struct D3D9 {
     using Handle = IDirect3DTexture9;

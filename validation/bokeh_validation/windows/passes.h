@@ -3,8 +3,8 @@
  *
  * A job file is text, one command a line, done in this order:
  *
- *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4,
- *                                half2, float2 or float1
+ *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4
+ *                                or float1
  *   texture N W H FORMAT         make it a target, 0 everywhere
  *   vertex FILE                  vertex shader of the draws to come
  *   pixel FILE                   pixel shader of the draws to come
@@ -35,7 +35,7 @@ constexpr int MAX_TARGETS = 4; /* what Direct3D 9 cards have at the most */
 constexpr struct {
     const char *name;
     int bytes;
-} TEXELS[] = {{"half4", 8}, {"float4", 16}, {"half2", 4}, {"float2", 8}, {"float1", 4}};
+} TEXELS[] = {{"half4", 8}, {"float4", 16}, {"float1", 4}};
 
 template <typename Handle> struct Texture {
     int width, height, format;

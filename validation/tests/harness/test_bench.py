@@ -11,7 +11,7 @@ from support import called, load
 from test_render import refused
 
 from bokeh_validation import fetches, methods, shaders
-from bokeh_validation.bench import measure, output, reads, request, rows, session
+from bokeh_validation.bench import bench_command, measure, output, rows, session
 from bokeh_validation.errors import UserError
 
 SIZE = (72, 64)
@@ -67,7 +67,7 @@ def test_a_floor_fetches_what_its_method_does(row):
         np.testing.assert_allclose(seen[..., 2:], wanted[..., 2:], rtol=2e-5, atol=1e-4, err_msg=item.entry)
         color += float(wanted[..., 0].mean())
         depth += float(wanted[..., 1].mean())
-    cost = reads.cost(row.passes, images["depth"])
+    cost = rows.cost(row.passes, images["depth"])
     # the pass that makes the CoC fetches colour, and depth where it needs that
     tolerance = 0.0 if row.effective else 0.02
     assert cost.color == pytest.approx(color + 1, rel=tolerance)
@@ -97,12 +97,12 @@ def test_floors_are_the_same_in_every_language(name):
 def test_costs_are_the_documents():
     """Passes, fetches and bytes as docs/performance.md has them, the CoC map included."""
     depth = np.ones((64, 72), np.float32)
-    found = {row.key: reads.cost(row.passes, depth) for row in every_row()}
-    assert found["naive 144"] == reads.Cost(2, 146, 145, 16)
-    assert found["paper hexagon 144"] == reads.Cost(4, 41, 39, 32)
-    assert found["paper octagon 144"] == reads.Cost(5, 54, 52, 40)
-    assert found["exact hexagon 144"] == reads.Cost(3, 27, 0, 32)
-    assert found["exact octagon 144"] == reads.Cost(3, 33, 0, 40)
+    found = {row.key: rows.cost(row.passes, depth) for row in every_row()}
+    assert found["naive 144"] == rows.Cost(2, 146, 145, 16)
+    assert found["paper hexagon 144"] == rows.Cost(4, 41, 39, 32)
+    assert found["paper octagon 144"] == rows.Cost(5, 54, 52, 40)
+    assert found["exact hexagon 144"] == rows.Cost(3, 27, 0, 32)
+    assert found["exact octagon 144"] == rows.Cost(3, 33, 0, 40)
     for row in every_row():
         if row.group != "adaptive":
             assert found[row.key].color == fetches.of_filters(row.passes) + 1
@@ -237,7 +237,7 @@ def test_command(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--size", "800"], ["--size 800", "800x800"]),
+        (["--size", "800"], ["--size 800", "1920x1080"]),
         (["--size", "8x8"], ["--size 8x8", "16"]),
         (["--size", "99999x16"], ["--size 99999x16", "8192"]),
         (["--rounds", "0"], ["--rounds 0", "3 to"]),
@@ -257,7 +257,7 @@ def test_bad_input(arguments, words):
 def test_plan_defaults():
     """As the paper on a GPU, smaller in software; a size that was given holds everywhere."""
     software = load("osmesa")
-    assert request.plan(None, None, False).size_on(software) == request.SOFTWARE_SIZE
-    assert request.plan("800x600", None, False).size_on(software) == (800, 600)
+    assert bench_command.plan(None, None, False).size_on(software) == session.SOFTWARE_SIZE
+    assert bench_command.plan("800x600", None, False).size_on(software) == (800, 600)
     with pytest.raises(UserError):
-        request.plan("0x0", None, False)
+        bench_command.plan("0x0", None, False)

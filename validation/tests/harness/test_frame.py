@@ -56,7 +56,6 @@ def driven(driver, found: dict, color: np.ndarray, depth: np.ndarray, memory: bo
             constants.pop("BOKEH_NUM_SAMPLES"),
             constants,
             scale=step["scale"],
-            channels=step["channels"],
         )
         passes.append(item)
     textures = {"color": color, "depth": depth}
@@ -135,7 +134,13 @@ def test_two_channels_are_enough():
     settings = methods.Settings("layered", "hexagon", camera=CAMERA, targets=False)
     passes, textures = methods.plan(settings, SIZE).passes, picture(SIZE)
     assert TWO_CHANNELS < {name for item in passes for name in item.outputs}
-    fewer = [replace(item, channels=2) if TWO_CHANNELS.issuperset(item.outputs) else item for item in passes]
+    main = "void main()\n{\n    whole();\n    BokehResult = vec4(BokehResult.rg, 0.0, 1.0);\n}\n"
+    fewer = []
+    for item in passes:
+        if TWO_CHANNELS.issuperset(item.outputs):
+            text = shaders.glsl(item.entry, "330", item.constants)
+            item = replace(item, sources={"glsl": re.sub(r"\bvoid main\(\)", "void whole()", text) + main})
+        fewer.append(item)
     wanted, output = (driver.run(each, textures, SIZE)["result"] for each in (passes, fewer))
     np.testing.assert_array_equal(output, wanted)
 

@@ -85,20 +85,6 @@ def test_targets_beside_each_other(driver):
     np.testing.assert_array_equal(output["t"], fetched(fetched(fetched(source, (31, 19)), size), (8, 5)))
 
 
-def test_two_channels(driver):
-    """A target of red and green: blue is 0 and alpha 1 in what is read back and in what a pass reads, but Direct3D 9
-    reads a blue of 1.
-    """
-    view = Pass("BokehDebug", {"ColorSamp": "two", "DepthSamp": "depth"}, "result")
-    # a power of two: the linear filter is on the texels' centres, exactly
-    passes = [replace(copy("picture", "two"), channels=2), view]
-    output = driver.run(passes, {"picture": picture(8, 4), **NAN}, (8, 4), keep=("two", "result"))
-    for name, blue in (("two", 0.0), ("result", float(driver.name == "d3d9"))):
-        wanted = picture(8, 4)
-        wanted[..., 2:] = blue, 1.0
-        np.testing.assert_array_equal(output[name], wanted, name)
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

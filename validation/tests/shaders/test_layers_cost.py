@@ -8,7 +8,7 @@ from support import load
 from test_frame import counting
 
 from bokeh_validation import fetches, methods
-from bokeh_validation.bench import reads, request, rows, session
+from bokeh_validation.bench import bench_command, rows, session
 from bokeh_validation.passes import COPYING_ENTRIES
 from bokeh_validation.patterns import near_edges
 from bokeh_validation.patterns.model import depth_of, flat
@@ -27,8 +27,8 @@ IN_FOCUS = 0.35 * 2 * 39
 @pytest.mark.parametrize("name", DRIVERS)
 def test_time(name):
     """Medians of rounds in which all are drawn, in CPU time."""
-    wanted = [row for row in rows.layers(request.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
-    measured, _ = session.measure_rows(load(name), wanted, request.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
+    wanted = [row for row in rows.layers(bench_command.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
+    measured, _ = session.measure_rows(load(name), wanted, bench_command.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
     ratios = {row["key"]: row["ratios"]["paper"] for row in measured if row["key"] in MOST_TIME}
     assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
 
@@ -81,7 +81,7 @@ def test_fetches_in_focus(quality):
     found = counted(settings, flat(SIZE, 1.0), depth)
     total = sum(mean for mean, _ in found.values())
     assert total <= IN_FOCUS, found
-    cost = reads.cost(methods.plan(settings, SIZE).passes, depth)
+    cost = rows.cost(methods.plan(settings, SIZE).passes, depth)
     # the CoC map besides
     assert cost.color == total + 1
     assert cost.depth == 1

@@ -2,7 +2,7 @@
 //
 // Pixels are base64 of the raw rows, first row first, nothing between the rows:
 //
-//   { width, height, channels: 4 | 2 | 1, type: "half" | "float", data }
+//   { width, height, channels: 4 | 1, type: "half" | "float", data }
 
 export const BYTES = { half: 2, float: 4 };
 
@@ -14,26 +14,25 @@ export function decode(pixels) {
 }
 
 // What decode() takes, for one target.
-export function encode([width, height], channels, type, elements) {
+export function encode([width, height], type, elements) {
   const bytes = new Uint8Array(elements.buffer, elements.byteOffset, elements.byteLength);
-  return { width, height, channels, type, data: bytes.toBase64() };
+  return { width, height, channels: 4, type, data: bytes.toBase64() };
 }
 
-// Room for one image.
-export function elements([width, height], channels, type) {
-  return new ARRAYS[type](width * height * channels);
+// Room for one target.
+export function elements([width, height], type) {
+  return new ARRAYS[type](width * height * 4);
 }
 
-// Upload the textures of a job and draw its passes; return all textures by name, as { texture, size, channels }.
+// Upload the textures of a job and draw its passes; return all textures by name, as { texture, size }.
 // `made` takes every texture: a later one may have the name of an earlier one.
 export function walk({ textures, passes }, made, { upload, target, draw }) {
   const live = new Map();
   const add = (texture) => made[made.push(texture) - 1];
   for (const [name, pixels] of Object.entries(textures)) live.set(name, { texture: add(upload(pixels)) });
   passes.forEach((pass, index) => {
-    const { size, channels } = pass;
-    const one = ({ name, over }) => (over ? live.get(name) : { texture: add(target(size, channels)), size, channels });
-    const targets = pass.outputs.map(one);
+    const { size, outputs } = pass;
+    const targets = outputs.map(({ name, over }) => (over ? live.get(name) : { texture: add(target(size)), size }));
     const reading = Object.entries(pass.inputs);
     const inputs = new Map(reading.map(([slot, { texture, linear }]) => [slot, { ...live.get(texture), linear }]));
     draw(pass, inputs, targets.map(({ texture }) => texture), index);

@@ -91,11 +91,11 @@ function place({ program, places }, name) {
   return places.get(name);
 }
 
-// 'half' or 'float', 4 or 2 channels, or one of 'float': the format that stores it exactly.
+// 'half' or 'float' of 4 channels, or one of 'float': the format that stores it exactly.
 function format(type, channels) {
   const half = type === "half";
-  const layout = { 4: gl.RGBA, 2: gl.RG, 1: gl.RED }[channels];
-  const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 2: half ? gl.RG16F : gl.RG32F, 1: gl.R32F }[channels];
+  const layout = { 4: gl.RGBA, 1: gl.RED }[channels];
+  const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 1: gl.R32F }[channels];
   return { internal, layout, type: half ? gl.HALF_FLOAT : gl.FLOAT };
 }
 
@@ -154,15 +154,15 @@ function draw(pass, inputs, vertex) {
 }
 
 // The framebuffer that is bound, as RGBA, which is what 32-bit floats of any target can be read as; half floats only
-// where the browser names both. Of two channels, blue is 0 and alpha 1.
+// where the browser names both.
 function read(size, storage) {
   const format = gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_FORMAT);
   const exact = format === gl.RGBA && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
   const half = storage === "half" && exact;
   const type = half ? "half" : "float";
-  const into = elements(size, 4, type);
+  const into = elements(size, type);
   gl.readPixels(0, 0, ...size, gl.RGBA, half ? gl.HALF_FLOAT : gl.FLOAT, into);
-  return encode(size, 4, type, into);
+  return encode(size, type, into);
 }
 
 // Run a job and return the targets that it keeps, by name.
@@ -172,7 +172,7 @@ export function run(job) {
   try {
     const live = walk(job, made, {
       upload,
-      target: (size, channels) => texture(size, format(job.storage, channels).internal), // 0 everywhere, as WebGL has it
+      target: (size) => texture(size, format(job.storage, 4).internal), // 0 everywhere, as WebGL has it
       draw: (pass, inputs, targets) => onto(targets, () => draw(pass, inputs, job.vertex)),
     });
     const kept = {};

@@ -5,8 +5,6 @@ import { BYTES, decode, elements, encode, walk } from "./job.js";
 const FORMATS = {
   half4: "rgba16float",
   float4: "rgba32float",
-  half2: "rg16float",
-  float2: "rg32float",
   float1: "r32float",
 };
 // Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
@@ -157,22 +155,22 @@ function bind({ device, sampler, dummy }, slots, pass, inputs) {
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-function copy(device, encoder, { texture, size, channels }, storage) {
-  const bytesPerRow = Math.ceil((size[0] * channels * BYTES[storage]) / 256) * 256;
+function copy(device, encoder, { texture, size }, storage) {
+  const bytesPerRow = Math.ceil((size[0] * 4 * BYTES[storage]) / 256) * 256;
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
   const buffer = device.createBuffer({ size: bytesPerRow * size[1], usage });
   encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, size);
-  return { buffer, bytesPerRow, size, channels };
+  return { buffer, bytesPerRow, size };
 }
 
-async function read({ buffer, bytesPerRow, size, channels }, storage) {
+async function read({ buffer, bytesPerRow, size }, storage) {
   await buffer.mapAsync(GPUMapMode.READ);
   const padded = new Uint8Array(buffer.getMappedRange());
-  const into = elements(size, channels, storage);
+  const into = elements(size, storage);
   const bytes = new Uint8Array(into.buffer);
   const row = bytes.length / size[1];
   for (let y = 0; y < size[1]; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
-  return encode(size, channels, storage, into);
+  return encode(size, storage, into);
 }
 
 // Run a job and return the targets that it keeps, by name.
@@ -188,14 +186,14 @@ export async function run(job) {
 
 async function record(gpu, job, made) {
   const { device } = gpu;
-  const format = (channels) => FORMATS[job.storage + channels];
+  const format = FORMATS[job.storage + 4];
   const ready = [];
-  for (const pass of job.passes) ready.push(await pipeline(device, job, pass, format(pass.channels)));
+  for (const pass of job.passes) ready.push(await pipeline(device, job, pass, format));
   const encoder = device.createCommandEncoder();
   const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
   const live = walk(job, made, {
     upload: (pixels) => upload(device, pixels),
-    target: (size, channels) => device.createTexture({ size, format: format(channels), usage }),
+    target: (size) => device.createTexture({ size, format, usage }),
     draw(pass, inputs, targets, index) {
       const { buffer, group } = bind(gpu, job.slots, pass, inputs);
       made.push(buffer);
