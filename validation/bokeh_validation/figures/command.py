@@ -2,15 +2,13 @@
 
 import os
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import typer
 
 from bokeh_validation import exr, paths, pictures, terminal
-from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import depth, diagrams, photographs, points
 from bokeh_validation.figures.figure import Figure, Made
@@ -18,20 +16,6 @@ from bokeh_validation.figures.figure import Figure, Made
 _ALL = (*photographs.FIGURES, *depth.FIGURES, *diagrams.FIGURES, *points.FIGURES)
 FIGURES: dict[int, Figure] = {figure.number: figure for figure in sorted(_ALL, key=lambda figure: figure.number)}
 NUMBERS_FILE = "figures.json"
-
-
-class Places(NamedTuple):
-    """Where a run writes to: pictures for the document, and HDR images with the numbers."""
-
-    pictures: Path
-    images: Path
-
-
-class Result(NamedTuple):
-    """What a run made, by figure, and the reasons for what it did not make."""
-
-    made: dict[int, Made]
-    missing: dict[int, str]
 
 
 def chosen(only: str | None) -> list[Figure]:
@@ -45,67 +29,44 @@ def chosen(only: str | None) -> list[Figure]:
     return [FIGURES[number] for number in sorted(set(map(int, words)))]
 
 
-def pick_driver(name: str | None, adapter: str | None) -> Driver:
-    """A real one. Raises UserError."""
-    if name == "reference":
-        raise UserError("--driver reference: figures are made by the shaders. Give a real driver; see doctor.")
-    return terminal.pick_driver(name, adapter)
-
-
-def places(output: Path | None) -> Places:
-    """The folders to write to, made where only the last part is missing. Raises UserError.
+def places(output: Path | None) -> tuple[Path, Path]:
+    """Where to write to: pictures, HDR images with the numbers. Only the last part may be missing. Raises UserError.
 
     output  one folder for everything; None: docs/reproduction, and the cache folder
     """
     cache = paths.cache_folder()
-    found = Places(output, output) if output else Places(paths.ROOT / "docs/reproduction", cache / "reproduction")
+    found = (output, output) if output else (paths.ROOT / "docs/reproduction", cache / "reproduction")
     if output is None:
         paths.ensured(cache)
     for folder in found:
-        _prepare(folder)
+        if folder.exists() and not folder.is_dir():
+            raise UserError(f"--output {folder}: is a file. Name a folder.")
+        if not folder.parent.is_dir():
+            raise UserError(f"--output {folder}: there is no folder {folder.parent}. Make it first.")
+        try:
+            folder.mkdir(exist_ok=True)
+            # so that the answer is known before any work is done
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            raise UserError(
+                f"--output {folder}: cannot be written to ({error.strerror}). Name another place."
+            ) from error
     return found
 
 
-def _prepare(folder: Path) -> None:
-    """Make a folder and write something into it, so that the answer is known before any work is done."""
-    if folder.exists() and not folder.is_dir():
-        raise UserError(f"--output {folder}: is a file. Name a folder.")
-    if not folder.parent.is_dir():
-        raise UserError(f"--output {folder}: there is no folder {folder.parent}. Make it first.")
-    try:
-        folder.mkdir(exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise UserError(f"--output {folder}: cannot be written to ({error.strerror}). Name another place.") from error
-
-
-def run(figures: list[Figure], driver: Driver, target: Places, progress: Callable[[str], None]) -> Result:
-    """Make figures and write them: each file is whole, and the numbers come last.
-
-    A figure whose input this machine lacks is left out; the pictures that are there of it stay.
-    """
-    made, missing, told = {}, {}, {}
-    for figure in figures:
-        try:
-            one = made[figure.number] = figure.make(driver)
-        except Unavailable as error:
-            missing[figure.number] = str(error)
-        else:
-            for name, pixels in one.pictures.items():
-                pictures.write_png(target.pictures / f"{name}.png", pixels)
-            for name, image in one.images.items():
-                exr.write(target.images / f"{name}.exr", np.ascontiguousarray(image))
-            told[figure.number] = {
-                "title": figure.title,
-                "pictures": sorted(f"{name}.png" for name in one.pictures),
-                "images": sorted(f"{name}.exr" for name in one.images),
-                "tables": [table.as_json() for table in one.tables],
-            }
-        progress(f"figure {figure.number}")
-    data = {"driver": driver.name, "adapter": driver.adapter, "figures": told, "missing": missing}
-    terminal.write_json(target.images / NUMBERS_FILE, data)
-    return Result(made, missing)
+def written(figure: Figure, one: Made, folder: Path, images: Path) -> dict:
+    """Write a figure, each file as a whole; what the file of numbers says of it."""
+    for name, pixels in one.pictures.items():
+        pictures.write_png(folder / f"{name}.png", pixels)
+    for name, image in one.images.items():
+        exr.write(images / f"{name}.exr", np.ascontiguousarray(image))
+    return {
+        "title": figure.title,
+        "pictures": sorted(f"{name}.png" for name in one.pictures),
+        "images": sorted(f"{name}.exr" for name in one.images),
+        "tables": [table.as_json() for table in one.tables],
+    }
 
 
 def figures(
@@ -121,17 +82,25 @@ def figures(
 ) -> None:
     """Figures 1 to 13 of the paper with our shaders, as PNG, and the EXR and numbers behind them."""
     wanted = chosen(only)
-    used = pick_driver(driver, adapter)
-    target = places(output)
+    if driver == "reference":
+        raise UserError("--driver reference: figures are made by the shaders. Give a real driver; see doctor.")
+    used = terminal.pick_driver(driver, adapter)
+    folder, images = places(output)
+    told, missing, lines = {}, {}, []
     with terminal.progress("figures", len(wanted)) as step:
-        result = run(wanted, used, target, step)
-    for number, made in result.made.items():
-        terminal.tell(f"Figure {number}: {FIGURES[number].title}")
-        for table in made.tables:
-            terminal.tell(*table.markdown())
-    terminal.tell(*(f"Figure {number} not made: {reason}" for number, reason in result.missing.items()))
-    count = sum(len(made.pictures) for made in result.made.values())
-    terminal.tell(
-        f"{count} pictures in {target.pictures}, images and numbers in {target.images}, by {used.name} ({used.adapter})"
-    )
-    terminal.end(not (result.missing and os.environ.get("CI")))
+        for figure in wanted:
+            try:
+                one = figure.make(used)
+            except Unavailable as error:
+                # the pictures that are there of it stay
+                missing[figure.number] = str(error)
+            else:
+                told[figure.number] = written(figure, one, folder, images)
+                lines += [f"Figure {figure.number}: {figure.title}", *(x for t in one.tables for x in t.markdown())]
+            step(f"figure {figure.number}")
+    data = {"driver": used.name, "adapter": used.adapter, "figures": told, "missing": missing}
+    terminal.write_json(images / NUMBERS_FILE, data)
+    terminal.tell(*lines, *(f"Figure {number} not made: {reason}" for number, reason in missing.items()))
+    count = sum(len(one["pictures"]) for one in told.values())
+    terminal.tell(f"{count} pictures in {folder}, images and numbers in {images}, by {used.name} ({used.adapter})")
+    terminal.end(not (missing and os.environ.get("CI")))

@@ -114,43 +114,38 @@ def canopy(driver: Driver) -> Made:
 
     Three pictures: all of it through a wide aperture, a detail of that, and the same detail through its own aperture.
     """
-    wide, own = (_three(driver, diameter) for diameter in (WIDE, None))
-    lens, pinhole, none = suite.truth(CANOPY, "hexagon"), scene(CANOPY).color, (None, None)
-    # FLIP takes seconds: only where it says most
-    rows = [("pinhole, wide", (metrics.psnr(pinhole, wide["truth"]), None, *none))]
-    rows += [(f"{name}, wide", (metrics.psnr(wide[name], wide["truth"]), None, *none)) for name in ("paper", "exact")]
-    rows += [("pinhole, own", (metrics.psnr(pinhole, own["truth"]), None, metrics.psnr(pinhole, lens), None))]
-    for name in ("paper", "exact"):
-        rows.append((f"{name}, own", (*_distance(own[name], own["truth"]), *_distance(own[name], lens))))
-    rows += [("truth, own", (*none, *_distance(own["truth"], lens)))]
-    columns = ("dB to the truth", "FLIP to the truth", "dB to the lens", "FLIP to the lens")
-    caption = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE:g} mm"
-    own["lens"] = lens
-    details = {
-        key: [
+    lens, pinhole, rows, details, images = suite.truth(CANOPY, "hexagon"), scene(CANOPY).color, [], {}, {}
+    for key, diameter in (("wide", WIDE), ("own", None)):
+        paper = scene(CANOPY, diameter=diameter)
+        found = {"paper": drawn(driver, paper), "exact": drawn(driver, scene(CANOPY, "exact", diameter))}
+        found["truth"] = quality.brute_force(driver, paper)
+        for name, image in {"pinhole": pinhole, **found}.items():
+            # FLIP takes seconds: only where it says most
+            flip = key == "own" and name != "pinhole"
+            to_truth = _near(image, found["truth"] if name != "truth" else None, flip)
+            rows.append((f"{name}, {key}", (*to_truth, *_near(image, lens if key == "own" else None, flip))))
+        found |= {"lens": lens} if key == "own" else {}
+        images |= named(f"figure_11_{key}", found)
+        details[key] = [
             Panel(panels.toned(panels.crop(image, *CROWN), EXPOSURE, 2), CAPTIONS[name])
-            for name, image in shown.items()
+            for name, image in found.items()
         ]
-        for key, shown in (("wide", wide), ("own", own))
-    }
+    rows = [row for row in rows if row[0] != "truth, wide"]
+    caption = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE:g} mm"
     pictures = {
-        "figure_11": panels.grid([[Panel(panels.toned(wide["paper"], EXPOSURE), caption)]]),
+        "figure_11": panels.grid([[Panel(panels.toned(images["figure_11_wide_paper"], EXPOSURE), caption)]]),
         "figure_11_wide": panels.grid([details["wide"]]),
         "figure_11_own": panels.grid([details["own"][:2], details["own"][2:]]),
     }
-    images = named("figure_11_wide", wide) | named("figure_11_own", own)
+    columns = ("dB to the truth", "FLIP to the truth", "dB to the lens", "FLIP to the lens")
     return Made(pictures, images, (Table(columns, tuple(rows), (1, 3, 1, 3)),))
 
 
-def _three(driver: Driver, diameter: float | None) -> dict[str, np.ndarray]:
-    paper = scene(CANOPY, diameter=diameter)
-    exact = scene(CANOPY, "exact", diameter)
-    return {"paper": drawn(driver, paper), "exact": drawn(driver, exact), "truth": quality.brute_force(driver, paper)}
-
-
-def _distance(image: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
+def _near(image: np.ndarray, wanted: np.ndarray | None, flip: bool) -> tuple[float | None, float | None]:
     """PSNR and FLIP."""
-    return metrics.psnr(image, truth), metrics.flip(image, truth)
+    if wanted is None:
+        return None, None
+    return metrics.psnr(image, wanted), metrics.flip(image, wanted) if flip else None
 
 
 FIGURES = (

@@ -1,7 +1,8 @@
 """Figures 4, 8 and 10, drawn from the tables and plans that the code runs with."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import degrees
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -73,8 +74,7 @@ def booleans(_: Driver | None = None) -> Made:
     return Made({"figure_08": np.vstack(rows)}, {}, (table,))
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """A box of a workflow.
 
     name     of the texture that is shown
@@ -91,12 +91,11 @@ class Node:
 
 def separated(plan: methods.Plan) -> tuple[Pass, ...]:
     """The passes of a plan, with the parallelogram that a final pass combines also drawn for itself, as 'alone'."""
-    passes = list(plan.passes)
-    final = passes[-1]
+    *passes, final = plan.passes
     if final.entry.endswith("Final"):
         inputs = {slot: name for slot, name in final.inputs.items() if slot != "ColorSampB"}
-        passes.insert(-1, replace(final, entry=final.entry.removesuffix("Final"), inputs=inputs, output="alone"))
-    return tuple(passes)
+        passes.append(replace(final, entry=final.entry.removesuffix("Final"), inputs=inputs, output="alone"))
+    return (*passes, final)
 
 
 def workflow(passes: tuple[Pass, ...], settings: methods.Settings) -> list[Node]:
@@ -149,24 +148,18 @@ def workflows(driver: Driver) -> Made:
         numbers.append((f"{aperture}, {method}", (float(len(count) - 1), fetches.of_filters(count))))
         images |= named(f"figure_10_{letter}", {node.name.replace(" ", "_"): outputs[node.name] for node in nodes[1:]})
     table = Table(("passes", "colour fetches a pixel"), tuple(numbers), (0, 0))
-    return Made({"figure_10": _page(graphs[:2], graphs[2:])}, images, (table,))
+    return Made({"figure_10": _joined([_joined(graphs[:2], 0), _joined(graphs[2:], 0)], 1)}, images, (table,))
 
 
-def _page(*columns: list[Image.Image]) -> np.ndarray:
-    """Graphs below each other, in columns, on white."""
-    width = sum(max(graph.width for graph in column) for column in columns)
-    page = Image.new("RGB", (width, max(sum(graph.height for graph in column) for column in columns)), "white")
-    left = 0
-    for column in columns:
-        top = 0
-        for graph in column:
-            page.paste(graph, (left, top))
-            top += graph.height
-        left += max(graph.width for graph in column)
-    return np.asarray(page)
+def _joined(images: list[np.ndarray], axis: int) -> np.ndarray:
+    """Pictures below each other (axis 0) or beside each other (axis 1), on white."""
+    most = max(image.shape[1 - axis] for image in images)
+    around = [(((0, 0), (0, most - i.shape[1])) if axis == 0 else ((0, most - i.shape[0]), (0, 0))) for i in images]
+    padded = [np.pad(i, (*p, (0, 0)), constant_values=255) for i, p in zip(images, around, strict=True)]
+    return np.concatenate(padded, axis=axis)
 
 
-def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposure: float) -> Image.Image:
+def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposure: float) -> np.ndarray:
     """Boxes from left to right by layer, arrows from what they are made of."""
     layers: dict[int, list[Node]] = {}
     for node in nodes:
@@ -196,7 +189,7 @@ def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposu
             place = (scale * (x + THUMB / 2), scale * (y - 10 - 16 * row))
             draw.text(place, text, stroke_width=2 * scale, **style)
     draw.text((scale * 10, scale * 14), title, fill=sheet.INK, font=panels.font(scale * 15), anchor="lm")
-    return page.resize((width, height), Image.Resampling.BOX)
+    return np.asarray(page.resize((width, height), Image.Resampling.BOX))
 
 
 FIGURES = (

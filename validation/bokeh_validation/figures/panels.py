@@ -25,30 +25,23 @@ class Panel(NamedTuple):
 
 def grid(rows: Sequence[Sequence[Panel]]) -> np.ndarray:
     """Panels in rows, on white, 8-bit rgb (H, W, 3)."""
-    blocks = [_row(row) for row in rows]
-    width = max(block.width for block in blocks) + 2 * GAP
-    page = Image.new("RGB", (width, sum(block.height + GAP for block in blocks) + GAP), "white")
-    top = GAP
-    for block in blocks:
-        page.paste(block, (GAP, top))
-        top += block.height + GAP
+    # of each row: its captions and the height of its pictures
+    lines = [[wrapped(panel.caption, panel.pixels.shape[1]) for panel in row] for row in rows]
+    heights = [max(panel.pixels.shape[0] for panel in row) for row in rows]
+    blocks = [h + (4 + LINE * n if (n := max(map(len, row))) else 0) for h, row in zip(heights, lines, strict=True)]
+    width = max(sum(panel.pixels.shape[1] + GAP for panel in row) for row in rows) + GAP
+    page = Image.new("RGB", (width, sum(blocks) + GAP * (len(rows) + 1)), "white")
+    draw, top = ImageDraw.Draw(page), GAP
+    for row, captions, height, block in zip(rows, lines, heights, blocks, strict=True):
+        left = GAP
+        for panel, caption in zip(row, captions, strict=True):
+            page.paste(Image.fromarray(panel.pixels), (left, top))
+            for number, line in enumerate(caption):
+                place = (left + panel.pixels.shape[1] / 2, top + height + 4 + (number + 0.5) * LINE)
+                draw.text(place, line, fill=INK, font=font(TEXT), anchor="mm")
+            left += panel.pixels.shape[1] + GAP
+        top += block + GAP
     return np.asarray(page)
-
-
-def _row(row: Sequence[Panel]) -> Image.Image:
-    captions = [wrapped(panel.caption, panel.pixels.shape[1]) for panel in row]
-    height = max(panel.pixels.shape[0] for panel in row)
-    lines = max(len(caption) for caption in captions)
-    width = sum(panel.pixels.shape[1] for panel in row) + GAP * (len(row) - 1)
-    block = Image.new("RGB", (width, height + (4 + lines * LINE if lines else 0)), "white")
-    draw, left = ImageDraw.Draw(block), 0
-    for panel, caption in zip(row, captions, strict=True):
-        block.paste(Image.fromarray(panel.pixels), (left, 0))
-        for number, line in enumerate(caption):
-            place = (left + panel.pixels.shape[1] / 2, height + 4 + (number + 0.5) * LINE)
-            draw.text(place, line, fill=INK, font=font(TEXT), anchor="mm")
-        left += panel.pixels.shape[1] + GAP
-    return block
 
 
 def font(size: float) -> ImageFont.FreeTypeFont:

@@ -94,16 +94,16 @@ def shapes(driver: Driver) -> Made:
         if aperture in methods.EXACT:
             found["exact"] = drawn(driver, case("exact", aperture, ONE, ONE_SIZE))
         found["truth"] = truth(driver, paper)
-        row = {name: Panel(shown(image, paper.exposure, ONE_ZOOM), name) for name, image in found.items()}
-        row["paper"] = row["paper"]._replace(caption=f"({letter}) paper, {aperture} by {combine}")
-        grey = Panel(np.full_like(row["truth"].pixels, 232), "no star by exact")
-        rows.append([row["paper"], row.get("exact", grey), row["truth"]])
         right = light(found["truth"])
-        for name in ("paper", "exact"):
-            if name in found:
-                seen = light(found[name])
-                off = np.abs(seen - right).sum() / right.sum()
-                numbers.append((f"{aperture}, {name}", (float(seen.sum()), float(off))))
+        grey = Panel(np.full((ONE_SIZE[1] * ONE_ZOOM, ONE_SIZE[0] * ONE_ZOOM, 3), 232, np.uint8), "no star by exact")
+        row = {"paper": None, "exact": grey, "truth": None}
+        for name, image in found.items():
+            caption = f"({letter}) paper, {aperture} by {combine}" if name == "paper" else name
+            row[name] = Panel(shown(image, paper.exposure, ONE_ZOOM), caption)
+            if name != "truth":
+                off = np.abs(light(image) - right).sum() / right.sum()
+                numbers.append((f"{aperture}, {name}", (float(light(image).sum()), float(off))))
+        rows.append([*row.values()])
         images |= named(f"figure_09_{letter}", found)
     table = Table(("light kept", "off from the truth, share of its light"), tuple(numbers), (3, 3))
     return Made({"figure_09": panels.grid(rows)}, images, (table,))
