@@ -83,19 +83,15 @@ def of_probe(results: Sequence[ProbeResult]) -> Section:
     probe, runs, strips = results[0].probe, [], {}
     for result in results:
         compared = {
-            _label(case.case.label, name): one for case in result.cases for name, one in case.comparisons.items()
+            f"{case.case.label}, {name}": one for case in result.cases for name, one in case.comparisons.items()
         }
         runs.append(Run(result.driver, compared, result.checks))
     for index, case in enumerate(probe.cases):
         for name in case.keep:
-            label = case.label if len(case.keep) == 1 else _label(case.label, name)
+            label = case.label if len(case.keep) == 1 else f"{case.label}, {name}"
             strips[label] = strip(name, {result.driver: result.cases[index] for result in results})
     figure = f" (Figure {probe.figure})" if probe.figure else ""
     return Section(probe.name, probe.title + figure, probe.shows, runs, strips)
-
-
-def _label(case: str, name: str) -> str:
-    return f"{case}, {name}"
 
 
 def strip(name: str, results: Mapping[str, CaseResult]) -> list[Panel]:
@@ -130,9 +126,8 @@ def of_capture(name: str, capture: Capture) -> Section:
     """An engine's own colour, and beside each result what the reference makes of the same."""
     panels = []
     for shot in capture.shots:
-        source, expected, result = (
-            pictures.display(image, tone_map=True) for image in (shot.case.color, shot.expected.value, shot.result)
-        )
+        images = (shot.case.color, shot.expected.value, shot.result)
+        source, expected, result = (pictures.display(image, tone_map=True) for image in images)
         if not panels:
             panels = [Panel("the engine's colour", pictures.jpeg_uri(source))]
             panels += [Panel(f"reference, {shot.name}", pictures.jpeg_uri(expected))]

@@ -50,7 +50,7 @@ def run(name: str, folder: Path) -> None:
         pictures.write_png(folder / "picture.png", np.asarray(picture.convert("RGB")))
 
 
-@locks.one_at_a_time("direct3d")
+@locks.held("direct3d")
 def build(name: str) -> Path:
     """NAME.exe in the cache folder, built anew when a source or the command has changed: see programs.compiled()."""
     program = programs.compiled(name, BUILDS[name], [*sources(name), programs.SOURCES / "renderer.h"], SAMPLES / name)

@@ -27,7 +27,7 @@ def python(name: str) -> Path:
     return Path(sys.executable) if name == "opengl" else _with_panda3d()
 
 
-@locks.one_at_a_time("panda3d")
+@locks.held("panda3d")
 def _with_panda3d() -> Path:
     base = paths.cache_folder() / "engines/panda3d"
     # the lock file and the Python decide what is in it

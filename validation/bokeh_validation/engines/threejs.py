@@ -97,7 +97,7 @@ def opened(kind: str) -> Iterator[Sample]:
         session.close()
 
 
-@locks.one_at_a_time("threejs")
+@locks.held("threejs")
 def installed() -> Path:
     """node_modules with what package-lock.json pins, installed on first use. Raises Unavailable, RuntimeError."""
     lock = (FOLDER / "package-lock.json").read_bytes()

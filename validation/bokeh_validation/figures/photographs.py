@@ -53,7 +53,7 @@ VIEWS = {
 }
 
 
-@locks.one_at_a_time("photographs")
+@locks.held("photographs")
 def fetch(name: str) -> Path:
     """A panorama of the package as EXR in the cache folder. Raises Unavailable."""
     target = paths.cache_folder() / f"photographs-{VERSION}" / f"{name}.exr"

@@ -4,9 +4,6 @@ Depth 0.1 .. 100000 m; lenses of 24 to 135 mm at f/1.4 to f/16, focused at 0.5 t
 of 720 to 4320 rows; colour 0 .. 65504; 65 samples. Inputs that spread over decades are drawn evenly over those.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 from numpy.random import Generator
 
@@ -16,53 +13,89 @@ from bokeh_validation.reference import listings
 ROWS = 2160
 MAX_COC = 0.1
 MAX_SAMPLES = 65
-SENSOR = 0.024
 WIDE = 16.0 / 9.0
-SETTINGS = {"bleedingBias": 0.02, "bleedingMult": 30.0}  # what a leakage test reads of BokehFilter
-SIDES = np.array([4, 6, 8, 10])
 SMALLEST_NORMAL = 2.0**-14
 PIXELS, RELATIVE, ABSOLUTE, CELLS = "pixels", "relative", "absolute", "cells"
+DEPTHS = ("Window", "Reversed", "Infinite", "Clip", "Orthographic", "Fraction", "Logarithmic")
+# Function as the library names it -> unit of its error
+UNITS = {
+    "BokehCoC": PIXELS,
+    "BokehSignedCoC": PIXELS,
+    "BokehSafeChannel": RELATIVE,
+    "BokehSafeDepth": RELATIVE,
+    **{f"BokehDepthFrom{kind}": RELATIVE for kind in DEPTHS},
+    "BokehLinearDepth": RELATIVE,
+    "BokehPackCoC": RELATIVE,
+    "BokehDefaultFilter": RELATIVE,
+    "BokehLineEnd": PIXELS,
+    "BokehMakeOffsets": PIXELS,
+    "BokehFilterCoC": PIXELS,
+    "BokehCells": CELLS,
+    "BokehSegment": PIXELS,
+    "BokehLeakageWeight": ABSOLUTE,
+    "BokehSignedLeakageWeight": ABSOLUTE,
+    "BokehResolve": RELATIVE,
+    "BokehCombine": RELATIVE,
+    "BokehRotated": PIXELS,
+    "BokehPolygonEdge": PIXELS,
+    "BokehExactWeight": RELATIVE,
+    "BokehExactTarget": RELATIVE,
+    "BokehDebugDepth": ABSOLUTE,
+    "BokehDebugCoC": ABSOLUTE,
+    "BokehDebugFocus": ABSOLUTE,
+}
+# Pixels for an error of 1 where that is not in image heights: in CoC, or in uv for a CoC of 1 with this aspect ratio
+OF_COC = ("BokehSegment", "BokehRotated", "BokehPolygonEdge")
+OF_UV = {"BokehLineEnd": lambda given: given[1], "BokehMakeOffsets": lambda given: np.array(WIDE)}
 
-Arguments = list
+
+def scale(function: str, exact: np.ndarray, given: list) -> np.ndarray:
+    """What an error of 1 counts in each component of the exact result (N, k)."""
+    if UNITS[function] == RELATIVE:
+        return 1.0 / np.maximum(np.abs(exact), SMALLEST_NORMAL)
+    counts = float(ROWS) if UNITS[function] == PIXELS else 1.0
+    if function in OF_COC:
+        counts = MAX_COC * ROWS
+    elif function in OF_UV:
+        aspect = OF_UV[function](given)
+        counts = MAX_COC * ROWS * np.stack([aspect, np.ones_like(aspect)], axis=-1)
+    return np.broadcast_to(counts, exact.shape)
 
 
-class Domain(NamedTuple):
-    """Inputs of a function, and the unit of its error.
-
-    function   as the library names it
-    unit       of the error, for a reader
-    arguments  (random generator, N) -> arrays (N,), (N, components) or numbers; structs as dictionaries of these
-    pixels     how many an error of 1 counts: a number, or of the arguments, broadcast to (N, k)
-    """
-
-    function: str
-    unit: str
-    arguments: Callable[[Generator, int], Arguments]
-    pixels: float | Callable[[Arguments], np.ndarray] = ROWS
-
-    def scale(self, exact: np.ndarray, arguments: Arguments) -> np.ndarray:
-        """What an error of 1 counts in each component of the exact result (N, k)."""
-        if self.unit == RELATIVE:
-            return 1.0 / np.maximum(np.abs(exact), SMALLEST_NORMAL)
-        counts = self.pixels if self.unit == PIXELS else 1.0
-        return np.broadcast_to(counts(arguments) if callable(counts) else counts, exact.shape)
-
-
-def _uv(aspect) -> np.ndarray:
-    """uv offsets for a CoC of 1, as pixels for the largest CoC."""
-    return MAX_COC * ROWS * np.stack([aspect, np.ones_like(aspect)], axis=-1)
+def arguments(function: str, random: Generator, n: int) -> list:
+    """Arrays (N,), (N, components) or numbers; structs as dictionaries of these. The same name is the same thing."""
+    names = program.library()[function].parameters
+    given = _depths(function, random, n) | _lens(random, n) | _shapes(random, n, 1 if "polygon" in names else 2)
+    total = random.uniform(1.0, MAX_SAMPLES, n)
+    given |= {
+        "value": _color(random, n)[:, 0],
+        # a sum of colours where there is a sum of weights
+        "color": _color(random, n) * (total[:, None] if "totalWeight" in names else 1.0),
+        "totalWeight": total,
+        **{name: _color(random, n) for name in ("centerPixel", "a", "b")},
+        "blurCoC": True,
+        "useMax": False,
+        "imageSize": np.stack([random.integers(1280, 7681, n), random.integers(720, 4321, n)], axis=1).astype(float),
+        "imageHeight": random.integers(720, 4321, n).astype(float),
+        "aspectRatio": random.uniform(0.5, 2.4, n),
+        "spacing": random.integers(0, 5, n) / 2.0,
+        "lengthInPixels": random.uniform(0.0, MAX_COC * 4320.0, n),
+        # what a leakage test reads of it
+        "settings": {"bleedingBias": 0.02, "bleedingMult": 30.0},
+    }
+    sample, centre = random.uniform(-MAX_COC if "Signed" in function else 0.0, MAX_COC, (2, n))
+    # one in ten is all but the bias apart; both as RGBA16F has them
+    sample = np.where((np.arange(n) % 10 == 0) & (centre > 0.03), centre * 0.999 - 0.02, sample)
+    given |= {"sampleCoC": np.float16(sample).astype(float), "centerCoC": np.float16(centre).astype(float)}
+    # lines as BokehLineSum returns them: a mean weight in alpha, and the colour times that; none from edge k on
+    for edge in range(1, 5):
+        weight = random.uniform(0.1, 1.0, (n, 1)) * (edge < given["k"])[:, None]
+        given[f"L{edge}"] = np.concatenate([_color(random, n)[:, :3] * weight, weight], axis=1)
+    return [given[name] for name in names]
 
 
 def _logarithmic(random: Generator, low: float, high: float, shape) -> np.ndarray:
     return np.exp(random.uniform(np.log(low), np.log(high), shape))
-
-
-def _depth(random: Generator, n: int) -> np.ndarray:
-    return _logarithmic(random, 0.1, 1e5, n)
-
-
-def _focus(random: Generator, n: int) -> np.ndarray:
-    return _logarithmic(random, 0.5, 100.0, n)
 
 
 def _color(random: Generator, n: int) -> np.ndarray:
@@ -70,131 +103,58 @@ def _color(random: Generator, n: int) -> np.ndarray:
     return np.concatenate([_logarithmic(random, 1e-6, 65504.0, (n, 3)), random.uniform(0.0, MAX_COC, (n, 1))], axis=1)
 
 
-def _angle(random: Generator, n: int) -> np.ndarray:
-    return random.uniform(0.0, 2.0 * np.pi, n)
-
-
 def _directions(random: Generator, n: int) -> np.ndarray:
-    angle = _angle(random, n)
+    angle = random.uniform(0.0, 2.0 * np.pi, n)
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _size(random: Generator, n: int) -> np.ndarray:
-    return np.stack([random.integers(1280, 7681, n), random.integers(720, 4321, n)], axis=1).astype(float)
-
-
-def _coc(random: Generator, n: int) -> Arguments:
-    focal = random.uniform(0.024, 0.135, n)
-    aperture = focal / _logarithmic(random, 1.4, 16.0, n)
-    focus = _focus(random, n)
-    return [_depth(random, n), aperture, focal, focus, np.full(n, SENSOR), np.full(n, MAX_COC)]
-
-
-def _between_planes(random: Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _depths(function: str, random: Generator, n: int) -> dict:
+    """What a depth buffer holds for a distance between the planes; of any convention where the function takes one."""
     near, far = _logarithmic(random, 0.05, 1.0, n), _logarithmic(random, 100.0, 1e5, n)
-    return near * (far / near) ** random.uniform(0.0, 1.0, n), near, far
+    metres = near * (far / near) ** random.uniform(0.0, 1.0, n)
+    stored = {name: listings.stored_depth(metres, k, near, far) for name, k in listings.DEPTH_KINDS.items()}
+    kind = random.integers(0, len(stored), n)
+    wanted = function.removeprefix("BokehDepthFrom").lower()
+    depth = stored[wanted] if wanted in stored else np.choose(kind, [*stored.values()])
+    return {"depth": depth, "kind": kind, "zNear": near, "zFar": far}
 
 
-def _from_depth(kind: str) -> Domain:
-    """What a depth buffer of a convention holds for a distance between the planes."""
-    function = f"BokehDepthFrom{kind.capitalize()}"
+def _lens(random: Generator, n: int) -> dict:
+    """Listing 1's names: S2 the depth, S1 the focus, A the aperture's diameter, f the focal length."""
+    focal, focus = random.uniform(0.024, 0.135, n), _logarithmic(random, 0.5, 100.0, n)
+    centre, *depths = (_logarithmic(random, 0.1, 1e5, n) for _ in range(3))
+    # one in ten is all but equal to what it is compared with
+    equal, about = np.arange(n) % 10 == 0, random.uniform(0.999, 1.001, n)
+    return {
+        "S2": np.where(equal, focus * about, depths[0]),
+        "sampleDepth": np.where(equal, centre * about, depths[1]),
+        "centerDepth": centre,
+        "S1": focus,
+        "f": focal,
+        "A": focal / _logarithmic(random, 1.4, 16.0, n),
+        "sensorHeight": np.full(n, 0.024),
+        "MaxCoC": np.full(n, MAX_COC),
+        "CoC": _logarithmic(random, 1e-5, MAX_COC, n),
+    }
 
-    def arguments(random: Generator, n: int) -> Arguments:
-        metres, near, far = _between_planes(random, n)
-        given = {"zNear": near, "zFar": far}
-        given["depth"] = listings.stored_depth(metres, listings.DEPTH_KINDS[kind], near, far)
-        return [given[name] for name in program.library()[function].parameters]
 
-    return Domain(function, RELATIVE, arguments)
-
-
-def _linear_depth(random: Generator, n: int) -> Arguments:
-    metres, near, far = _between_planes(random, n)
-    kind = random.integers(0, len(listings.DEPTH_KINDS), n)
-    by_kind = [listings.stored_depth(metres, each, near, far) for each in listings.DEPTH_KINDS.values()]
-    return [np.choose(kind, by_kind), kind, near, far]
-
-
-def _offsets(random: Generator, n: int) -> Arguments:
+def _shapes(random: Generator, n: int, first: int) -> dict:
+    """Lines, and polygons with edges k from `first` to sides / 2."""
+    sides = random.choice([4, 6, 8, 10], n)
     count = random.integers(2, MAX_SAMPLES + 1, n)
-    end = 0.5 * _directions(random, n) / np.array([WIDE, 1.0])
-    return [end, np.floor(random.uniform(0.0, 1.0, n) * count).astype(np.int64), count]
-
-
-def _filter_coc(random: Generator, n: int) -> Arguments:
-    rows = random.integers(720, 4321, n).astype(float)
-    return [_logarithmic(random, 1e-5, MAX_COC, n), rows, random.integers(0, 3, n) / 2.0]
-
-
-def _segment(random: Generator, n: int) -> Arguments:
-    middle = random.uniform(-0.5, 0.5, (n, 2))
-    return [_angle(random, n), random.uniform(0.0, 1.0, n), middle, random.uniform(0.5, 1.0, n)]
-
-
-def _half_coc(random: Generator, n: int, least: float = 0.0) -> list[np.ndarray]:
-    """CoC of sample and centre as RGBA16F has them."""
-    return [random.uniform(least, MAX_COC, n).astype(np.float16).astype(float) for _ in range(2)]
-
-
-def _leakage(random: Generator, n: int) -> Arguments:
-    sample, center = _half_coc(random, n)
-    return [_depth(random, n), sample, _depth(random, n), center, SETTINGS]
-
-
-def _resolve(random: Generator, n: int) -> Arguments:
-    total = random.uniform(1.0, MAX_SAMPLES, n)
-    return [_color(random, n) * total[:, None], total, _color(random, n), True]
-
-
-def _polygon(random: Generator, n: int, first: int = 2) -> list[np.ndarray]:
-    """k from `first` to sides / 2, and sides."""
-    sides = random.choice(SIDES[SIDES >= 2 * first], n)
-    k = first + np.floor(random.uniform(0.0, 1.0, n) * (sides // 2 - first + 1))
-    return [k.astype(np.int64), sides]
-
-
-def _edge(random: Generator, n: int) -> Arguments:
-    k, sides = _polygon(random, n, 1)
-    polygon = {"sides": sides, "rotation": _angle(random, n), "squeeze": random.uniform(0.5, 1.0, n)}
-    return [k, polygon, random.integers(0, 2, n).astype(bool)]
-
-
-def _target(random: Generator, n: int) -> Arguments:
-    """Lines as BokehLineSum returns them: a mean weight in alpha, and the colour times that; none from edge k on."""
-    k, sides = _polygon(random, n)
-    weights = random.uniform(0.1, 1.0, (4, n, 1)) * (np.arange(1, 5)[:, None, None] < k[:, None])
-    lines = [np.concatenate([_color(random, n)[:, :3] * weight, weight], axis=1) for weight in weights]
-    return [k, sides, *lines, _color(random, n)]
-
-
-def _debug_focus(random: Generator, n: int) -> Arguments:
-    return [_depth(random, n), _focus(random, n), random.uniform(0.0, MAX_COC, n), MAX_COC]
-
-
-_OF_COC = MAX_COC * ROWS
-DOMAINS = (
-    Domain("BokehCoC", PIXELS, _coc),
-    Domain("BokehSignedCoC", PIXELS, _coc),
-    Domain("BokehSafeChannel", RELATIVE, lambda r, n: [_color(r, n)[:, 0]]),
-    Domain("BokehSafeDepth", RELATIVE, lambda r, n: [_depth(r, n)]),
-    *map(_from_depth, ("window", "reversed", "infinite", "clip", "orthographic", "fraction", "logarithmic")),
-    Domain("BokehLinearDepth", RELATIVE, _linear_depth),
-    Domain("BokehPackCoC", RELATIVE, lambda r, n: [_color(r, n), r.uniform(0.0, MAX_COC, n)]),
-    Domain("BokehDefaultFilter", RELATIVE, lambda r, n: [_size(r, n)]),
-    Domain("BokehLineEnd", PIXELS, lambda r, n: [_angle(r, n), r.uniform(0.5, 2.4, n)], lambda given: _uv(given[1])),
-    Domain("BokehMakeOffsets", PIXELS, _offsets, lambda _: _uv(WIDE)),
-    Domain("BokehFilterCoC", PIXELS, _filter_coc),
-    Domain("BokehCells", CELLS, lambda r, n: [r.uniform(0.0, MAX_COC * 4320.0, n), r.integers(0, 5, n) / 2.0]),
-    Domain("BokehSegment", PIXELS, _segment, _OF_COC),
-    Domain("BokehLeakageWeight", ABSOLUTE, _leakage),
-    Domain("BokehSignedLeakageWeight", ABSOLUTE, lambda r, n: [*_half_coc(r, n, -MAX_COC), SETTINGS]),
-    Domain("BokehResolve", RELATIVE, _resolve),
-    Domain("BokehCombine", RELATIVE, lambda r, n: [_color(r, n), _color(r, n), False]),
-    Domain("BokehRotated", PIXELS, lambda r, n: [_directions(r, n), _directions(r, n)], _OF_COC),
-    Domain("BokehPolygonEdge", PIXELS, _edge, _OF_COC),
-    Domain("BokehExactWeight", RELATIVE, _polygon),
-    Domain("BokehExactTarget", RELATIVE, _target),
-    Domain("BokehDebugDepth", ABSOLUTE, lambda r, n: [_depth(r, n), _focus(r, n)]),
-    Domain("BokehDebugCoC", ABSOLUTE, lambda r, n: [r.uniform(0.0, MAX_COC, n), MAX_COC]),
-    Domain("BokehDebugFocus", ABSOLUTE, _debug_focus),
-)
+    angle, squeeze = random.uniform(0.0, 2.0 * np.pi, n), random.uniform(0.5, 1.0, n)
+    return {
+        "sides": sides,
+        "k": first + np.floor(random.uniform(0.0, 1.0, n) * (sides // 2 - first + 1)).astype(np.int64),
+        "polygon": {"sides": sides, "rotation": angle, "squeeze": squeeze},
+        "secondPass": random.integers(0, 2, n).astype(bool),
+        "angle": angle,
+        "squeeze": squeeze,
+        "lineLength": random.uniform(0.0, 1.0, n),
+        "lineCenter": random.uniform(-0.5, 0.5, (n, 2)),
+        "lineEnd": 0.5 * _directions(random, n) / np.array([WIDE, 1.0]),
+        "numSamples": count,
+        "i": np.floor(random.uniform(0.0, 1.0, n) * count).astype(np.int64),
+        "direction": _directions(random, n),
+        "axis": _directions(random, n),
+    }

@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from bokeh_validation import terminal
-from bokeh_validation.half import frames
+from bokeh_validation.half import domain, frames
 from bokeh_validation.half.choice import ALLOWED, MAY_BE_HALF, WHOLE
-from bokeh_validation.half.domain import DOMAINS, MAX_SAMPLES, Domain
 from bokeh_validation.half.interpreter import ALL_FLOAT, ALL_HALF, Choice, Evaluator
 
 INPUTS = 4000
@@ -17,32 +16,33 @@ STORAGES = {"half": "RGBA16F", "r11g11b10": "R11G11B10F, CoC elsewhere", "rgba8"
 CHOICES = {"float": ALL_FLOAT, "half": ALL_HALF, "allowed": ALLOWED}
 
 
-def errors(domain: Domain) -> Mapping[str, np.ndarray]:
+def errors(function: str) -> Mapping[str, np.ndarray]:
     """By choice, (N,) of every input in the function's unit, the largest of its components; infinite where lost."""
-    arguments = domain.arguments(np.random.default_rng(SEED), INPUTS)
-    exact = _called(np.float64, ALL_FLOAT, domain.function, arguments)
+    given = domain.arguments(function, np.random.default_rng(SEED), INPUTS)
+    exact = _called(np.float64, ALL_FLOAT, function, given)
+    scale = domain.scale(function, exact, given)
     found = {}
     for name, choice in CHOICES.items():
         with np.errstate(invalid="ignore"):
-            off = np.abs(_called(np.float32, choice, domain.function, arguments) - exact)
-        found[name] = (np.where(np.isfinite(off), off, np.inf) * domain.scale(exact, arguments)).max(axis=1)
+            off = np.abs(_called(np.float32, choice, function, given) - exact)
+        found[name] = (np.where(np.isfinite(off), off, np.inf) * scale).max(axis=1)
     return found
 
 
 def _called(wide: type, choice: Choice, function: str, arguments: list) -> np.ndarray:
     """Result (N, components) in float64, with as many samples as the domain has; members of a struct side by side."""
-    found = Evaluator(wide, choice, {"BOKEH_NUM_SAMPLES": MAX_SAMPLES}).call(function, *arguments)
+    found = Evaluator(wide, choice, {"BOKEH_NUM_SAMPLES": domain.MAX_SAMPLES}).call(function, *arguments)
     if isinstance(found, dict):
         found = np.concatenate(np.broadcast_arrays(*found.values()), axis=1)
     return found.astype(np.float64)
 
 
 def measured(step: Callable[[str], None] = lambda _: None) -> tuple[list, list, list]:
-    """(domain, errors), (method, all half, half where allowed), (storage, outcome at the exposure of the scene)."""
+    """(function, errors), (method, all half, half where allowed), (storage, outcome at the exposure of the scene)."""
     budget, methods = [], []
-    for item in DOMAINS:
-        budget.append((item, errors(item)))
-        step(item.function)
+    for function in domain.UNITS:
+        budget.append((function, errors(function)))
+        step(function)
     for name in frames.METHODS:
         methods.append((name, frames.outcome(name, ALL_HALF), frames.outcome(name, ALLOWED)))
         step(name)
@@ -54,12 +54,12 @@ def markdown(budget: list, methods: list, storages: list) -> Iterator[str]:
     """The tables, a line each."""
     yield "| function | error in | float | half | not finite | as allowed | may be half |"
     yield "|---|---|---|---|---|---|---|"
-    for item, off in budget:
+    for function, off in budget:
         float_, half, allowed = (_number(float(off[name][np.isfinite(off[name])].max())) for name in CHOICES)
-        names = MAY_BE_HALF.get(item.function, ())
+        names = MAY_BE_HALF.get(function, ())
         may = "all" if names == WHOLE else ", ".join(names) or "nothing"
         lost = _share(float(np.isinf(off["half"]).mean()))
-        yield f"| `{item.function}` | {item.unit} | {float_} | {half} | {lost} | {allowed} | {may} |"
+        yield f"| `{function}` | {domain.UNITS[function]} | {float_} | {half} | {lost} | {allowed} | {may} |"
     yield ""
     yield "| method | all half: PSNR | sample moved by | not finite | as allowed: PSNR | sample moved by |"
     yield "|---|---|---|---|---|---|"
@@ -92,6 +92,6 @@ def _share(x: float) -> str:
 
 def precision() -> None:
     """What half precision does to every function and pass, emulated: the tables of validation/precision.md."""
-    with terminal.progress("precision", len(DOMAINS) + len(frames.METHODS)) as step:
+    with terminal.progress("precision", len(domain.UNITS) + len(frames.METHODS)) as step:
         found = measured(step)
     terminal.tell(*markdown(*found))

@@ -22,7 +22,7 @@ def build(name: str, *libraries: str) -> Path:
     return compiled(name, (*COMMAND, source, *libraries), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
 
 
-@locks.one_at_a_time("windows")
+@locks.held("windows")
 def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: Path) -> Path:
     """NAME.exe by a command of mingw-w64 in `folder`; '-o PROGRAM' is added.
 

@@ -48,7 +48,7 @@ def findings() -> tuple[list, list, list]:
 def test_every_function_is_measured():
     """The budget or a method runs every function of sections [3] to [9]; MAY_BE_HALF names variables and members."""
     library = program.library()
-    reached = {item.function for item in domain.DOMAINS} | {"BokehMakePolygon"}
+    reached = {*domain.UNITS} | {"BokehMakePolygon"}
     entries = {item.entry for settings in PLANS.values() for item in methods.plan(settings, SIZE).passes}
     waiting = [program.main(entry).body for entry in entries]
     while waiting:
@@ -90,8 +90,7 @@ def test_float64_is_the_reference():
     """What whole passes do not reach in all its cases: relative, both being float64 with a few roundings of 1e-16."""
     evaluator = Evaluator(np.float64)
     for name, (wanted, tolerance) in COUNTERPARTS.items():
-        item = next(item for item in domain.DOMAINS if item.function == name)
-        arguments = item.arguments(np.random.default_rng(7), 500)
+        arguments = domain.arguments(name, np.random.default_rng(7), 500)
         found = evaluator.call(name, *arguments)[:, 0]
         assert np.allclose(found, wanted(*arguments), rtol=tolerance, atol=EXACT if tolerance == EXACT else 0.0), name
     found = evaluator.call("BokehDefaultFilter", np.array([[1920.0, 1080.0]]))
@@ -172,17 +171,16 @@ def test_the_budget_keeps_the_limits(findings):
     """choice.LIMITS: every function with its allowed variables half, and nothing overflows. One that is
     not allowed as a whole overflows or is over its limit when half as a whole.
 
-    But BokehMakeOffsets, whose places are good enough by themselves: choice.py says why. And the leakage weights, whose
-    threshold the drawn inputs do not hit: half a bias of 0.02 and the weight is another one beside it.
+    But BokehMakeOffsets, whose places are good enough by themselves: choice.py says why.
     """
     within = set()
-    for item, off in findings[0]:
-        name, limit = item.function, LIMITS[item.unit]
+    for name, off in findings[0]:
+        limit = LIMITS[domain.UNITS[name]]
         if name in MAY_BE_HALF:
-            assert off["allowed"].max() <= limit, item
+            assert off["allowed"].max() <= limit, name
         if MAY_BE_HALF.get(name) != WHOLE and off["half"].max() <= limit:
             within.add(name)
-    assert within == {"BokehDefaultFilter", "BokehMakeOffsets", "BokehLeakageWeight", "BokehSignedLeakageWeight"}
+    assert within == {"BokehDefaultFilter", "BokehMakeOffsets"}
 
 
 # function, variable, method: uv, a sum of uv and something, a sum of colours, a threshold

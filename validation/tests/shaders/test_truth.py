@@ -95,7 +95,7 @@ def test_command(tmp_path):
     head, _, pinhole, layered, *_ = done.stdout.splitlines()
     assert head == "| | street_11 |" and pinhole.startswith("| pinhole | ") and layered.startswith(f"| {LAYERED} | ")
     (_, row) = json.loads((tmp_path / "numbers.json").read_text(encoding="utf-8"))["rows"]
-    assert row == vars(measured("street_11", LAYERED))
+    assert row == measured("street_11", LAYERED)._asdict()
     # both pictures need methods that were not asked for
     assert [file.name for file in tmp_path.iterdir()] == ["numbers.json"]
 
