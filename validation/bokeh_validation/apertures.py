@@ -3,8 +3,9 @@
 Angles are in radians, 0 along +u (to the right) and 90 degrees along +v (towards the last row in memory).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, pi, radians, sin
 
 import numpy as np
 
@@ -44,16 +45,11 @@ def direction(angle: float) -> np.ndarray:
     return np.array([cos(angle), sin(angle)])
 
 
-def line_end(angle: float, aspect_ratio: float) -> np.ndarray:
-    """End of a line of length 1 centred on the pixel, uv, shape (2,): `BokehLineEnd` of the shaders."""
-    return 0.5 * direction(angle) / np.array([aspect_ratio, 1.0])
-
-
 def make_offsets(angle: float, aspect_ratio: float, num_samples: int) -> np.ndarray:
     """Listing 2: offsets of all samples on a line, uv for a CoC of 1, shape (num_samples, 2)."""
     last = max(num_samples, 2) - 1
     t = (2.0 * np.arange(num_samples) - last) / last
-    return t[:, None] * line_end(angle, aspect_ratio)
+    return t[:, None] * (0.5 * direction(angle) / np.array([aspect_ratio, 1.0]))
 
 
 def rotated(table: np.ndarray, rotation: float) -> np.ndarray:
@@ -62,45 +58,13 @@ def rotated(table: np.ndarray, rotation: float) -> np.ndarray:
     return table @ np.array([[c, s], [-s, c]])
 
 
-def parallelogram_kernel(shape: Parallelogram, side: int) -> np.ndarray:
-    """Grid of side x side offsets from edge to edge of a parallelogram, (side^2, 2), x right, y down, CoC of 1."""
-    u, v = (make_offsets(radians(a), 1.0, side) for a in (shape.first, shape.second))
-    return (v[:, None, :] + u[None, :, :]).reshape(-1, 2)
-
-
-def hexagon_kernel(rings: int = 6) -> np.ndarray:
-    """Triangular lattice of `rings` rings about the centre: 3 r (r + 1) + 1 offsets, 127 for 6 (Figure 4a).
-
-    The outermost corners lie on the circle of confusion, one of them straight up.
-    """
-    a, b = direction(radians(90)) * 0.5 / rings, direction(radians(30)) * 0.5 / rings
-    return np.array(
-        [i * a + j * b for j in range(-rings, rings + 1) for i in range(-rings, rings + 1) if abs(i + j) <= rings]
-    )
-
-
-def lattice_kernel(cells: int, inside) -> np.ndarray:
+def lattice_kernel(cells: int, inside: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
     """Midpoints of a square lattice, `cells` of them across a CoC of 1, where `inside(x, y)` is true."""
     half = cells  # enough for shapes that reach beyond the CoC
     axis = (np.arange(-half, half) + 0.5) / cells if cells % 2 == 0 else np.arange(-half, half + 1) / cells
     y, x = np.meshgrid(axis, axis, indexing="ij")
     keep = inside(x, y)
     return np.stack([x[keep], y[keep]], axis=1)
-
-
-def _square_distances(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far out in units of the upright and of the turned square of side 1: 0.5 is on the edge."""
-    return np.maximum(abs(x), abs(y)), (abs(x) + abs(y)) / np.sqrt(2.0)
-
-
-def octagon_kernel(cells: int = 12) -> np.ndarray:
-    """Square lattice inside the regular octagon common to both squares of side CoC: 120 offsets for 12 (Figure 4b)."""
-    return lattice_kernel(cells, lambda x, y: np.maximum(*_square_distances(x, y)) <= 0.5)
-
-
-def star_kernel(cells: int = 12) -> np.ndarray:
-    """Square lattice inside the union of the two squares of side CoC."""
-    return lattice_kernel(cells, lambda x, y: np.minimum(*_square_distances(x, y)) <= 0.5)
 
 
 def regular_polygon(sides: int) -> np.ndarray:
@@ -113,39 +77,37 @@ def even_polygon(sides: int, rotation: float = 0.0) -> np.ndarray:
     return np.array([0.5 * direction(radians(360.0 * (k + 0.5) / sides + rotation)) for k in range(sides)])
 
 
-def polygon_kernel(sides: int, cells: int = 12) -> np.ndarray:
-    """Square lattice inside a regular polygon, point-reflected: 46 offsets for a triangle and 12.
-
-    A pixel finds a highlight on the other side of itself, so that the picture of a highlight is the offsets' mirror
-    image. The mean is 0, or the picture would move.
-    """
-    corners = regular_polygon(sides)
-
-    def inside(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        within = np.ones(x.shape, bool)
-        for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            within &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= -1e-12
-        return within
-
-    table = lattice_kernel(cells, inside)
-    return table.mean(axis=0) - table
-
-
 def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
     """Table of the naive gather with about the density of `samples` a line, (N, 2), x right, y down, CoC of 1.
 
     `samples` = 13 gives the 127-sample hexagon and the 120-sample octagon of Figure 4.
     """
+    cells = max(2, samples - 1)
     if aperture in ("square", "diamond"):
-        table = parallelogram_kernel(PARALLELOGRAMS[aperture][0], samples)
+        shape = PARALLELOGRAMS[aperture][0]
+        u, v = (make_offsets(radians(angle), 1.0, samples) for angle in (shape.first, shape.second))
+        table = (v[:, None, :] + u[None, :, :]).reshape(-1, 2)
     elif aperture == "hexagon":
-        table = hexagon_kernel(max(1, (samples - 1) // 2))
-    elif aperture == "octagon":
-        table = octagon_kernel(max(2, samples - 1))
-    elif aperture == "star":
-        table = star_kernel(max(2, samples - 1))
+        # triangles in n rings about the centre, 3 n (n + 1) + 1 places; the outermost corners are on the circle
+        n = max(1, (samples - 1) // 2)
+        a, b = direction(radians(90)) * 0.5 / n, direction(radians(30)) * 0.5 / n
+        steps = range(-n, n + 1)
+        table = np.array([i * a + j * b for j in steps for i in steps if abs(i + j) <= n])
+    elif aperture in ("octagon", "star"):
+        # what both squares of side CoC have, the upright and the turned one; what either of them has
+        both = np.minimum if aperture in USES_MAX else np.maximum
+        table = lattice_kernel(
+            cells, lambda x, y: both(np.maximum(abs(x), abs(y)), (abs(x) + abs(y)) / np.sqrt(2.0)) <= 0.5
+        )
     elif aperture in POLYGONS:
-        table = polygon_kernel(POLYGONS[aperture], max(2, samples - 1))
+        # mirrored: a pixel finds a highlight on the other side of itself; the mean is 0, or the picture would move
+        # within every side: 0.5 cos(pi / sides) from the middle, along the normals, which are between the corners
+        sides = POLYGONS[aperture]
+        normals = [direction(radians(360.0 * (k + 0.5) / sides - 90.0)) for k in range(sides)]
+        table = lattice_kernel(
+            cells, lambda x, y: np.max([x * a + y * b for a, b in normals], axis=0) <= 0.5 * cos(pi / sides) + 1e-12
+        )
+        table = table.mean(axis=0) - table
     else:
         raise ValueError(f"unknown aperture {aperture!r}: one of {', '.join(NAMES)}")
     return rotated(table, rotation)

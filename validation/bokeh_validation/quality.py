@@ -8,7 +8,8 @@ import numpy as np
 from bokeh_validation import apertures, fetches, methods, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.passes import Pass
-from bokeh_validation.patterns.model import Case
+from bokeh_validation.patterns import impulse
+from bokeh_validation.patterns.model import Case, depth_of, pixel_center
 from bokeh_validation.reference import polygons
 
 # Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
@@ -21,8 +22,12 @@ def outline(settings: methods.Settings) -> np.ndarray:
         return apertures.even_polygon(methods.EXACT[settings.aperture], settings.rotation)
     if settings.aperture in apertures.POLYGONS:
         return apertures.rotated(apertures.regular_polygon(apertures.POLYGONS[settings.aperture]), settings.rotation)
-    shapes = [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS[settings.aperture]]
+    shapes = _parallelograms(settings)
     return shapes[0] if len(shapes) == 1 else polygons.clip_convex(*shapes)
+
+
+def _parallelograms(settings: methods.Settings) -> list[np.ndarray]:
+    return [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS[settings.aperture]]
 
 
 def brute_table(corners: np.ndarray, cells: int = BRUTE_CELLS) -> np.ndarray:
@@ -52,7 +57,6 @@ COC, SIZE = 80, (176, 160)
 PAIR_COC, PAIR_SIZE = 40, (188, 180)
 # Where the second highlight is, in CoC from the first: min and max fail at some distances and not at others.
 DISTANCES, DIRECTIONS = (0.5, 0.8, 1.06), 8
-PEAK, AMBIENT = 4096.0, 0.5
 
 
 class Shape(NamedTuple):
@@ -84,16 +88,15 @@ def shape(driver: Driver, method: str, aperture: str) -> Shape:
     first = (SIZE[0] // 2, SIZE[1] // 2)
     settings = _dense(method, aperture, COC / SIZE[1], COC)
     one = _lit(driver, settings, SIZE, [first])
-    corners = COC * (_star(settings) if aperture in apertures.USES_MAX else outline(settings)[None])
-    center = (first[0] + 0.5, first[1] + 0.5)
-    truth = np.max([polygons.coverage(polygon, SIZE, center) for polygon in corners], axis=0)
+    shapes = _parallelograms(settings) if aperture in apertures.USES_MAX else [outline(settings)]
+    truth = np.max([polygons.coverage(COC * corners, SIZE, pixel_center(*first)) for corners in shapes], axis=0)
     seen = one * truth.sum() / one.sum()
     plan = methods.plan(methods.Settings(method, aperture), SIZE).passes
     return Shape(
         len(plan) - 1,
         max(len(item.outputs) for item in plan),
         round(fetches.of_filters(plan)),
-        float(one.sum() / PEAK),
+        float(one.sum() / impulse.PEAK),
         float(1.0 - np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum()),
         _sum_off(driver, _dense(method, aperture, PAIR_COC / PAIR_SIZE[1], PAIR_COC)),
     )
@@ -120,18 +123,11 @@ def _dense(method: str, aperture: str, coc: float, pixels: int) -> methods.Setti
     return methods.Settings(method, aperture, camera=methods.Camera(max_coc=1.0), coc=coc, **dense)
 
 
-def _star(settings: methods.Settings) -> np.ndarray:
-    return np.array([part.corners(settings.rotation) for part in apertures.PARALLELOGRAMS[settings.aperture]])
-
-
 def _lit(driver: Driver, settings: methods.Settings, size: tuple[int, int], places) -> np.ndarray:
     """Bright pixels through a method, without the ambient light, (H, W)."""
-    color = np.full((size[1], size[0], 4), AMBIENT, np.float16)
-    for column, row in places:
-        color[row, column, :3] += PEAK
-    plan = methods.plan(settings, size)
-    textures = {"color": color, "depth": np.ones((size[1], size[0]), np.float32), **plan.tables}
-    return driver.run(plan.passes, textures, size)["result"][..., 1].astype(np.float64) - AMBIENT
+    case = Case("", settings, impulse.impulse_image(places, size), depth_of(size, 1.0))
+    result = driver.run(case.plan.passes, case.textures(), size)["result"]
+    return result[..., 1].astype(np.float64) - impulse.AMBIENT
 
 
 def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bokeh_validation import drivers, files, terminal
+from bokeh_validation import drivers, pictures, terminal
 from bokeh_validation.bench import measure, output, rows, session
 from bokeh_validation.drivers.base import TimedDriver
 from bokeh_validation.errors import UserError
@@ -70,8 +70,7 @@ def bench(
         results = [session.measure(one, wanted, lambda text, name=one.name: step(f"{name}: {text}")) for one in found]
     terminal.write_json(json_file, session.as_json(results, missing))
     if plot is not None:
-        picture = output.plot(results)
-        files.whole(plot, lambda partial: partial.write_bytes(picture))
+        pictures.write_png(plot, pictures.coarse(output.plot(results), 16))
     # a table in a file or a pipe needs a width of its own
     wide = terminal.console if terminal.console.is_terminal else Console(width=120)
     for result in results:

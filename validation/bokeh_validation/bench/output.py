@@ -1,8 +1,6 @@
 """A measurement as tables and as a picture."""
 
-import io
-
-from PIL import Image
+import numpy as np
 from rich.table import Table
 
 from bokeh_validation.bench.rows import LAYERS_SCENE
@@ -73,13 +71,13 @@ def tables(result: dict) -> list:
     return [f"{result['driver']}: {result['adapter']}", f"{sizes}; {rounds}", *LEGEND, table, curves]
 
 
-def plot(results: list[dict]) -> bytes:
-    """PNG: time against samples, CoC and pixels (relative), and how far each method is from its floor."""
+def plot(results: list[dict]) -> np.ndarray:
+    """8-bit rgb: time against samples, CoC and pixels (relative), and how far each method is from its floor."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(12.0, 3.6 * len(results)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Figure(figsize=(12.0, 3.6 * len(results)), dpi=90, layout="constrained")
+    canvas = FigureCanvasAgg(figure)
     axes = figure.subplots(len(results), 4, squeeze=False)
     for line, result in zip(axes, results, strict=True):
         for axis, (against, label) in zip(line, AXES, strict=False):
@@ -88,12 +86,8 @@ def plot(results: list[dict]) -> bytes:
                 _curves(axis, chosen, label)
         _floors(line[3], result)
         line[0].set_title(f"{result['driver']}, {result['size'][0]} x {result['size'][1]}", loc="left", fontsize=9)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=90)
-    # few colours: a third of the bytes
-    small = io.BytesIO()
-    Image.open(buffer).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
-    return small.getvalue()
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3]
 
 
 AXES = (("samples", "effective samples"), ("CoC", "CoC, pixels"), ("pixels", "pixels"))

@@ -69,48 +69,49 @@ def _row(key: str, group: str, settings: methods.Settings, size, effective=None,
     return Row(key, group, settings, effective, passes, floor, versus)
 
 
-def _polygons(group: str, end: str, size, line: int, **versus: str) -> list[Row]:
-    """Hexagon and octagon with a constant CoC by the paper's method, `line` samples on a line, and by `exact`."""
+def _polygons(group: str, end: str, size, settings, effective: int | None = None, **versus: str) -> list[Row]:
+    """Hexagon and octagon by the paper's method and by `exact`; settings: (method, aperture) -> Settings."""
     rows = []
     for aperture in ("hexagon", "octagon"):
         paper, exact = f"paper {aperture}{end}", f"exact {aperture}{end}"
-        rows.append(_row(paper, group, _fixed("paper", aperture, line), size, line**2, **versus))
-        settings = _fixed("exact", aperture, edge_samples(aperture, line))
-        rows.append(_row(exact, group, settings, size, line**2, **versus, paper=paper))
+        rows.append(_row(paper, group, settings("paper", aperture), size, effective, **versus))
+        rows.append(_row(exact, group, settings("exact", aperture), size, effective, **versus, paper=paper))
     return rows
 
 
-def _fixed(method: str, aperture: str, samples: int) -> methods.Settings:
-    return methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=COC)
+def _spaced(line: int):
+    """A constant CoC, `line` samples on a line of the paper's, as close to each other on an edge."""
+
+    def settings(method: str, aperture: str) -> methods.Settings:
+        samples = edge_samples(aperture, line) if method == "exact" else line
+        return methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=COC)
+
+    return settings
 
 
 def table_one(size: tuple[int, int], sides: tuple[int, ...] = SIDES) -> list[Row]:
     """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
     rows = []
     for side in sides:
-        naive = f"naive {side**2}"
-        rows.append(_row(naive, "table 1", _fixed("naive-grid", "hexagon", side), size, side**2))
-        rows += _polygons("table 1", f" {side**2}", size, side, naive=naive)
+        naive, settings = f"naive {side**2}", _spaced(side)
+        rows.append(_row(naive, "table 1", settings("naive-grid", "hexagon"), size, side**2))
+        rows += _polygons("table 1", f" {side**2}", size, settings, side**2, naive=naive)
     return rows
 
 
 def defaults(size: tuple[int, int]) -> list[Row]:
     """The counts that nobody asked for: 13 on a line, 7 and 6 on an edge."""
-    return _polygons("default", "", size, methods.PAPER_SAMPLES)
+    return _polygons("default", "", size, _spaced(methods.PAPER_SAMPLES), methods.PAPER_SAMPLES**2)
 
 
 def adaptive(size: tuple[int, int]) -> list[Row]:
     """A sample a pixel, the CoC from depth; `paper` does not blur it, so that its floor fetches at the same places."""
-    rows = []
-    for aperture in ("hexagon", "octagon"):
-        paper = f"paper {aperture} adaptive"
-        for method, key in (("paper", paper), ("exact", f"exact {aperture} adaptive")):
-            settings = methods.Settings(
-                method, aperture, camera=SCENE.camera, spacing=1.0, max_samples=MOST, blur_coc=method == "exact"
-            )
-            versus = {} if method == "paper" else {"paper": paper}
-            rows.append(_row(key, "adaptive", settings, size, None, **versus))
-    return rows
+
+    def settings(method: str, aperture: str) -> methods.Settings:
+        dense = {"spacing": 1.0, "max_samples": MOST, "blur_coc": method == "exact"}
+        return methods.Settings(method, aperture, camera=SCENE.camera, **dense)
+
+    return _polygons("adaptive", " adaptive", size, settings)
 
 
 def in_focus(size: tuple[int, int]) -> list[Row]:
@@ -122,25 +123,24 @@ def in_focus(size: tuple[int, int]) -> list[Row]:
     for aperture in ("hexagon", "octagon"):
         settings = methods.Settings("exact", aperture, coc=0.0, spacing=1.0, max_samples=65)
         found = _row(f"exact {aperture} in focus", "in focus", settings, size)
-        passes, floor = (tuple(_sharp(item) for item in part[1:]) for part in (found.passes, found.floor))
-        rows.append(replace(found, passes=passes, floor=floor))
+        for part in ("passes", "floor"):
+            sharp = tuple(
+                replace(item, inputs={slot: name.replace("coc", "sharp") for slot, name in item.inputs.items()})
+                for item in getattr(found, part)[1:]
+            )
+            found = replace(found, **{part: sharp})
+        rows.append(found)
     return rows
-
-
-def _sharp(item: Pass) -> Pass:
-    return replace(item, inputs={slot: name.replace("coc", "sharp") for slot, name in item.inputs.items()})
 
 
 def layers(size: tuple[int, int]) -> list[Row]:
     """`layered` against the paper's hexagon with 13 samples, all with the CoC from depth; and a picture in focus."""
     camera = LAYERS_SCENE.camera
-    rows = [_row(LAYERS_PAPER, "layers", methods.Settings("paper", "hexagon", camera=camera), size)]
-    for quality in ("low", "medium", "high"):
-        settings = methods.Settings("layered", "hexagon", camera=camera, quality=quality)
-        rows.append(_row(f"layered {quality}", "layers", settings, size, paper=LAYERS_PAPER))
-    settings = methods.Settings("layered", "hexagon", camera=camera, coc=0.0)
-    rows.append(_row("layered in focus", "layers", settings, size, paper=LAYERS_PAPER))
-    return rows
+    layered = methods.Settings("layered", "hexagon", camera=camera)
+    every = {f"layered {quality}": replace(layered, quality=quality) for quality in ("low", "medium", "high")}
+    every["layered in focus"] = replace(layered, coc=0.0)
+    paper = _row(LAYERS_PAPER, "layers", methods.Settings("paper", "hexagon", camera=camera), size)
+    return [paper, *(_row(key, "layers", one, size, paper=LAYERS_PAPER) for key, one in every.items())]
 
 
 # Growth: CoC as fractions of the image height, and sides of the picture relative to the size that is measured
