@@ -138,7 +138,7 @@ def canopy(driver: Driver) -> Made:
         "figure_11_own": panels.grid([details["own"][:2], details["own"][2:]]),
     }
     columns = ("dB to the truth", "FLIP to the truth", "dB to the lens", "FLIP to the lens")
-    return Made(pictures, images, (Table(columns, tuple(rows), (1, 3, 1, 3)),))
+    return Made(pictures, images, (Table(columns, rows, (1, 3, 1, 3)),))
 
 
 def _near(image: np.ndarray, wanted: np.ndarray | None, flip: bool) -> tuple[float | None, float | None]:

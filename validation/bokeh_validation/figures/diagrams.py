@@ -33,7 +33,7 @@ def kernels(_: Driver | None = None) -> Made:
         sheet.caption(canvas, panel, f"({letter}) {name}:\n{len(table)} samples")
         inside = polygons.inside(1.0001 * shapes[name], table[:, 0], table[:, 1])
         numbers.append((name, (float(len(table)), float(inside.sum()))))
-    columns = Table(("samples", "of them inside the outline"), tuple(numbers), (0, 0))
+    columns = Table(("samples", "of them inside the outline"), numbers, (0, 0))
     return Made({"figure_04": canvas.finished()}, {}, (columns,))
 
 
@@ -70,7 +70,7 @@ def booleans(_: Driver | None = None) -> Made:
         # of the union of two that cross: those of both, and where their sides cross
         corners = sum(map(len, parts)) + len(common) if union else len(common)
         numbers.append((name, (impulse.light_kept(name), float(corners))))
-    table = Table(("area over that of one parallelogram", "corners"), tuple(numbers), (3, 0))
+    table = Table(("area over that of one parallelogram", "corners"), numbers, (3, 0))
     return Made({"figure_08": np.vstack(rows)}, {}, (table,))
 
 
@@ -147,7 +147,7 @@ def workflows(driver: Driver) -> Made:
         count = methods.plan(methods.Settings(method, aperture), case.size).passes
         numbers.append((f"{aperture}, {method}", (float(len(count) - 1), fetches.of_filters(count))))
         images |= named(f"figure_10_{letter}", {node.name.replace(" ", "_"): outputs[node.name] for node in nodes[1:]})
-    table = Table(("passes", "colour fetches a pixel"), tuple(numbers), (0, 0))
+    table = Table(("passes", "colour fetches a pixel"), numbers, (0, 0))
     return Made({"figure_10": _joined([_joined(graphs[:2], 0), _joined(graphs[2:], 0)], 1)}, images, (table,))
 
 

