@@ -2,6 +2,8 @@
 
 import os
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -9,24 +11,39 @@ import numpy as np
 import typer
 
 from bokeh_validation import exr, paths, pictures, terminal
+from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import depth, diagrams, photographs, points
-from bokeh_validation.figures.figure import Figure, Made
+from bokeh_validation.figures.figure import Made
 
-_ALL = (*photographs.FIGURES, *depth.FIGURES, *diagrams.FIGURES, *points.FIGURES)
-FIGURES: dict[int, Figure] = {figure.number: figure for figure in sorted(_ALL, key=lambda figure: figure.number)}
+# Number -> title and what makes it of a driver; that raises Unavailable where this machine lacks its input
+FIGURES: dict[int, tuple[str, Callable[[Driver], Made]]] = {
+    1: ("Photographs with a constant depth", photographs.photographs),
+    2: ("Intensity leakage", depth.leakage),
+    3: ("A sharp silhouette", depth.silhouette),
+    4: ("Kernels of the naive gather", diagrams.kernels),
+    5: ("A point becomes a square in two passes", partial(points.stages, 5, "square")),
+    6: ("A point becomes a diamond in two passes", partial(points.stages, 6, "diamond")),
+    7: ("Blurring the CoC", depth.coc_blur),
+    8: ("Apertures from parallelograms", diagrams.booleans),
+    9: ("Min and max of parallelograms", points.shapes),
+    10: ("Workflows", diagrams.workflows),
+    11: ("A canopy", depth.canopy),
+    12: ("Two points under min", points.minimum),
+    13: ("Two points under max", points.maximum),
+}
 NUMBERS_FILE = "figures.json"
 
 
-def chosen(only: str | None) -> list[Figure]:
+def chosen(only: str | None) -> list[int]:
     """The figures of '1,4,9', in order; None: all. Raises UserError."""
     if only is None:
-        return [*FIGURES.values()]
+        return [*FIGURES]
     words = [word.strip() for word in only.split(",")]
     for word in words:
         if not word.isdecimal() or int(word) not in FIGURES:
             raise UserError(f"--only {only}: {word!r} is no figure of the paper. Give numbers from 1 to 13: 1,4,9.")
-    return [FIGURES[number] for number in sorted(set(map(int, words)))]
+    return sorted(set(map(int, words)))
 
 
 def places(output: Path | None) -> tuple[Path, Path]:
@@ -55,14 +72,14 @@ def places(output: Path | None) -> tuple[Path, Path]:
     return found
 
 
-def written(figure: Figure, one: Made, folder: Path, images: Path) -> dict:
+def written(title: str, one: Made, folder: Path, images: Path) -> dict:
     """Write a figure, each file as a whole; what the file of numbers says of it."""
     for name, pixels in one.pictures.items():
         pictures.write_png(folder / f"{name}.png", pixels)
     for name, image in one.images.items():
         exr.write(images / f"{name}.exr", np.ascontiguousarray(image))
     return {
-        "title": figure.title,
+        "title": title,
         "pictures": sorted(f"{name}.png" for name in one.pictures),
         "images": sorted(f"{name}.exr" for name in one.images),
         "tables": [table.as_json() for table in one.tables],
@@ -88,16 +105,17 @@ def figures(
     folder, images = places(output)
     told, missing, lines = {}, {}, []
     with terminal.progress("figures", len(wanted)) as step:
-        for figure in wanted:
+        for number in wanted:
+            title, make = FIGURES[number]
             try:
-                one = figure.make(used)
+                one = make(used)
             except Unavailable as error:
                 # the pictures that are there of it stay
-                missing[figure.number] = str(error)
+                missing[number] = str(error)
             else:
-                told[figure.number] = written(figure, one, folder, images)
-                lines += [f"Figure {figure.number}: {figure.title}", *(x for t in one.tables for x in t.markdown())]
-            step(f"figure {figure.number}")
+                told[number] = written(title, one, folder, images)
+                lines += [f"Figure {number}: {title}", *(line for table in one.tables for line in table.markdown())]
+            step(f"figure {number}")
     data = {"driver": used.name, "adapter": used.adapter, "figures": told, "missing": missing}
     terminal.write_json(images / NUMBERS_FILE, data)
     terminal.tell(*lines, *(f"Figure {number} not made: {reason}" for number, reason in missing.items()))

@@ -7,7 +7,7 @@ import numpy as np
 from bokeh_validation import metrics, quality, suite
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.figure import Figure, Made, Table, drawn, named
+from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import scenes as probes
 from bokeh_validation.patterns.model import Case, Probe
@@ -146,11 +146,3 @@ def _near(image: np.ndarray, wanted: np.ndarray | None, flip: bool) -> tuple[flo
     if wanted is None:
         return None, None
     return metrics.psnr(image, wanted), metrics.flip(image, wanted) if flip else None
-
-
-FIGURES = (
-    Figure(2, "Intensity leakage", leakage),
-    Figure(3, "A sharp silhouette", silhouette),
-    Figure(7, "Blurring the CoC", coc_blur),
-    Figure(11, "A canopy", canopy),
-)

@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw
 
-from bokeh_validation import apertures, fetches, methods, quality, sheet, tiling
+from bokeh_validation import apertures, fetches, methods, quality, sheet
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
-from bokeh_validation.figures.figure import Figure, Made, Table, named
+from bokeh_validation.figures.figure import Made, Table, named
 from bokeh_validation.passes import Pass
 from bokeh_validation.patterns import impulse
-from bokeh_validation.reference import polygons, segments
+from bokeh_validation.reference import polygons
+from bokeh_validation.reference.lines import lines
 
 KERNELS = {"hexagon": "a", "octagon": "b"}
 
@@ -98,7 +99,7 @@ def separated(plan: methods.Plan) -> tuple[Pass, ...]:
     return (*passes, final)
 
 
-def workflow(passes: tuple[Pass, ...], settings: methods.Settings) -> list[Node]:
+def workflow(passes: tuple[Pass, ...]) -> list[Node]:
     """The boxes of separated passes, in order; depth is left out, which all passes read."""
     nodes: dict[str, Node] = {}
     for number, item in enumerate(passes):
@@ -107,28 +108,20 @@ def workflow(passes: tuple[Pass, ...], settings: methods.Settings) -> list[Node]
             sources = (item.inputs["ColorSampB"], "alone")
         layer = 1 + max((nodes[name].layer for name in sources), default=-1)
         for index, output in enumerate(item.outputs):
-            nodes[output] = Node(output, _label(number, item, index, settings), layer, sources)
+            nodes[output] = Node(output, _label(number, item, index), layer, sources)
     return list(nodes.values())
 
 
-def _label(number: int, item: Pass, index: int, settings: methods.Settings) -> tuple[str, ...]:
+def _label(number: int, item: Pass, index: int) -> tuple[str, ...]:
+    """Lines over a target of a pass: which pass it is, and the angles of what it averages along."""
     if number == 0:
         return ("CoC map",)
     if item.entry.endswith("Final"):
-        return (f"{'max' if item.parameters['BokehUseMax'] else 'min'}", f"in pass {number - 1}")
-    if settings.method != "exact":
-        return (f"pass {number}", f"{degrees(item.parameters['BokehAngle']):.4g}°")
-    shape = tiling.Tiling(methods.EXACT[settings.aperture])
-    if number > 1:
-        edges = [_degrees(shape.edge(k, True)) for k in range(2, shape.sides // 2 + 1)]
-        return ("pass 2: sum of", ", ".join(edges))
-    target = index + 2
-    edges = [k for k in range(1, shape.sides // 2) if segments.parallelogram(target, k, shape.sides) > 0.0]
-    return (f"pass 1, target {index + 1}", ", ".join(_degrees(shape.edge(k, False)) for k in edges))
-
-
-def _degrees(line: segments.Segment) -> str:
-    return f"{degrees(np.arctan2(line.half[1], line.half[0])) % 180.0:.4g}°"
+        return ("max" if item.parameters["BokehUseMax"] else "min", f"in pass {number - 1}")
+    halves = [line.segment.half for line in lines(item) if line.shares[index] > 0.0]
+    angles = [f"{degrees(np.arctan2(y, x)) % 180.0:.4g}°" for x, y in halves]
+    several = f", target {index + 1}" if len(item.outputs) > 1 else ": sum of" if len(angles) > 1 else ""
+    return (f"pass {number}{several}", ", ".join(angles))
 
 
 THUMB, ACROSS, DOWN, HEAD = 88, 52, 46, 26
@@ -141,7 +134,7 @@ def workflows(driver: Driver) -> Made:
     for (method, aperture), letter in zip(WORKFLOWS, "abcd", strict=True):
         case = points.case(method, aperture, ((THUMB // 2, THUMB // 2),), (THUMB, THUMB))
         passes = separated(case.plan)
-        nodes = workflow(passes, case.settings)
+        nodes = workflow(passes)
         outputs = driver.run(passes, case.textures(), case.size, keep=[node.name for node in nodes])
         graphs.append(_graph(f"({letter}) {method}, {aperture}", nodes, outputs, case.exposure))
         count = methods.plan(methods.Settings(method, aperture), case.size).passes
@@ -190,10 +183,3 @@ def _graph(title: str, nodes: list[Node], outputs: dict[str, np.ndarray], exposu
             draw.text(place, text, stroke_width=2 * scale, **style)
     draw.text((scale * 10, scale * 14), title, fill=sheet.INK, font=panels.font(scale * 15), anchor="lm")
     return np.asarray(page.resize((width, height), Image.Resampling.BOX))
-
-
-FIGURES = (
-    Figure(4, "Kernels of the naive gather", kernels),
-    Figure(8, "Apertures from parallelograms", booleans),
-    Figure(10, "Workflows", workflows),
-)

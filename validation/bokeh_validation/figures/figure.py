@@ -1,7 +1,7 @@
 """What a figure is: pictures, the HDR images behind them, and numbers."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,8 +9,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.patterns.model import Case
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Numbers of a figure, as docs/reproduction.md has them.
 
     columns  of the numbers; the first column, of the rows' names, has no name
@@ -38,8 +37,7 @@ class Table:
         return {"columns": list(self.columns), "digits": list(self.digits), "rows": rows}
 
 
-@dataclass(frozen=True)
-class Made:
+class Made(NamedTuple):
     """A finished figure.
 
     pictures  name -> 8-bit rgb (H, W, 3)
@@ -48,17 +46,8 @@ class Made:
     """
 
     pictures: dict[str, np.ndarray]
-    images: dict[str, np.ndarray] = field(default_factory=dict)
+    images: dict[str, np.ndarray]
     tables: tuple[Table, ...] = ()
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the paper and how ours is made; `make` raises Unavailable where this machine lacks its input."""
-
-    number: int
-    title: str
-    make: Callable[[Driver], Made]
 
 
 def drawn(driver: Driver, case: Case) -> np.ndarray:

@@ -19,7 +19,7 @@ from bokeh_validation import exr, files, locks, methods, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.figure import Figure, Made, drawn
+from bokeh_validation.figures.figure import Made, drawn
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns.model import Case, depth_of
 from bokeh_validation.reference import sampling
@@ -143,6 +143,3 @@ def photographs(driver: Driver) -> Made:
         pictures[f"figure_01_{letter}"] = panels.grid([row])
         images |= {f"figure_01_{letter}_input": one.color, f"figure_01_{letter}": result}
     return Made(pictures, images)
-
-
-FIGURES = (Figure(1, "Photographs with a constant depth", photographs),)

@@ -1,7 +1,6 @@
 """Figures 5, 6, 9, 12 and 13: bright points spread into apertures."""
 
 from dataclasses import replace
-from functools import partial
 from math import cos, pi
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from bokeh_validation import apertures, methods, pictures, quality
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
-from bokeh_validation.figures.figure import Figure, Made, Table, drawn, named
+from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.patterns import impulse, two_points
 from bokeh_validation.patterns.model import Case, depth_of, pixel_center
@@ -145,18 +144,14 @@ def maximum(driver: Driver) -> Made:
     octagons = [polygons.coverage(outline, size, pixel_center(*place)) for place in near]
     # where max can show one highlight only: no parallelogram of both has them both
     single = np.logical_and.reduce([first + second <= 1.0 for first, second in zip(*squares, strict=True)])
-    values = (
-        overlap(found["paper"], stars, single),
-        overlap(found["truth"], stars, single),
-        overlap(found["exact"], octagons, np.ones_like(single)),
-    )
+    values = (*(overlap(found[name], stars, single) for name in ("paper", "truth")), overlap(found["exact"], octagons))
     columns = ("paper, star", "truth, star", "exact, octagon")
-    table = Table(columns, (("overlap, times as bright as one highlight", values),), (2, 2, 2))
+    table = Table(columns, [("overlap, times as bright as one highlight", values)], (2, 2, 2))
     picture = panels.grid([_row(found, captions, exposure("star"))])
     return Made({"figure_13": picture}, named("figure_13", found), (table,))
 
 
-def overlap(image: np.ndarray, shapes: list[np.ndarray], where: np.ndarray) -> float:
+def overlap(image: np.ndarray, shapes: list[np.ndarray], where: np.ndarray | bool = True) -> float:
     """Mean brightness where both shapes (H, W) are and `where` holds, over that where one is, a pixel from edges."""
     both = (np.minimum(*shapes) == 1) & where
     one = np.logical_xor(shapes[0] == 1, shapes[1] == 1) & (np.minimum(*shapes) == 0)
@@ -168,12 +163,3 @@ def _row(found: dict[str, np.ndarray], captions: tuple[str, ...], exposure: floa
     width, height = two_points.SIZE
     cut = [panels.crop(image, 20, 8, width - 40, height - 16) for image in found.values()]
     return [Panel(shown(image, exposure, PAIR_ZOOM), caption) for image, caption in zip(cut, captions, strict=True)]
-
-
-FIGURES = (
-    Figure(5, "A point becomes a square in two passes", partial(stages, 5, "square")),
-    Figure(6, "A point becomes a diamond in two passes", partial(stages, 6, "diamond")),
-    Figure(9, "Min and max of parallelograms", shapes),
-    Figure(12, "Two points under min", minimum),
-    Figure(13, "Two points under max", maximum),
-)
