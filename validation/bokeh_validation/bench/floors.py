@@ -4,8 +4,8 @@ The first pass, which makes the CoC, stays as it is. Every target depends on all
 four channels, so that no compiler can leave a fetch out. Alpha is the pixel's CoC: the next pass fetches by it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,41 +18,101 @@ from bokeh_validation.reference.segments import Segment
 ENTRY = "BokehFloor"
 
 
-@dataclass(frozen=True)
-class Dialect:
-    """How one language writes what the floors need.
+def adaptive(item: Pass) -> float:
+    """Pixels between the samples of a filter pass that takes as many as the CoC needs; 0 for fixed counts."""
+    return 0.0 if ends(item) else item.values()["BokehSpacing"]
 
-    vec2, vec4, scalar  types
-    declaration         the beginning of one, of {kind} and {name}
-    texture             the texture of a {slot} with its sampler, as an argument
-    loop                head of a loop over {i} up to {count}
-    frame               (statements, expressions of the targets) -> the complete program
-    """
 
-    vec2: str
-    vec4: str
-    scalar: str
-    declaration: str
-    texture: str
-    loop: str
-    frame: Callable[[list[str], list[str]], str]
+def ends(item: Pass) -> bool:
+    """Whether the first and the last sample are a line's ends, as the paper has them; else middles of equal parts."""
+    return item.spec.role in (LINE, GRID)
 
-    def declare(self, kind: str, name: str, value: str) -> str:
-        """A variable with a value."""
-        return f"{self.declaration.format(kind=kind, name=name)} = {value}"
 
-    def fetch(self, slot: str, place: str = "uv") -> str:
-        """A colour."""
-        return f"BokehFetch({self.texture.format(slot=slot)}, {place})"
+def others(item: Pass) -> tuple[str, ...]:
+    """Further colour textures that a filter pass fetches at the pixel."""
+    return ("ColorSampB",) if item.spec.role in (LINE, ADAPTIVE) and "ColorSampB" in item.inputs else ()
 
-    def vector(self, value: np.ndarray) -> str:
-        """Two numbers."""
-        return f"{self.vec2}({_number(value[0])}, {_number(value[1])})"
+
+# ---------------------------------------------------------------------------------------------------------------- GLSL
 
 
 def _number(value: float) -> str:
     text = f"{value:.9g}"
     return text if any(mark in text for mark in ".e") else text + ".0"
+
+
+def _vector(value: np.ndarray) -> str:
+    return f"vec2({_number(value[0])}, {_number(value[1])})"
+
+
+def _fetch(slot: str, place: str = "uv") -> str:
+    return f"BokehFetch(Bokeh{slot}, {place})"
+
+
+def _added(item: Pass, name: str, line: Line, side: np.ndarray | None, deep: bool) -> str:
+    """A block that adds up a line's samples, and of depth too where `deep`, to the variable `name`.
+
+    The program has `uv` and `coc`, the CoC that the pass blurs by. A grid is a line moved along `side`, half of it.
+    """
+    values, count, spacing = item.values(), item.samples, adaptive(item)
+    to_uv = np.array([1.0 / values["BokehAspectRatio"], 1.0])
+    middle, half = line.segment.middle * to_uv, line.segment.half * to_uv
+    parts = count - 1 if ends(item) else count
+    first, between = middle - half + (0.0 if ends(item) else half / parts), 2.0 * half / parts
+    loop, place, guard = f"for (int i = 0; i < {count}; i++)", "first + between * float(i)", ""
+    block = ["vec4 colors = vec4(0.0, 0.0, 0.0, 0.0)", *(["float depths = 0.0"] if deep else [])]
+    if spacing > 0.0:
+        # as many samples as the line needs, where BokehLineSum has them
+        length = 2.0 * line.segment.half_length * values["BokehImageHeight"]
+        block += [
+            f"float cells = clamp({_number(length / spacing)} * coc, 1.0, {count}.0)",
+            f"vec2 halfLine = {_vector(half)} * coc",
+            f"vec2 first = uv + {_vector(middle)} * coc - halfLine",
+            "vec2 between = halfLine * (2.0 / cells)",
+        ]
+        place = "first + between * (float(i) + 0.5 * clamp(cells - float(i), 0.0, 1.0))"
+        guard = "if (float(i) >= cells) { break; } "
+    else:
+        start = first if side is None else first - side * to_uv
+        block += [f"vec2 first = uv + {_vector(start)} * coc", f"vec2 between = {_vector(between)} * coc"]
+    if side is not None:
+        loop = f"for (int j = 0; j < {count}; j++) {{ {loop}"
+        place = f"first + {_vector(2.0 * side * to_uv / parts)} * coc * float(j) + between * float(i)"
+    taken = f"vec2 coords = {place}; colors += {_fetch(line.slot, 'coords')};"
+    taken += " depths += BokehFetchNearest(BokehDepthSamp, coords).r;" if deep else ""
+    block += [f"{loop} {{ {guard}{taken} }}{' }' if side is not None else ''}"]
+    return f"{{ {'; '.join(block)} {name} += colors{' + depths' if deep else ''}; }}"
+
+
+def _body(item: Pass, along: tuple[Line, ...]) -> tuple[list[str], list[str]]:
+    """Statements, and an expression for each target."""
+    values, spacing, side, deep = item.values(), adaptive(item), None, "DepthSamp" in item.inputs
+    samples = item.samples
+    if along and item.spec.role == GRID:
+        # the first line of a grid is one side away from the middle
+        side, samples = -along[0].segment.middle, item.samples**2
+        along = (replace(along[0], segment=Segment(np.zeros(2), along[0].segment.half)),)
+    skips, height = along and spacing > 0.0, _number(values["BokehImageHeight"])
+    coc = f"BokehFilterCoC(abs(center.a), {height}, {_number(spacing)})" if skips else "abs(center.a)"
+    names = [f"sum{index}" for index in range(len(along))]
+    statements = [f"vec4 center = {_fetch('ColorSamp')}", f"float coc = {coc}"]
+    statements += [f"vec4 {name} = center" for name in names]
+    taken = [f"{names[0]} += BokehFetchNearest(BokehDepthSamp, uv).r;"] if names and deep else []
+    taken += [_added(item, name, line, side, deep) for name, line in zip(names, along, strict=True)]
+    statements += [f"{'if (coc > 0.0) ' if skips else ''}{{ {' '.join(taken)} }}"] if taken else []
+    rest = "".join(f" + {_fetch(slot)}" for slot in others(item)) if along else ""
+    # a first pass with several targets: each holds the lines up to its own, as the method's do
+    several = len(item.outputs) > 1
+    results = []
+    for target in range(len(item.outputs)):
+        used = names[: target + 1] if several else names
+        scale = _number(1.0 / (samples * len(used) + len(used) + 1))
+        statements.append(f"vec4 mean{target} = ({' + '.join(used or ['center'])}{rest}) * {scale}")
+        results.append(f"vec4(mean{target}.rgb + mean{target}.a, center.a)")
+    return statements, results
+
+
+# ----------------------------------------------------------------------------------------------------------- languages
 
 
 def _indented(statements: list[str]) -> str:
@@ -71,111 +131,26 @@ def _glsl(statements: list[str], results: list[str]) -> str:
 
 def _hlsl(statements: list[str], results: list[str]) -> str:
     outputs = ", ".join(f"out float4 floor{i} : BOKEH_TARGET({i})" for i in range(len(results)))
-    stores = [f"floor{i} = {result}" for i, result in enumerate(results)]
-    head = shaders.hlsl(6, {})
-    return f"{head}\nvoid {ENTRY}_PS(BOKEH_INPUT, {outputs})\n{{\n{_indented(statements + stores)}}}\n"
+    body = _indented([*statements, *(f"floor{i} = {result}" for i, result in enumerate(results))])
+    body = re.sub(r"\bvec([24])\b", r"float\1", body).replace("for (", "BOKEH_LOOP for (")
+    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(BOKEH_SHARED(\1, BokehColorSamp)", body)
+    return f"{shaders.hlsl(6, {})}\nvoid {ENTRY}_PS(BOKEH_INPUT, {outputs})\n{{\n{body}}}\n"
 
 
 def _wgsl(statements: list[str], results: list[str]) -> str:
     members = "".join(f"    @location({i}) floor{i}: vec4f,\n" for i in range(len(results)))
-    head = f"{shaders.wgsl()}\nstruct FloorTargets\n{{\n{members}}}\n"
     body = _indented(["let uv: vec2f = input.uv", *statements, f"return FloorTargets({', '.join(results)})"])
+    body = re.sub(r"\b(vec[24]|float|int) (\w+) =", r"var \2: \1 =", body)
+    for pattern, name in ((r"\b(vec[24])\b", r"\1f"), (r"\bfloat\b", "f32"), (r"\bint\b", "i32")):
+        body = re.sub(pattern, name, body)
+    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(\1, BokehLinearClamp", body)
+    head = f"{shaders.wgsl()}\nstruct FloorTargets\n{{\n{members}}}\n"
     return f"{head}\n@fragment fn {ENTRY}_PS(input: BokehVertex) -> FloorTargets\n{{\n{body}}}\n"
 
 
-LOOP = "for (int {i} = 0; {i} < {count}; {i}++)"
-SHARED = "BOKEH_SHARED(Bokeh{slot}, BokehColorSamp)"
-DIALECTS = {
-    "glsl": Dialect("vec2", "vec4", "float", "{kind} {name}", "Bokeh{slot}", LOOP, _glsl),
-    "hlsl": Dialect("float2", "float4", "float", "{kind} {name}", SHARED, f"BOKEH_LOOP {LOOP}", _hlsl),
-    "wgsl": Dialect(
-        "vec2f", "vec4f", "f32", "var {name}: {kind}", "Bokeh{slot}, BokehLinearClamp",
-        LOOP.replace("int {i}", "var {i}: i32"), _wgsl,
-    ),
-}  # fmt: skip
-
-
-def adaptive(item: Pass) -> float:
-    """Pixels between the samples of a filter pass that takes as many as the CoC needs; 0 for fixed counts."""
-    return 0.0 if ends(item) else item.values()["BokehSpacing"]
-
-
-def ends(item: Pass) -> bool:
-    """Whether the first and the last sample are a line's ends, as the paper has them; else middles of equal parts."""
-    return item.spec.role in (LINE, GRID)
-
-
-def others(item: Pass) -> tuple[str, ...]:
-    """Further colour textures that a filter pass fetches at the pixel."""
-    return ("ColorSampB",) if item.spec.role in (LINE, ADAPTIVE) and "ColorSampB" in item.inputs else ()
-
-
-def _added(d: Dialect, item: Pass, name: str, line: Line, side: np.ndarray | None, deep: bool) -> str:
-    """A block that adds up a line's samples, and of depth too where `deep`, to the variable `name`.
-
-    The program has `uv` and `coc`, the CoC that the pass blurs by. A grid is a line moved along `side`, half of it.
-    """
-    values, count, spacing = item.values(), item.samples, adaptive(item)
-    to_uv = np.array([1.0 / values["BokehAspectRatio"], 1.0])
-    middle, half = line.segment.middle * to_uv, line.segment.half * to_uv
-    parts = count - 1 if ends(item) else count
-    first, between = middle - half + (0.0 if ends(item) else half / parts), 2.0 * half / parts
-    loop, number = d.loop.format(i="i", count=count), f"{d.scalar}(i)"
-    place, guard = f"first + between * {number}", ""
-    block = [d.declare(d.vec4, "colors", f"{d.vec4}(0.0, 0.0, 0.0, 0.0)")]
-    block += [d.declare(d.scalar, "depths", "0.0")] if deep else []
-    if spacing > 0.0:
-        # as many samples as the line needs, where BokehLineSum has them
-        length = 2.0 * line.segment.half_length * values["BokehImageHeight"]
-        cells = f"clamp({_number(length / spacing)} * coc, 1.0, {count}.0)"
-        block += [d.declare(d.scalar, "cells", cells), d.declare(d.vec2, "halfLine", f"{d.vector(half)} * coc")]
-        block += [d.declare(d.vec2, "first", f"uv + {d.vector(middle)} * coc - halfLine")]
-        block += [d.declare(d.vec2, "between", "halfLine * (2.0 / cells)")]
-        place = f"first + between * ({number} + 0.5 * clamp(cells - {number}, 0.0, 1.0))"
-        guard = f"if ({number} >= cells) {{ break; }} "
-    else:
-        start = first if side is None else first - side * to_uv
-        block += [d.declare(d.vec2, "first", f"uv + {d.vector(start)} * coc")]
-        block += [d.declare(d.vec2, "between", f"{d.vector(between)} * coc")]
-    if side is not None:
-        rows = d.vector(2.0 * side * to_uv / parts)
-        loop = f"{d.loop.format(i='j', count=count)} {{ {loop}"
-        place = f"first + {rows} * coc * {d.scalar}(j) + between * {number}"
-    taken = f"{d.declare(d.vec2, 'coords', place)}; colors += {d.fetch(line.slot, 'coords')};"
-    taken += " depths += BokehFetchNearest(BokehDepthSamp, coords).r;" if deep else ""
-    block += [f"{loop} {{ {guard}{taken} }}{' }' if side is not None else ''}"]
-    return f"{{ {'; '.join(block)} {name} += colors{' + depths' if deep else ''}; }}"
-
-
-def _program(d: Dialect, item: Pass, along: tuple[Line, ...]) -> str:
-    values, spacing, side, deep = item.values(), adaptive(item), None, "DepthSamp" in item.inputs
-    samples = item.samples
-    if along and item.spec.role == GRID:
-        # the first line of a grid is one side away from the middle
-        side, samples = -along[0].segment.middle, item.samples**2
-        along = (replace(along[0], segment=Segment(np.zeros(2), along[0].segment.half)),)
-    skips, height = along and spacing > 0.0, _number(values["BokehImageHeight"])
-    coc = f"BokehFilterCoC(abs(center.a), {height}, {_number(spacing)})" if skips else "abs(center.a)"
-    names = [f"sum{index}" for index in range(len(along))]
-    statements = [d.declare(d.vec4, "center", d.fetch("ColorSamp")), d.declare(d.scalar, "coc", coc)]
-    statements += [d.declare(d.vec4, name, "center") for name in names]
-    taken = [f"{names[0]} += BokehFetchNearest(BokehDepthSamp, uv).r;"] if names and deep else []
-    taken += [_added(d, item, name, line, side, deep) for name, line in zip(names, along, strict=True)]
-    statements += [f"{'if (coc > 0.0) ' if skips else ''}{{ {' '.join(taken)} }}"] if taken else []
-    rest = "".join(f" + {d.fetch(slot)}" for slot in others(item)) if along else ""
-    # a first pass with several targets: each holds the lines up to its own, as the method's do
-    several = len(item.outputs) > 1
-    results = []
-    for target in range(len(item.outputs)):
-        used = names[: target + 1] if several else names
-        scale = _number(1.0 / (samples * len(used) + len(used) + 1))
-        statements.append(d.declare(d.vec4, f"mean{target}", f"({' + '.join(used or ['center'])}{rest}) * {scale}"))
-        results.append(f"{d.vec4}(mean{target}.rgb + mean{target}.a, center.a)")
-    return d.frame(statements, results)
-
-
 def _replaced(item: Pass, along: tuple[Line, ...]) -> Pass:
-    sources = {language: _program(dialect, item, along) for language, dialect in DIALECTS.items()}
+    body = _body(item, along)
+    sources = {"glsl": _glsl(*body), "hlsl": _hlsl(*body), "wgsl": _wgsl(*body)}
     wanted = {"ColorSamp", *(("DepthSamp", *others(item), *(line.slot for line in along)) if along else ())}
     inputs = {slot: name for slot, name in item.inputs.items() if slot in wanted}
     return replace(item, entry=ENTRY, inputs=inputs, parameters={}, sources=sources)
