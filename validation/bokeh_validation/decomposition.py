@@ -1,18 +1,10 @@
 """Which line passes make a convex polygon: the rule that section 4.5 looks for. docs/apertures.md has the proofs.
 
-A convex polygon is the intersection of strips, one for each direction of its edges. A strip lies between an edge's line
-and the parallel line through the farthest corner, or along the parallel edge. Strips i and j have a parallelogram of
-area w_i w_j / sin(ij) in common, w = width. Min of the parallelograms' blurs is 1 / (largest area) on the polygon and 0
-beside it, so area(polygon) / (largest area) of the light is kept.
-
-* Every direction is a line pass, so p directions take p passes and ceil(p / 2) parallelograms at least.
-* Parallelograms (j, i) and (j, k) can begin with the same line along j where the chords w_i / sin(ij) and w_k / sin(jk)
-  are equal. Where no edge lies on the far side of the strip with the shorter chord, moving that side out makes them
-  equal. It costs no light: both areas become w_j times the longer chord, which one of them was already.
-* So the parallelograms are stars that share out the directions: a hub, whose line comes first, and its leaves. A star
-  of m leaves is m parallelograms in m + 1 passes, and any division of p directions into stars takes p passes.
-* A direction's smallest parallelogram is one with another edge's direction. The direction that has the largest of those
-  bounds the light (`Decomposition.bound`). Where no two sides are parallel, stars of p passes reach the bound.
+A convex polygon is the intersection of strips, one for each direction of its edges; two strips have a parallelogram in
+common, which is two line passes. Parallelograms (j, i) and (j, k) can begin with the same line along j where the chords
+that i and k cut out of it are equal, or can be made so at no cost of light. So they are stars that share out the
+directions: a hub, whose line comes first, and its leaves, m parallelograms in m + 1 passes. Light is lost by the
+largest parallelogram; a direction's smallest one is with another edge's, and the largest of those bounds the light.
 
 Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as the picture of a highlight shows
 them. Angles are in degrees, from +x towards +y.
@@ -66,12 +58,8 @@ class Strip:
 
     def widened(self, width: float) -> "Strip":
         """The strip with its free line farther out; with both, where none is free: by less than the tolerance."""
-        if self.free == "low":
-            return replace(self, low=self.high - width)
-        if self.free == "high":
-            return replace(self, high=self.low + width)
-        middle = 0.5 * (self.low + self.high)
-        return replace(self, low=middle - 0.5 * width, high=middle + 0.5 * width)
+        more, low = width - self.width, {"low": 1.0, "high": 0.0, None: 0.5}[self.free]
+        return replace(self, low=self.low - low * more, high=self.high + (1.0 - low) * more)
 
 
 @dataclass(frozen=True)
@@ -145,16 +133,15 @@ class Decomposition:
 
     def rotated(self, rotation: float) -> "Decomposition":
         """Turned by `rotation` degrees: the same passes at every angle, so that a turning iris does not flicker."""
-        lines = [
-            replace(line, angle=line.angle + rotation, center=_point(rotated(np.array([line.center]), rotation)[0]))
-            for line in self.lines
-        ]
-        return replace(
-            self,
-            polygon=rotated(self.polygon, rotation),
-            directions=tuple(angle + rotation for angle in self.directions),
-            lines=tuple(lines),
-            parts=tuple(replace(part, corners=rotated(part.corners, rotation)) for part in self.parts),
+        return Decomposition(
+            rotated(self.polygon, rotation),
+            tuple(angle + rotation for angle in self.directions),
+            tuple(
+                replace(line, angle=line.angle + rotation, center=_point(rotated(np.array([line.center]), rotation)[0]))
+                for line in self.lines
+            ),
+            tuple(replace(part, corners=rotated(part.corners, rotation)) for part in self.parts),
+            self.bound,
         )
 
 
@@ -165,20 +152,15 @@ def strips(polygon: np.ndarray, tolerance: float = TOLERANCE) -> list[Strip]:
     """
     sides = np.roll(polygon, -1, axis=0) - polygon
     lengths = np.linalg.norm(sides, axis=1)
-    partners: dict[int, int] = {}
+    found, alone = [], set(range(len(sides)))
     for a, b in combinations(range(len(sides)), 2):
         leaning = abs(cross(sides[a], sides[b])) / (lengths[a] * lengths[b])
-        if sides[a] @ sides[b] < 0.0 and leaning * max(lengths[a], lengths[b]) <= max(tolerance, MERGED):
-            if a not in partners and b not in partners:
-                partners[a], partners[b] = b, a
-    found = []
-    for index, side in enumerate(sides):
-        partner = partners.get(index)
-        if partner is None:
-            found.append(_strip(polygon, side, index))
-        elif partner > index:
+        parallel = sides[a] @ sides[b] < 0.0 and leaning * max(lengths[a], lengths[b]) <= max(tolerance, MERGED)
+        if parallel and alone.issuperset((a, b)):
             # the longer side counts more: its ends would move more
-            found.append(_strip(polygon, side - sides[partner], None))
+            found.append(_strip(polygon, sides[a] - sides[b], None))
+            alone -= {a, b}
+    found += [_strip(polygon, sides[index], index) for index in alone]
     return sorted(found, key=lambda strip: strip.angle)
 
 
