@@ -5,13 +5,12 @@ Windows or under Wine.
 """
 
 import hashlib
-import os
 import re
+import struct
 import threading
 from collections.abc import Mapping
-from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import files, paths
 from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.packages import Package
 from bokeh_validation.compilers.result import CompileResult, accepted, refused
@@ -43,27 +42,24 @@ fetch = PACKAGE.fetch
 
 
 class Compiler:
-    """The running compiler, for any number of programs. Several threads may call it: they take turns."""
+    """The running compiler, for any number of programs. Several threads may call it: they take turns.
+
+    version  such as 10.0.26100.1
+    """
 
     def __init__(self) -> None:
-        program = programs.build("fxc", "-lversion")
+        program, library = programs.build("fxc"), fetch().read_bytes()
         beside = program.with_name(LIBRARY)
         if not beside.exists():
-            partial = beside.with_suffix(f".{os.getpid()}.partial")
-            partial.write_bytes(fetch().read_bytes())
-            partial.rename(beside)
+            files.whole(beside, lambda partial: partial.write_bytes(library))
+        # VS_FIXEDFILEINFO begins with its signature; the version follows 4 bytes later, two words in each half
+        place = library.index(b"\xbd\x04\xef\xfe") + 8
+        self.version = "{1}.{0}.{3}.{2}".format(*struct.unpack_from("<4H", library, place))
         self._server = server.Server(program)
         self._server.start()
         self._turn = threading.Lock()
 
-    @property
-    def version(self) -> str:
-        """Such as 10.0.26100.1."""
-        return self._server.greeting
-
-    def compile(
-        self, source: str, profile: str, entry: str, defines: Mapping[str, object] | None = None, flags: int = 0
-    ) -> CompileResult:
+    def compile(self, source: str, profile: str, entry: str, flags: int = 0) -> CompileResult:
         """One program, with facts. A hang or a crash of the compiler is a refusal that says so.
 
         profile  one of PROFILES
@@ -72,28 +68,19 @@ class Compiler:
         if profile not in PROFILES:
             raise ValueError(f"profile {profile!r}: one of {', '.join(PROFILES)}")
         with self._turn:
-            folder = self._server.folder
-            files = {name: folder / f"fxc.{name}" for name in ("source", "bytecode", "listing", "messages")}
-            for file in files.values():
-                file.unlink(missing_ok=True)
-            files["source"].write_bytes(source.encode("ascii"))
-            lines = [f"{name} {file.name}" for name, file in files.items()]
-            lines += [f"profile {profile}", f"entry {entry}", f"flags {flags:x}"]
-            lines += [f"define {name} {value}" for name, value in (defines or {}).items()]
-            (folder / "fxc.job").write_bytes("\n".join(lines).encode("ascii"))
+            kept = {name: self._server.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
+            for file in kept.values():
+                file.write_bytes(b"")
+            (self._server.folder / "fxc.source").write_bytes(source.encode("ascii"))
             try:
-                ok, answer = self._server.ask("fxc.job", COMPILE_S)
+                ok, answer = self._server.ask(f"{profile} {entry} {flags:x}", COMPILE_S)
             except server.Ended as error:
                 return refused(str(error))
-            messages = _read(files["messages"]).decode("utf-8", "replace")
-            if not ok:
-                return refused(_places(messages) or f"fxc failed: {answer}")
-            listing = _read(files["listing"]).decode("utf-8", "replace")
-            return judged(_places(messages), _read(files["bytecode"]), listing, profile)
-
-
-def _read(file: Path) -> bytes:
-    return file.read_bytes() if file.exists() else b""
+            messages, bytecode, listing = (file.read_bytes() for file in kept.values())
+        messages = _places(messages.decode("utf-8", "replace"))
+        if not ok:
+            return refused(messages or f"fxc failed: {answer}")
+        return judged(messages, bytecode, listing.decode("utf-8", "replace"), profile)
 
 
 # fxc names the file with the whole path of its working directory, and (line,column)
@@ -199,7 +186,5 @@ def bytecode(source: str, profile: str, entry: str) -> bytes:
     if not result.ok:
         raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
     paths.ensured(kept.parent)
-    partial = kept.with_suffix(f".{os.getpid()}.partial")
-    partial.write_bytes(result.binary)
-    partial.replace(kept)
+    files.whole(kept, lambda partial: partial.write_bytes(result.binary))
     return result.binary

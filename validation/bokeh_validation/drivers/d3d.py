@@ -30,7 +30,7 @@ class Direct3D(Driver):
         self._compiled: dict[tuple[str, str], str] = {}
         fxc.load()
         program = programs.build(f"{self.name}run", *self.libraries)
-        self.server = server.Server(program, display=True)
+        self.server = server.Server(program)
         self.server.start()
         self.adapter = self.server.greeting
         # Wine's Direct3D draws with OpenGL, which on a display of Xvfb is Mesa's software one

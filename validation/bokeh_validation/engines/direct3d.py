@@ -41,7 +41,6 @@ def run(name: str, folder: Path) -> None:
     command, environment = [program, folder], {}
     if not wine.ON_WINDOWS:
         owner = wine.get()
-        owner.ensure_display()
         # Wine's Z: is the root of the file system
         command, environment = owner.command(program, f"Z:{folder}"), owner.environment()
         environment["WINEDLLOVERRIDES"] += ";d3dcompiler_47=n"

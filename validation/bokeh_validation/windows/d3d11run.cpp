@@ -33,7 +33,7 @@ struct D3D11 {
         wanted.Width = like.width;
         wanted.Height = like.height;
         wanted.MipLevels = wanted.ArraySize = wanted.SampleDesc.Count = 1;
-        wanted.Format = FORMATS[like.format];
+        wanted.Format = FORMATS[like.format.index];
         wanted.Usage = usage;
         wanted.BindFlags = bind;
         wanted.CPUAccessFlags = access;
@@ -61,18 +61,14 @@ struct D3D11 {
         context->ClearRenderTargetView(view(texture).Get(), ZERO);
     }
 
-    Vertex *vertex(const std::string &name)
+    void make(const std::string &code, Vertex **made)
     {
-        return cached(vertices, name, [&](const std::string &code, Vertex **made) {
-            TRY(device->CreateVertexShader(code.data(), code.size(), nullptr, made));
-        });
+        TRY(device->CreateVertexShader(code.data(), code.size(), nullptr, made));
     }
 
-    Pixel *pixel(const std::string &name)
+    void make(const std::string &code, Pixel **made)
     {
-        return cached(pixels, name, [&](const std::string &code, Pixel **made) {
-            TRY(device->CreatePixelShader(code.data(), code.size(), nullptr, made));
-        });
+        TRY(device->CreatePixelShader(code.data(), code.size(), nullptr, made));
     }
 
     void draw(const Job<D3D11> &job, const std::vector<Texture *> &targets)
@@ -106,8 +102,7 @@ struct D3D11 {
         context->CopyResource(copy.Get(), texture.handle.Get());
         D3D11_MAPPED_SUBRESOURCE mapped;
         TRY(context->Map(copy.Get(), 0, D3D11_MAP_READ, 0, &mapped));
-        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
-            memcpy(pixels, (char *)mapped.pData + (size_t)row * mapped.RowPitch, texture.row_bytes());
+        copy_rows(pixels, texture.row_bytes(), mapped.pData, mapped.RowPitch, texture.height, texture.row_bytes());
         context->Unmap(copy.Get(), 0);
     }
 

@@ -27,7 +27,7 @@ struct D3D9 {
 
     void make(Texture &texture, DWORD usage, D3DPOOL pool)
     {
-        TRY(device->CreateTexture(texture.width, texture.height, 1, usage, FORMATS[texture.format], pool,
+        TRY(device->CreateTexture(texture.width, texture.height, 1, usage, FORMATS[texture.format.index], pool,
                                   &texture.handle, nullptr));
     }
 
@@ -36,8 +36,7 @@ struct D3D9 {
         make(texture, 0, D3DPOOL_MANAGED);
         D3DLOCKED_RECT locked;
         TRY(texture.handle->LockRect(0, &locked, nullptr, 0));
-        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
-            memcpy((char *)locked.pBits + (size_t)row * locked.Pitch, pixels, texture.row_bytes());
+        copy_rows(locked.pBits, locked.Pitch, pixels, texture.row_bytes(), texture.height, texture.row_bytes());
         TRY(texture.handle->UnlockRect(0));
     }
 
@@ -54,18 +53,14 @@ struct D3D9 {
         TRY(device->ColorFill(surface(texture).Get(), nullptr, 0));
     }
 
-    Vertex *vertex(const std::string &name)
+    void make(const std::string &code, Vertex **made)
     {
-        return cached(vertices, name, [&](const std::string &code, Vertex **made) {
-            TRY(device->CreateVertexShader((const DWORD *)code.data(), made));
-        });
+        TRY(device->CreateVertexShader((const DWORD *)code.data(), made));
     }
 
-    Pixel *pixel(const std::string &name)
+    void make(const std::string &code, Pixel **made)
     {
-        return cached(pixels, name, [&](const std::string &code, Pixel **made) {
-            TRY(device->CreatePixelShader((const DWORD *)code.data(), made));
-        });
+        TRY(device->CreatePixelShader((const DWORD *)code.data(), made));
     }
 
     void set_inputs(const Job<D3D9> &job)
@@ -111,12 +106,11 @@ struct D3D9 {
     {
         ComPtr<IDirect3DSurface9> copy;
         D3DLOCKED_RECT locked;
-        TRY(device->CreateOffscreenPlainSurface(texture.width, texture.height, FORMATS[texture.format],
+        TRY(device->CreateOffscreenPlainSurface(texture.width, texture.height, FORMATS[texture.format.index],
                                                 D3DPOOL_SYSTEMMEM, &copy, nullptr));
         TRY(device->GetRenderTargetData(surface(texture).Get(), copy.Get()));
         TRY(copy->LockRect(&locked, nullptr, D3DLOCK_READONLY));
-        for (int row = 0; row < texture.height; row++, pixels += texture.row_bytes())
-            memcpy(pixels, (char *)locked.pBits + (size_t)row * locked.Pitch, texture.row_bytes());
+        copy_rows(pixels, texture.row_bytes(), locked.pBits, locked.Pitch, texture.height, texture.row_bytes());
         TRY(copy->UnlockRect());
     }
 

@@ -1,7 +1,7 @@
 /* A list of full-screen passes as a job of a server (serve.h), for any Direct3D: d3d9run.cpp and d3d11run.cpp give the
  * device.
  *
- * A job file is text, one command a line, done in this order:
+ * A request is the name of a file: text, one command a line, done in this order:
  *
  *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4
  *                                or float1
@@ -15,7 +15,7 @@
  *   keep N FILE                  write texture N, in its format, rows as above
  *
  * FILEs are names in the working directory. A shader file is read once: other contents need another name.
- * All textures are gone after the job. Answers: "ok" or "failed WHAT WENT WRONG".
+ * All textures are gone after the job.
  */
 #pragma once
 
@@ -29,26 +29,35 @@
 
 constexpr int NUM_SLOTS = 16;  /* what shader model 3 has; a pass reads fewer */
 constexpr int NUM_VALUES = 36; /* room for the parameters; a multiple of 4, since they are a constant buffer */
-constexpr int MAX_TARGETS = 4; /* what Direct3D 9 cards have at the most */
 
-/* FORMATS of a program are in this order. */
-constexpr struct {
-    const char *name;
-    int bytes;
-} TEXELS[] = {{"half4", 8}, {"float4", 16}, {"float1", 4}};
+/* Place in the FORMATS of a program, and bytes of a texel. */
+struct Format {
+    int index, bytes;
+};
+static const std::map<std::string, Format> FORMATS_BY_NAME = {
+    {"half4", {0, 8}}, {"float4", {1, 16}}, {"float1", {2, 4}}};
 
 template <typename Handle> struct Texture {
-    int width, height, format;
+    int width, height;
+    Format format;
     ComPtr<Handle> handle;
 
-    int row_bytes() const { return width * TEXELS[format].bytes; }
+    int row_bytes() const { return width * format.bytes; }
 };
+
+/* Copy rows between memory without gaps and a mapped texture. */
+inline void copy_rows(void *to, size_t to_pitch, const void *from, size_t from_pitch, int rows, size_t bytes)
+{
+    for (int row = 0; row < rows; row++)
+        memcpy((char *)to + row * to_pitch, (const char *)from + row * from_pitch, bytes);
+}
 
 struct Area {
     int x, y, width, height;
 };
 
-/* A job so far, and what the next draw reads. A Device has types Handle, Vertex and Pixel, and makes and draws them. */
+/* A job so far, and what the next draw reads. A Device has types Handle, Vertex and Pixel, and makes and draws them;
+ * its shaders stay from job to job. A name or number that is not there is std::out_of_range. */
 template <typename Device> struct Job {
     using Texture = ::Texture<typename Device::Handle>;
 
@@ -57,88 +66,75 @@ template <typename Device> struct Job {
         bool linear;
     };
 
-    std::map<int, Texture> textures;
+    Device &device;
+    std::map<int, Texture> textures{};
     typename Device::Vertex *vertex = nullptr;
     typename Device::Pixel *pixel = nullptr;
     std::array<Input, NUM_SLOTS> inputs{};
     std::array<float, NUM_VALUES> values{};
     Area viewport{};
 
-    Texture &find(int number)
+    void add(std::istream &rest, int number, int width, int height, const std::string &format)
     {
-        if (!textures.count(number))
-            fail("texture %d is not there", number);
-        return textures[number];
-    }
-
-    void add(Device &device, std::istream &rest, int number, int width, int height, const std::string &format)
-    {
-        int kind = 0;
-        while (kind < (int)std::size(TEXELS) && format != TEXELS[kind].name)
-            kind++;
-        if (kind == (int)std::size(TEXELS))
-            fail("no format %s", format.c_str());
-        if (textures.count(number))
-            fail("texture %d is there already", number);
-        Texture made{width, height, kind, nullptr};
-        if (std::string file; rest >> file) {
+        Texture &made = textures[number] = {width, height, FORMATS_BY_NAME.at(format), nullptr};
+        std::string file;
+        if (rest >> file) {
             std::string pixels = read_file(file);
             if (pixels.size() != (size_t)made.row_bytes() * height)
                 fail("%s has %zu bytes", file.c_str(), pixels.size());
             device.fill(made, pixels.data());
         } else
             device.make_target(made);
-        textures[number] = made;
     }
 
-    void draw(Device &device, std::istream &numbers)
+    void draw(std::istream &numbers)
     {
-        if (!vertex || !pixel || !viewport.width)
-            fail("draw needs viewport, vertex and pixel before it");
         std::vector<Texture *> targets;
         for (int number; numbers >> number;)
-            targets.push_back(&find(number));
-        if (targets.empty() || targets.size() > MAX_TARGETS)
-            fail("draw needs 1 to %d numbers", MAX_TARGETS);
+            targets.push_back(&textures.at(number));
         device.draw(*this, targets);
         inputs = {};
     }
 
-    void keep(Device &device, int number, const std::string &file)
+    void keep(const Texture &texture, const std::string &file)
     {
-        const Texture &texture = find(number);
         std::vector<char> pixels((size_t)texture.row_bytes() * texture.height);
         device.read_back(texture, pixels.data());
         write_file(file, pixels.data(), pixels.size());
     }
 
     /* Do one line. False where it means nothing. */
-    bool take(Device &device, const std::string &word, std::istream &rest)
+    bool take(const std::string &word, std::istream &rest)
     {
         int number, slot, width, height;
         std::string name;
         if (word == "texture" && rest >> number >> width >> height >> name)
-            add(device, rest, number, width, height, name);
+            add(rest, number, width, height, name);
         else if (word == "vertex" && rest >> name)
-            vertex = device.vertex(name);
+            vertex = cached(device.vertices, name);
         else if (word == "pixel" && rest >> name)
-            pixel = device.pixel(name);
-        else if (word == "input" && rest >> slot >> number >> name) {
-            if (slot < 0 || slot >= NUM_SLOTS)
-                fail("no slot %d", slot);
-            inputs[slot] = {&find(number), name == "linear"};
-        } else if (word == "values") {
-            size_t count = 0;
-            for (std::string text; rest >> text; values[count++] = strtof(text.c_str(), nullptr)) /* inf and nan too */
-                if (count == values.size())
-                    fail("no parameter %d", NUM_VALUES);
+            pixel = cached(device.pixels, name);
+        else if (word == "input" && rest >> slot >> number >> name)
+            inputs.at(slot) = {&textures.at(number), name == "linear"};
+        else if (word == "values") {
+            size_t index = 0;
+            for (std::string text; rest >> text;)
+                values.at(index++) = strtof(text.c_str(), nullptr); /* inf and nan too */
         } else if (word == "draw")
-            draw(device, rest);
+            draw(rest);
         else if (word == "keep" && rest >> number >> name)
-            keep(device, number, name);
+            keep(textures.at(number), name);
         else
             return word == "viewport" && rest >> viewport.x >> viewport.y >> viewport.width >> viewport.height;
         return true;
+    }
+
+    /* The shader of a file, made once for each name. */
+    template <typename Shader> Shader *cached(std::map<std::string, ComPtr<Shader>> &known, const std::string &name)
+    {
+        if (!known.count(name))
+            device.make(read_file(name), known[name].GetAddressOf());
+        return known[name].Get();
     }
 };
 
@@ -153,19 +149,12 @@ template <typename Device> int serve_device()
         return name + (", " + kind);
     };
     return serve(start, [&](const std::string &name) {
-        Job<Device> job;
-        each_line(name, [&](auto &word, auto &rest) { return job.take(device, word, rest); });
+        Job<Device> job{device};
+        std::istringstream text(read_file(name));
+        for (std::string line, word; std::getline(text, line);) {
+            std::istringstream rest(line);
+            if (rest >> word && !job.take(word, rest))
+                fail("cannot use the line '%.200s'", line.c_str());
+        }
     });
-}
-
-/* What `make` makes of a file, once for each name. */
-template <typename Shader, typename Make>
-Shader *cached(std::map<std::string, ComPtr<Shader>> &known, const std::string &name, const Make &make)
-{
-    if (!known.count(name)) {
-        ComPtr<Shader> made;
-        make(read_file(name), &made);
-        known[name] = made;
-    }
-    return known[name].Get();
 }

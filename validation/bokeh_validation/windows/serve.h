@@ -2,7 +2,7 @@
  * output. Starting a program under Wine takes half a second, so one process takes many jobs.
  *
  *   start    prints one line, "ready TEXT", or "unavailable TEXT" and ends
- *   request  the name of a job file in the working directory; data go through files there, named without a folder
+ *   request  a line that says what to do; data go through files of the working directory, named without a folder
  *   answer   "ok", or "failed" and what went wrong, one line
  *   end      when standard input ends
  */
@@ -50,17 +50,6 @@ inline void write_file(const std::string &name, const void *data, size_t size)
     file.close();
     if (!file)
         fail("cannot write %s", name.c_str());
-}
-
-/* Take each line of a job file: its first word, and what comes after. */
-inline void each_line(const std::string &name, const std::function<bool(const std::string &, std::istream &)> &take)
-{
-    std::istringstream text(read_file(name));
-    for (std::string line, word; std::getline(text, line);) {
-        std::istringstream rest(line);
-        if (rest >> word && !take(word, rest))
-            fail("cannot use the line '%.200s'", line.c_str());
-    }
 }
 
 /* One line to standard output, at once. */

@@ -23,14 +23,12 @@ class Server:
     """One program, started on the first request and again after it has crashed or hung.
 
     program   path of the .exe
-    display   whether it needs one
-    folder    its working directory, where job files and data go; removed at the end
+    folder    its working directory, where data go; removed at the end
     greeting  what the program said of itself when it started
     """
 
-    def __init__(self, program: Path, display: bool = False):
+    def __init__(self, program: Path):
         self.program = program
-        self.display = display
         self._temporary = tempfile.TemporaryDirectory(prefix="bokeh-")
         self.folder = Path(self._temporary.name)
         self._process: subprocess.Popen | None = None
@@ -44,12 +42,12 @@ class Server:
         with self._lock:
             self._start()
 
-    def ask(self, job: str, timeout: float) -> tuple[bool, str]:
-        """Send the name of a job file; (whether the answer was 'ok', its text). Raises Ended and Unavailable."""
+    def ask(self, request: str, timeout: float) -> tuple[bool, str]:
+        """(Whether the answer to a request was 'ok', its text). Raises Ended and Unavailable."""
         with self._lock:
             self._start()
             with suppress(OSError):  # where it is gone the missing answer tells
-                self._process.stdin.write(job.encode("ascii") + b"\n")
+                self._process.stdin.write(request.encode("ascii") + b"\n")
                 self._process.stdin.flush()
             kind, _, text = self._answer(timeout).partition(" ")
             return kind == "ok", text
@@ -61,8 +59,6 @@ class Server:
         command, environment = [str(self.program)], None
         if not wine.ON_WINDOWS:
             owner = wine.get()
-            if self.display:
-                owner.ensure_display()
             command, environment = owner.command(self.program), owner.environment()
         self._process = subprocess.Popen(
             command, cwd=self.folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,

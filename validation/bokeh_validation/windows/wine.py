@@ -36,69 +36,34 @@ XVFB_SCRIPT = (
 )
 
 
-class Display:
-    """A running Xvfb. `name` is what DISPLAY is to be, such as ':7'."""
-
-    def __init__(self) -> None:
-        _needed("Xvfb")
-        self._process = subprocess.Popen(
-            ["sh", "-c", XVFB_SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            bufsize=0, start_new_session=True,
-        )  # fmt: skip
-        # once there is something, the whole line follows
-        number = self._process.stdout.readline().decode("ascii", "replace").strip() if self._told(DISPLAY_S) else ""
-        if not number:
-            self.stop()
-            raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
-        self.name = f":{number}"
-
-    def _told(self, seconds: float) -> bool:
-        """Whether there is something to read, or the end of it, within that time."""
-        return bool(select.select([self._process.stdout], [], [], seconds)[0])
-
-    @property
-    def alive(self) -> bool:
-        """Whether Xvfb still runs: its end of the pipe is open."""
-        return not self._told(0)
-
-    def stop(self) -> None:
-        """End Xvfb and wait for it."""
-        self._process.stdin.close()
-        try:
-            self._process.wait(KILL_S)
-        except subprocess.TimeoutExpired:
-            os.killpg(self._process.pid, 9)
-            self._process.wait()
-        self._process.stdout.close()
-
-
 class Wine:
-    """A prefix that is ours alone until stop(), ready for programs."""
+    """A prefix and a display that are ours alone until stop(), ready for programs.
+
+    display  what DISPLAY is to be, such as ':7'
+    """
 
     def __init__(self) -> None:
-        self._wine = _needed("wine")
-        self._server = _needed("wineserver")
+        self._wine, self._server = _needed("wine"), _needed("wineserver")
         self.prefix, self._lock = _own_prefix()
-        self._display: Display | None = None
+        self.display, self._xvfb = "", None
         try:
             self.end_programs()
-            if not self._stamp.exists():
+            stamp = self.prefix / "made by bokeh-validation"
+            if not stamp.exists():
                 self._make_prefix()
+                stamp.touch()
+            # after the prefix: a Wine server that was started without a display gives no windows
+            self._start_display()
         except BaseException:
             self._lock.close()
             raise
-
-    @property
-    def _stamp(self) -> Path:
-        return self.prefix / "made by bokeh-validation"
 
     def _make_prefix(self) -> None:
         """A new, empty prefix. One that was not finished is thrown away."""
         shutil.rmtree(self.prefix, ignore_errors=True)
         self.prefix.parent.mkdir(parents=True, exist_ok=True)
-        process = subprocess.Popen(
-            self.command("wineboot", "-i"), env=self.environment(), start_new_session=True, **QUIET
-        )
+        words = self.command("wineboot", "-i")
+        process = subprocess.Popen(words, env=self.environment(), start_new_session=True, **QUIET)
         try:
             status = process.wait(PREFIX_S)
         except subprocess.TimeoutExpired as error:
@@ -110,7 +75,29 @@ class Wine:
             self.end_programs()
         if status or not (self.prefix / "system.reg").exists():
             raise Unavailable(f"wineboot made no prefix (exit status {status}); {INSTALL}")
-        self._stamp.touch()
+
+    def _start_display(self) -> None:
+        _needed("Xvfb")
+        self._xvfb = subprocess.Popen(
+            ["sh", "-c", XVFB_SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            bufsize=0, start_new_session=True,
+        )  # fmt: skip
+        # once there is something, the whole line follows
+        told = select.select([self._xvfb.stdout], [], [], DISPLAY_S)[0]
+        number = self._xvfb.stdout.readline().decode("ascii", "replace").strip() if told else ""
+        if not number:
+            self._end_display()
+            raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
+        self.display = f":{number}"
+
+    def _end_display(self) -> None:
+        self._xvfb.stdin.close()
+        try:
+            self._xvfb.wait(KILL_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(self._xvfb.pid, 9)
+            self._xvfb.wait()
+        self._xvfb.stdout.close()
 
     def environment(self) -> dict[str, str]:
         """Environment of a program: our prefix, our display, and nothing that asks or draws."""
@@ -124,25 +111,7 @@ class Wine:
             LC_ALL="C.UTF-8",
         )
         kept.setdefault("XDG_RUNTIME_DIR", str(paths.ensured(paths.cache_folder())))
-        if self._display:
-            kept["DISPLAY"] = self._display.name
-        return kept
-
-    def ensure_display(self) -> None:
-        """A display for all programs started from now on.
-
-        A Wine server that was started without one, or on one that has died, gives no windows: it is ended first.
-        """
-        if self._display and self._display.alive:
-            return
-        self._end_display()
-        self._display = Display()
-
-    def _end_display(self) -> None:
-        self.end_programs()
-        if self._display:
-            self._display.stop()
-            self._display = None
+        return {**kept, "DISPLAY": self.display} if self.display else kept
 
     def command(self, *words: str | Path) -> list[str]:
         """Command line that runs an .exe with its arguments."""
@@ -159,6 +128,7 @@ class Wine:
 
     def stop(self) -> None:
         """End all programs and the display, and give the prefix back."""
+        self.end_programs()
         self._end_display()
         self._lock.close()
 
