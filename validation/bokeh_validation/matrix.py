@@ -5,7 +5,7 @@ import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 
 from rich.markup import escape
@@ -24,18 +24,6 @@ STYLES = {OK: "green", FAILED: "bold red", MISSING: "yellow"}
 
 
 @dataclass(frozen=True)
-class Row(Program):
-    """A program of the matrix and what each compiler of COLUMNS said of it."""
-
-    cells: dict[str, Cell] = field(default_factory=dict)
-
-    @property
-    def ok(self) -> bool:
-        """Every compiler that applies is there and took it."""
-        return not any(cell.status in (FAILED, MISSING) for cell in self.cells.values())
-
-
-@dataclass(frozen=True)
 class Matrix:
     """One run.
 
@@ -44,25 +32,25 @@ class Matrix:
     seconds   how long it took
     """
 
-    rows: list[Row]
+    rows: list[Program]
     versions: dict[str, str]
     seconds: float
 
     @property
     def ok(self) -> bool:
-        """Every applicable cell is ok."""
-        return all(row.ok for row in self.rows)
-
-    @property
-    def columns(self) -> list[str]:
-        """Compilers that some row goes through, in the order of COLUMNS."""
-        return list(self.versions)
+        """Every compiler that applies is there and took its programs."""
+        return all(is_ok(row) for row in self.rows)
 
     @property
     def counts(self) -> dict[str, int]:
         """Number of cells: 'ok', 'failed', 'missing'."""
         statuses = [cell.status for row in self.rows for cell in row.cells.values()]
         return {status: statuses.count(status) for status in (OK, FAILED, MISSING)}
+
+
+def is_ok(row: Program) -> bool:
+    """Every compiler that applies is there and took it."""
+    return not any(cell.status in (FAILED, MISSING) for cell in row.cells.values())
 
 
 def run(
@@ -76,7 +64,7 @@ def run(
     edit      changes the text of each shader before it is compiled
     """
     start = time.perf_counter()
-    finished: list[Row] = []
+    finished: list[Program] = []
     waiting: deque[tuple[list[Job], Future]] = deque()
 
     def collect() -> None:
@@ -84,7 +72,7 @@ def run(
         future.result()
         for job in jobs:
             cells = {name: job.cells.get(name, Cell()) for name in COLUMNS}
-            finished.append(Row(**(vars(job.program) | {"cells": cells})))
+            finished.append(replace(job.program, cells=cells))
             if progress:
                 progress(job.program.name)
 
@@ -101,7 +89,9 @@ def run(
             collect()
     finally:
         pool.shutdown(cancel_futures=True)
-    return Matrix(finished, _versions(programs), time.perf_counter() - start)
+    there = {name for program in programs for name in program.compilers}
+    versions = {compiler.name: _version(compiler) for compiler in COMPILERS if compiler.name in there}
+    return Matrix(finished, versions, time.perf_counter() - start)
 
 
 def _jobs(programs: Iterable[Program], edit: Callable[[str], str] | None) -> Iterator[list[Job]]:
@@ -116,16 +106,11 @@ def _compile(compilers: Iterable[Compiler], jobs: Sequence[Job]) -> None:
         compile_(compiler, jobs)
 
 
-def _versions(programs: Iterable[Program]) -> dict[str, str]:
-    used = {name for program in programs for name in program.compilers}
-    found = {}
-    for compiler in COMPILERS:
-        if compiler.name in used:
-            try:
-                found[compiler.name] = compiler.version()
-            except Unavailable:
-                found[compiler.name] = ""
-    return found
+def _version(compiler: Compiler) -> str:
+    try:
+        return compiler.version()
+    except Unavailable:
+        return ""
 
 
 def summary(matrix: Matrix) -> str:
@@ -146,7 +131,7 @@ def tables(matrix: Matrix) -> list[Table | Text]:
 
 def table(matrix: Matrix, variant: str) -> Table:
     """A variant: a line for each entry with its sample counts, a column for each compiler. 80 characters are enough."""
-    groups: dict[str, list[Row]] = defaultdict(list)
+    groups: dict[str, list[Program]] = defaultdict(list)
     for row in matrix.rows:
         if row.variant == variant:
             groups[row.entry].append(row)
@@ -198,19 +183,20 @@ def failures(matrix: Matrix, lines: int = 3) -> list[str]:
 
 def as_json(matrix: Matrix) -> dict[str, object]:
     """All of it for JSON: lists, dicts, texts and numbers only."""
-    keys = ("name", "variant", "language", "profile", "entry", "samples", "ok")
+    keys = ("name", "variant", "language", "profile", "entry", "samples")
+    rows = [
+        {key: getattr(row, key) for key in keys}
+        | {"ok": is_ok(row), "cells": {column: asdict(cell) for column, cell in row.cells.items()}}
+        for row in matrix.rows
+    ]
     return {
         "ok": matrix.ok,
         "counts": matrix.counts,
         "summary": summary(matrix),
         "seconds": round(matrix.seconds, 2),
         "versions": dict(matrix.versions),
-        "columns": matrix.columns,
-        "rows": [
-            {key: getattr(row, key) for key in keys}
-            | {"cells": {column: asdict(cell) for column, cell in row.cells.items()}}
-            for row in matrix.rows
-        ],
+        "columns": list(matrix.versions),
+        "rows": rows,
     }
 
 

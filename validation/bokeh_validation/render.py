@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from typer import Option
 
 from bokeh_validation import apertures, exr, methods, pictures, terminal
 from bokeh_validation.errors import Unavailable, UserError
@@ -13,6 +14,7 @@ from bokeh_validation.errors import Unavailable, UserError
 # A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
+APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
 
 
 def check(settings: methods.Settings) -> None:
@@ -73,10 +75,9 @@ def _check_samples(settings: methods.Settings) -> None:
 
 def _check_kernel(settings: methods.Settings) -> None:
     # the square's table has the most offsets for a sample count, so it bounds the others before they are made
-    if (
-        settings.count**2 > MAX_KERNEL
-        and len(apertures.kernel(settings.aperture, min(settings.count, 128))) > MAX_KERNEL
-    ):
+    if settings.count**2 <= MAX_KERNEL:
+        return
+    if len(apertures.kernel(settings.aperture, min(settings.count, 128))) > MAX_KERNEL:
         raise UserError(
             f"--samples {settings.count}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} "
             f"offsets. Give fewer, or --method paper."
@@ -95,77 +96,38 @@ def _number(option: str, value: float, unit: str, allowed, text: str) -> None:
 
 def render(
     source: Annotated[Path, typer.Argument(metavar="IN.exr", help="R G B and planar view depth in metres.")],
-    target: Annotated[
-        Path, typer.Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")
-    ],
-    method: Annotated[
-        str,
-        typer.Option(
-            help="exact (polygons with an even number of sides), layered (the same, and near objects spread), paper "
-            "or naive."
-        ),
-    ] = "exact",
-    aperture: Annotated[
-        str,
-        typer.Option(
-            help="square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
-        ),
-    ] = "hexagon",
-    samples: Annotated[
-        int | None, typer.Option(help="Samples on a line, 2 or more. Default: 13; exact: as close to each other.")
-    ] = None,
-    spacing: Annotated[
-        float, typer.Option(help="Pixels between samples: as many as the CoC needs. 0: a fixed number, --samples.")
-    ] = 0.0,
-    max_samples: Annotated[int, typer.Option(help="Samples on a line at most, with --spacing.")] = 65,
-    jitter: Annotated[
-        float, typer.Option(help="Noise on the samples' places, 0 to 1, where they are more than a pixel apart.")
-    ] = 0.0,
-    frame: Annotated[int, typer.Option(help="Number of the frame; the noise is another in each.")] = 0,
-    squeeze: Annotated[
-        float, typer.Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")
-    ] = 1.0,
-    targets: Annotated[
-        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
-    ] = True,
-    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
-    rotation: Annotated[float, typer.Option(help="Degrees, from +x towards +y (down).")] = 0.0,
-    aperture_diameter: Annotated[float, typer.Option(help="Metres.")] = 0.05,
-    focal_length: Annotated[float, typer.Option(help="Metres.")] = 0.05,
-    focus_distance: Annotated[float, typer.Option(help="Metres, more than the focal length.")] = 5.0,
-    sensor_height: Annotated[float, typer.Option(help="Metres.")] = 0.024,
-    max_coc: Annotated[float, typer.Option(help="Largest CoC, fraction of the image height.")] = 0.1,
-    coc: Annotated[float | None, typer.Option(help="The same CoC everywhere, instead of one from depth.")] = None,
-    coc_blur: Annotated[bool, typer.Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
-    leak_fix: Annotated[bool, typer.Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
-    depth_channel: Annotated[
-        str, typer.Option(help="Name of the depth channel; Z is found in the layer or part for depth too.")
-    ] = "Z",
-    layer: Annotated[
-        str | None, typer.Option(help="Layer or part with R G B, where the file has several: ViewLayer.Combined.")
-    ] = None,
+    target: Annotated[Path, Option("-o", "--output", metavar="OUT.exr", help="R G B A, A = CoC after the passes.")],
+    method: Annotated[str, Option(help="exact, layered (near objects spread as well), paper or naive.")] = "exact",
+    aperture: Annotated[str, Option(help=APERTURES)] = "hexagon",
+    samples: Annotated[int | None, Option(help="On a line, 2 or more. Default: 13; exact: as close together.")] = None,
+    spacing: Annotated[float, Option(help="Pixels between samples, as many as the CoC needs. 0: --samples.")] = 0.0,
+    max_samples: Annotated[int, Option(help="Samples on a line at most, with --spacing.")] = 65,
+    jitter: Annotated[float, Option(help="Noise, 0 to 1, on places of samples more than a pixel apart.")] = 0.0,
+    frame: Annotated[int, Option(help="Number of the frame; the noise is another in each.")] = 0,
+    squeeze: Annotated[float, Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
+    targets: Annotated[bool, Option("--mrt/--no-mrt", help="exact, layered: write several targets in a pass.")] = True,
+    quality: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
+    rotation: Annotated[float, Option(help="Degrees, from +x towards +y (down).")] = 0.0,
+    aperture_diameter: Annotated[float, Option(help="Metres.")] = 0.05,
+    focal_length: Annotated[float, Option(help="Metres.")] = 0.05,
+    focus_distance: Annotated[float, Option(help="Metres, more than the focal length.")] = 5.0,
+    sensor_height: Annotated[float, Option(help="Metres.")] = 0.024,
+    max_coc: Annotated[float, Option(help="Largest CoC, fraction of the image height.")] = 0.1,
+    coc: Annotated[float | None, Option(help="The same CoC everywhere, instead of one from depth.")] = None,
+    coc_blur: Annotated[bool, Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
+    leak_fix: Annotated[bool, Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
+    depth_channel: Annotated[str, Option(help="Depth; Z is found in the layer or part for depth too.")] = "Z",
+    layer: Annotated[str | None, Option(help="With R G B, of several layers or parts: ViewLayer.Combined.")] = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
-    png: Annotated[Path | None, typer.Option(help="Write a tone-mapped picture as well.")] = None,
+    png: Annotated[Path | None, Option(help="Write a tone-mapped picture as well.")] = None,
 ) -> None:
     """Blur an EXR with the shaders on a real driver."""
     settings = methods.Settings(
-        method,
-        aperture,
-        samples,
-        rotation,
-        methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
-        coc,
-        coc_blur,
-        leak_fix,
-        spacing=spacing,
-        max_samples=max_samples,
-        jitter=jitter,
-        frame=frame,
-        squeeze=squeeze,
-        targets=targets,
-        quality=quality,
-    )
+        method, aperture, samples, rotation, coc=coc, blur_coc=coc_blur, leak_fix=leak_fix, spacing=spacing,
+        max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, quality=quality,
+        camera=methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
+    )  # fmt: skip
     check(settings)
     terminal.check_writable(target, png)
     # where a file's data window is not its display window, the passes see the display window, and what they made of the
@@ -182,6 +144,5 @@ def render(
     exr.write(target, result, scene.data, scene.display)
     if png is not None:
         pictures.write_png(png, pictures.display(result, tone_map=True))
-    terminal.console.print(
-        f"{target}: {result.shape[1]} x {result.shape[0]}, {result.dtype}, by {used.name} ({used.adapter})"
-    )
+    size = f"{result.shape[1]} x {result.shape[0]}"
+    terminal.console.print(f"{target}: {size}, {result.dtype}, by {used.name} ({used.adapter})")

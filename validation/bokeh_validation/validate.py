@@ -12,48 +12,23 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from bokeh_validation import (
-    drivers,
-    engines,
-    jobs,
-    likeness,
-    matrix,
-    metrics,
-    paths,
-    patterns,
-    pictures,
-    quality,
-    report,
-    suite,
-)
+from bokeh_validation import drivers, jobs, likeness, matrix, metrics, paths, pictures, quality, report, suite, terminal
 from bokeh_validation.drivers.base import Driver
+from bokeh_validation.engines import ENGINES, Broken
+from bokeh_validation.engines import run as run_engine
 from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.patterns import PROBES, QUICK_PROBES, Check
+from bokeh_validation.patterns import run as run_probe
 from bokeh_validation.patterns.model import compared
 from bokeh_validation.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
-from bokeh_validation.terminal import (
-    FAILED,
-    NOT_RUN,
-    OK,
-    Adapter,
-    SeveralDrivers,
-    check_driver,
-    check_writable,
-    console,
-    end,
-    progress,
-)
+from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 # One driver for each language: GLSL, WGSL, HLSL
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
 # Variant -> its main compilers
-BRIEF_COMPILERS = {
-    "glsl-330": ("glslang", "mesa"),
-    "hlsl-sm3": ("fxc",),
-    "hlsl-sm5": ("fxc",),
-    "hlsl-sm6": ("dxc-spirv",),
-    "wgsl": ("naga",),
-}
+BRIEF_COMPILERS = {"glsl-330": ("glslang", "mesa"), "hlsl-sm6": ("dxc-spirv",), "wgsl": ("naga",)}
+BRIEF_COMPILERS |= dict.fromkeys(("hlsl-sm3", "hlsl-sm5"), ("fxc",))
 # Probes for --full only: another one shows the same on another polygon or in another place
 FULL_PROBES = (
     "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep", "layered-constant",
@@ -88,11 +63,11 @@ def _found(names: Sequence[str], adapter: str | None) -> tuple[list[Driver], dic
 
 def probe(name: str, names: Sequence[str], adapter: str | None, brief: bool) -> Section:
     """A probe on drivers."""
-    chosen = next(one for one in (patterns.QUICK_PROBES if brief else patterns.PROBES) if one.name == name)
+    chosen = next(one for one in (QUICK_PROBES if brief else PROBES) if one.name == name)
     there, said = _found(names, adapter)
     if not there:
         return Section(name, chosen.title, chosen.shows, [], {}, **said)
-    return replace(of_probe([patterns.run(chosen, driver) for driver in there]), **said)
+    return replace(of_probe([run_probe(chosen, driver) for driver in there]), **said)
 
 
 def market(name: str, adapter: str | None) -> Section:
@@ -149,13 +124,11 @@ def compiled(variant: str, brief: bool) -> matrix.Matrix:
 def sample(name: str) -> Section:
     """A sample of integration/; not run: a Section without runs."""
     try:
-        return of_capture(name, engines.run(name))
+        return of_capture(name, run_engine(name))
     except Unavailable as error:
         return Section(name, name, "", [], {}, missing={name: str(error)})
-    except (RuntimeError, engines.Broken) as error:
-        return Section(
-            name, name, "", [Run(name, {}, [patterns.Check("built and run", 0.0, 1.0, 1.0, str(error))])], {}
-        )
+    except (RuntimeError, Broken) as error:
+        return Section(name, name, "", [Run(name, {}, [Check("built and run", 0.0, 1.0, 1.0, str(error))])], {})
 
 
 def _joined(parts: Sequence[matrix.Matrix]) -> matrix.Matrix:
@@ -191,15 +164,13 @@ class Everything:
     @property
     def ok(self) -> bool:
         """Nothing failed; under CI nothing is missing either."""
-        sections = (*self.drawn, *self.engines)
-        return (
-            matrix.passed(self.matrix) and all(s.ok for s in sections) and not (os.environ.get("CI") and self.missing)
-        )
+        found = matrix.passed(self.matrix) and all(section.ok for section in (*self.drawn, *self.engines))
+        return found and not (os.environ.get("CI") and self.missing)
 
 
 def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     """The shaders through compilers, on drivers, beside the truth; and the report."""
-    check_writable(output)
+    terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
     console.print(f"About {MINUTES[full]} minutes on two cores; this machine has {jobs.CORES}.")
@@ -221,54 +192,46 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
             f"every driver; the engines' samples. validation/run --full has them, in about {MINUTES[True]} minutes.",
             highlight=False,
         )
-    end(found.ok)
+    terminal.end(found.ok)
 
 
 def everything(full: bool, adapter: str | None) -> Everything:
     """All jobs, side by side."""
     names = REAL if full else BRIEF_DRIVERS
+    scenes = [
+        (scene, (file.name, aperture, method, names, adapter))
+        for method in reversed(METHODS) for file in suite.DRIVER_SCENES for aperture in suite.TRUTHS
+    ]  # fmt: skip
+    probes = [one.name for one in PROBES if full or one.name not in FULL_PROBES]
+    variants = dict.fromkeys(row.variant for row in matrix.load())
     parts = {
-        "scenes": [
-            (scene, (file.name, aperture, method, names, adapter))
-            for method in reversed(METHODS)
-            for file in suite.DRIVER_SCENES
-            for aperture in suite.TRUTHS
-            if full
-        ],
-        "engines": [(sample, (name,)) for name, engine in engines.ENGINES.items() if full and not engine.slow],
-        "probes": [
-            (probe, (one.name, names, adapter, not full))
-            for one in patterns.PROBES
-            if full or one.name not in FULL_PROBES
-        ],
-        "matrix": [
-            (compiled, (variant, not full))
-            for variant in dict.fromkeys(row.variant for row in matrix.load())
-            if full or variant in BRIEF_COMPILERS
-        ],
+        "scenes": scenes if full else [],
+        "engines": [(sample, (name,)) for name, engine in ENGINES.items() if full and not engine.slow],
+        "probes": [(probe, (name, names, adapter, not full)) for name in probes],
+        "matrix": [(compiled, (name, not full)) for name in variants if full or name in BRIEF_COMPILERS],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }
     ordered = [(part, job) for part, some in parts.items() for job in some]
     ordered.sort(key=lambda item: item[1][1][0] not in SLOWEST)
-    with progress("validate", len(ordered)) as step:
+    with terminal.progress("validate", len(ordered)) as step:
         results = jobs.run([job for _, job in ordered], step)
     made = {job: result for (_, job), result in zip(ordered, results, strict=True)}
     done = {part: [made[job] for job in some] for part, some in parts.items()}
     return Everything(full, _joined(done["matrix"]), done["probes"], done["scenes"], done["market"][0], done["engines"])
 
 
-def run_patterns(driver: SeveralDrivers = None, adapter: Adapter = None) -> None:
+def run_patterns(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = None) -> None:
     """The probes on the drivers, each against the reference and against what it must show."""
     names = tuple(driver or REAL)
     for name in names:
-        check_driver(name)
-    with progress("probe", len(patterns.PROBES)) as step:
-        sections = jobs.run([(probe, (one.name, names, adapter, False)) for one in patterns.PROBES], step)
+        terminal.check_driver(name)
+    with terminal.progress("probe", len(PROBES)) as step:
+        sections = jobs.run([(probe, (one.name, names, adapter, False)) for one in PROBES], step)
     _print_grid(sections)
     for section in sections:
         _print_lines(section, True)
     _print_missing(sections[0].missing)
-    end(all(section.ok for section in sections))
+    terminal.end(all(section.ok for section in sections))
 
 
 def run_engines(
@@ -277,11 +240,11 @@ def run_engines(
 ) -> None:
     """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
     for name in names or []:
-        if name not in engines.ENGINES:
-            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(engines.ENGINES)}.")
-    chosen = names or [name for name, engine in engines.ENGINES.items() if everything or not engine.slow]
+        if name not in ENGINES:
+            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
+    chosen = names or [name for name, engine in ENGINES.items() if everything or not engine.slow]
     passed = True
-    with progress("engine", len(chosen)) as step:
+    with terminal.progress("engine", len(chosen)) as step:
         for name in chosen:
             section = sample(name)
             console.print(f"{name}: {section.title}, {section.shows or NOT_RUN}", highlight=False)
@@ -289,7 +252,7 @@ def run_engines(
             _print_missing(section.missing)
             passed &= section.ok and not (os.environ.get("CI") and section.missing)
             step(name)
-    end(passed)
+    terminal.end(passed)
 
 
 def _print_grid(sections: Sequence[Section]) -> None:

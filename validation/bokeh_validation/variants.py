@@ -74,6 +74,7 @@ class Program:
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
     compilers  those it goes through, of registry.COMPILERS
     values     other configuration values of section [1], as they are written in the file
+    cells      what each compiler said of it (registry.Cell), once they were asked
     """
 
     variant: str
@@ -83,6 +84,7 @@ class Program:
     samples: int | None
     compilers: tuple[str, ...]
     values: Mapping[str, int] = field(default_factory=dict)
+    cells: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -51,7 +51,7 @@ def module() -> bytes:
     return compiled(lambda: glslang.spirv(shaders.glsl("BokehDebug", "450"), "frag", glslang.VULKAN)).binary
 
 
-def chosen(result: matrix.Matrix, variant: str, column: str) -> list[tuple[matrix.Row, Cell]]:
+def chosen(result: matrix.Matrix, variant: str, column: str) -> list[tuple[matrix.Program, Cell]]:
     """A variant's rows with their cells in one column, which are there."""
     found = [(row, row.cells[column]) for row in result.rows if row.variant == variant]
     for _, cell in found:
