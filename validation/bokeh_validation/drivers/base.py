@@ -97,6 +97,62 @@ class Driver:
         """
 
 
+class Image(NamedTuple):
+    """A texture of some passes that was handed in, or a target, which has no pixels: 0 everywhere at first.
+
+    size  (width, height)
+    """
+
+    name: str
+    size: tuple[int, int]
+    storage: str
+    channels: int = 4
+    pixels: np.ndarray | None = None
+
+    @property
+    def kind(self) -> tuple[tuple[int, int], str, int]:
+        """Size, storage and channels."""
+        return self.size, self.storage, self.channels
+
+
+class Draw(NamedTuple):
+    """A pass by the numbers of its images.
+
+    inputs   slot -> number
+    over     for each target whether what is in it stays around what is drawn
+    area     (x, y, width, height) in texels of the targets: what is drawn
+    """
+
+    item: Pass
+    inputs: dict[str, int]
+    targets: list[int]
+    over: list[bool]
+    area: tuple[int, int, int, int]
+
+
+def flattened(
+    passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
+) -> tuple[list[Image], list[Draw], dict[str, int]]:
+    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end.
+
+    Raises ValueError as drawn_over() does.
+    """
+    handed = {name: np.ascontiguousarray(pixels) for name, pixels in textures.items()}
+    images = [Image(name, pixels.shape[1::-1], *kind_of(pixels), pixels) for name, pixels in handed.items()]
+    numbers, draws = {name: number for number, name in enumerate(handed)}, []
+    for item, kept in zip(passes, drawn_over(passes, size), strict=True):
+        inputs, extent = {slot: numbers[name] for slot, name in item.inputs.items()}, target_size(item.scale, size)
+        for name in item.outputs:
+            if name not in kept:
+                # from here on the name is this one's
+                numbers[name] = len(images)
+                images.append(Image(name, extent, storage))
+        targets, over = [numbers[name] for name in item.outputs], [name in kept for name in item.outputs]
+        area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, *extent)
+        draws.append(Draw(item, inputs, targets, over, area))
+    return images, draws, numbers
+
+
 class TimedDriver(Driver):
     """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
 
@@ -114,7 +170,6 @@ class TimedDriver(Driver):
         return Job(self, passes, textures, size, storage, share)
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        """See Driver."""
         job = self.prepared(passes, textures, size, storage)
         try:
             job.draw()
@@ -131,8 +186,8 @@ class TimedDriver(Driver):
     def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> object:
         """A render target that can be sampled; of four channels, it can be read back."""
 
-    def step(self, item: Pass, bound: Mapping[str, object], targets: Sequence, kept: frozenset[str]) -> object:
-        """A pass with its textures by slot and its targets; `kept` names the outputs that keep what is in them."""
+    def step(self, draw: Draw, handles: Sequence) -> object:
+        """A pass ready to be drawn; `handles` are the textures and targets by the numbers of their images."""
 
     def draw(self, steps: Sequence) -> None:
         """Give the steps to the device; does not wait."""
@@ -143,20 +198,11 @@ class TimedDriver(Driver):
     def wait(self) -> None:
         """Return when all that was given to the device is done."""
 
-    def pixels(self, texture: "Texture") -> np.ndarray:
+    def pixels(self, handle: object, image: Image) -> np.ndarray:
         """What is in a target, of any shape."""
 
     def release(self, textures: Sequence, steps: Sequence) -> None:
         """Free them."""
-
-
-class Texture(NamedTuple):
-    """Of a job: the device's, (width, height), storage and channels (those of targets are four)."""
-
-    handle: object
-    size: tuple[int, int]
-    storage: str
-    channels: int
 
 
 class Job:
@@ -166,26 +212,19 @@ class Job:
         self, driver: TimedDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage, share
     ):
         """See TimedDriver.prepared()."""
-        over = drawn_over(passes, size)
+        images, draws, numbers = flattened(passes, textures, size, storage)
         driver.make_current()
-        self.driver, self.made, self.steps = driver, [], []
-        self.live: dict[str, Texture] = dict(share.live) if share else {}
-        for name in set(textures) - set(self.live):
-            pixels = np.ascontiguousarray(textures[name])
-            self.live[name] = self._made(driver.upload(pixels), pixels.shape[1::-1], *kind_of(pixels))
-        for item, kept in zip(passes, over, strict=True):
-            kind, targets = (target_size(item.scale, size), storage, 4), []
-            for name in item.outputs:
-                known = self.live[name] if name in kept else share.live.get(name) if share else None
-                new = known is None or known[1:] != kind
-                targets.append(self._made(driver.target(*kind), *kind) if new else known)
-            bound = {slot: self.live[name].handle for slot, name in item.inputs.items()}
-            self.steps.append(driver.step(item, bound, [target.handle for target in targets], kept))
-            self.live.update(zip(item.outputs, targets, strict=True))
-
-    def _made(self, handle: object, *kind) -> Texture:
-        self.made.append(handle)
-        return Texture(handle, *kind)
+        self.driver, self.made = driver, []
+        known: dict[str, tuple[object, Image]] = share.live if share else {}
+        handles = []
+        for image in images:
+            handle, old = known.get(image.name, (None, None))
+            if old is None or (image.pixels is None and old.kind != image.kind):
+                handle = driver.target(*image.kind) if image.pixels is None else driver.upload(image.pixels)
+                self.made.append(handle)
+            handles.append(handle)
+        self.steps = [driver.step(one, handles) for one in draws]
+        self.live = {**known, **{name: (handles[number], images[number]) for name, number in numbers.items()}}
 
     def draw(self) -> None:
         """Give the passes to the device once; does not wait."""
@@ -208,8 +247,8 @@ class Job:
     def read(self, name: str) -> np.ndarray:
         """A target after the last draw, (H, W, 4) of its own size, a copy."""
         self.driver.make_current()
-        width, height = self.live[name].size
-        return self.driver.pixels(self.live[name]).reshape(height, width, 4).copy()
+        handle, image = self.live[name]
+        return self.driver.pixels(handle, image).reshape(*image.size[::-1], 4).copy()
 
     def release(self) -> None:
         """Free the textures and targets."""

@@ -4,16 +4,14 @@ A program of ours (windows/d3d9run.cpp, d3d11run.cpp) runs whole lists of passes
 """
 
 import hashlib
-import itertools
-from collections.abc import Sequence
 
 import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, drawn_over, kind_of, software_device, storage_type
+from bokeh_validation.drivers.base import Driver, flattened, software_device, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area, target_size
+from bokeh_validation.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server
 
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
@@ -51,29 +49,24 @@ class Direct3D(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
-        over, folder = drawn_over(passes, size), self.server.folder
-        numbers: dict[str, int] = {}
-        shapes: dict[str, tuple[int, int, int]] = {}
-        free = itertools.count()
+        images, draws, numbers = flattened(passes, textures, size, storage)
+        folder = self.server.folder
         lines, files = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"], []
-        for name, pixels in textures.items():
-            numbers[name] = next(free)
-            files.append(folder / f"texture-{numbers[name]}")
-            files[-1].write_bytes(np.ascontiguousarray(pixels).tobytes())
-            kind, channels = kind_of(pixels)
-            size_of = f"{pixels.shape[1]} {pixels.shape[0]}"
-            lines.append(f"texture {numbers[name]} {size_of} {kind}{channels} {files[-1].name}")
-        for item, kept in zip(passes, over, strict=True):
-            width, height = target_size(item.scale, size)
-            targets = {name: numbers[name] if name in kept else next(free) for name in item.outputs}
-            new = [number for name, number in targets.items() if name not in kept]
-            lines += [f"texture {number} {width} {height} {storage}4" for number in new]
-            area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, width, height)
-            lines += self._draw(item, numbers, area)
-            lines.append(f"draw {' '.join(map(str, targets.values()))}")
-            # an output may have the name of an earlier texture: from here on it is this one
-            numbers.update(targets)
-            shapes.update(dict.fromkeys(targets, (height, width, 4)))
+        for number, ((width, height), kind, channels) in enumerate(image.kind for image in images):
+            lines.append(f"texture {number} {width} {height} {kind}{channels}")
+            if images[number].pixels is not None:
+                files.append(folder / f"texture-{number}")
+                files[-1].write_bytes(images[number].pixels.tobytes())
+                lines[-1] += f" {files[-1].name}"
+        for item, inputs, targets, _, area in draws:
+            lines.append(f"pixel {self.shader('ps', item.entry + '_PS', item.constants)}")
+            for slot, number in inputs.items():
+                kind = "linear" if is_linear(item.entry, slot) else "nearest"
+                lines.append(f"input {SLOTS.index(slot)} {number} {kind}")
+            # nine digits are enough for any float32
+            values = [f"{value:.9g}" for value in item.values().values()]
+            lines += [f"{word} {' '.join(map(str, told))}" for word, told in (("viewport", area), ("values", values))]
+            lines.append(f"draw {' '.join(map(str, targets))}")
         results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
         lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
         job = folder / f"{self.name}.job"
@@ -83,22 +76,12 @@ class Direct3D(Driver):
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
             pixels = {name: np.frombuffer(file.read_bytes(), storage_type(storage)) for name, file in results.items()}
-            return {name: values.reshape(shapes[name]) for name, values in pixels.items()}
+            return {name: data.reshape(*images[numbers[name]].size[::-1], 4) for name, data in pixels.items()}
         except server.Ended as error:
             raise RuntimeError(f"{self.name}: {error}") from error
         finally:
             for file in (*files, *results.values()):
                 file.unlink(missing_ok=True)
-
-    def _draw(self, item: Pass, numbers: dict[str, int], area: Sequence[int]) -> list[str]:
-        """Lines that set up a pass."""
-        lines = [f"pixel {self.shader('ps', item.entry + '_PS', item.constants)}"]
-        for slot, texture in item.inputs.items():
-            kind = "linear" if is_linear(item.entry, slot) else "nearest"
-            lines.append(f"input {SLOTS.index(slot)} {numbers[texture]} {kind}")
-        # nine digits are enough for any float32
-        values = " ".join(f"{value:.9g}" for value in item.values().values())
-        return [*lines, f"viewport {' '.join(map(str, area))}", f"values {values}"]
 
 
 class D3D9(Direct3D):

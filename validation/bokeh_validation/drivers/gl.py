@@ -9,9 +9,9 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Texture, TimedDriver, kind_of, software_device, storage_type
+from bokeh_validation.drivers.base import Draw, Image, TimedDriver, kind_of, software_device, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear, target_area
+from bokeh_validation.passes import SLOTS, Pass, is_linear
 
 
 class GLDriver(TimedDriver):
@@ -41,12 +41,10 @@ class GLDriver(TimedDriver):
         return self._programs[text]
 
     def upload(self, pixels: np.ndarray) -> moderngl.Texture:
-        """See TimedDriver."""
         storage, channels = kind_of(pixels)
         return self._texture(pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels).tobytes())
 
     def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> moderngl.Texture:
-        """See TimedDriver."""
         return self._texture(size, storage, channels)
 
     def _texture(self, size: tuple[int, int], storage: str, channels: int, data: bytes | None = None):
@@ -64,19 +62,18 @@ class GLDriver(TimedDriver):
             for linear, kind in filters.items()
         }
 
-    def step(self, item: Pass, bound: Mapping, targets: Sequence, kept: frozenset[str]) -> "Step":
-        """See TimedDriver."""
-        self.program(item)
-        framebuffer, cleared = self.context.framebuffer(targets), None
-        if item.viewport:
-            # a triangle is clipped to it; its y counts from the first row in memory, as v does
-            framebuffer.viewport = target_area(item.scale, item.viewport)
-            fresh = [target for name, target in zip(item.outputs, targets, strict=True) if name not in kept]
-            cleared = self.context.framebuffer(fresh) if fresh else None
-        return Step(item, bound, framebuffer, cleared)
+    def step(self, draw: Draw, handles: Sequence) -> "Step":
+        self.program(draw.item)
+        targets, cleared = [handles[number] for number in draw.targets], None
+        framebuffer = self.context.framebuffer(targets)
+        # a triangle is clipped to it; its y counts from the first row in memory, as v does
+        framebuffer.viewport = draw.area
+        fresh = [target for target, over in zip(targets, draw.over, strict=True) if not over]
+        if draw.item.viewport and fresh:
+            cleared = self.context.framebuffer(fresh)
+        return Step(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()}, framebuffer, cleared)
 
     def draw(self, steps: Sequence["Step"]) -> None:
-        """See TimedDriver."""
         for item, bound, target, cleared in steps:
             if cleared:
                 cleared.clear()
@@ -93,7 +90,6 @@ class GLDriver(TimedDriver):
             array.render(moderngl.TRIANGLES, vertices=3)
 
     def timer(self, steps: Sequence["Step"], repeats: int):
-        """See TimedDriver."""
         query = self.context.query(time=True)
 
         def draw() -> None:
@@ -104,15 +100,12 @@ class GLDriver(TimedDriver):
         return draw, lambda: query.elapsed * 1e-9
 
     def wait(self) -> None:
-        """See TimedDriver."""
         self.context.finish()
 
-    def pixels(self, texture: Texture) -> np.ndarray:
-        """See TimedDriver."""
-        return np.frombuffer(texture.handle.read(alignment=1), storage_type(texture.storage))
+    def pixels(self, handle: moderngl.Texture, image: Image) -> np.ndarray:
+        return np.frombuffer(handle.read(alignment=1), storage_type(image.storage))
 
     def release(self, textures: Sequence, steps: Sequence["Step"]) -> None:
-        """See TimedDriver."""
         for step in steps:
             for framebuffer in filter(None, (step.target, step.cleared)):
                 framebuffer.release()

@@ -6,24 +6,23 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Driver, drawn_over, kind_of, require_targets, storage_type
+from bokeh_validation.drivers.base import Driver, Image, flattened, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear, target_area, target_size
+from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear
 
 SOFTWARE_DEVICE = "swiftshader"
 
 
-def packed(pixels: np.ndarray) -> dict[str, object]:
-    """(H, W, 4) or (H, W), float16 or float32, as page/job.js takes it."""
-    (height, width), (kind, channels) = pixels.shape[:2], kind_of(pixels)
-    data = base64.b64encode(np.ascontiguousarray(pixels).tobytes()).decode("ascii")
-    return {"width": width, "height": height, "channels": channels, "type": kind, "data": data}
+def packed(image: Image) -> dict[str, object]:
+    """As page/job.js takes it."""
+    data = None if image.pixels is None else base64.b64encode(image.pixels.tobytes()).decode("ascii")
+    return {"size": image.size, "type": image.storage, "channels": image.channels, "data": data}
 
 
-def unpacked(pixels: Mapping, storage: str) -> np.ndarray:
+def unpacked(image: Mapping, storage: str) -> np.ndarray:
     """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
-    data = np.frombuffer(base64.b64decode(pixels["data"]), storage_type(pixels["type"]))
-    return data.reshape(pixels["height"], pixels["width"], 4).astype(storage_type(storage))
+    data = np.frombuffer(base64.b64decode(image["data"]), storage_type(image["type"]))
+    return data.reshape(*image["size"][::-1], 4).astype(storage_type(storage))
 
 
 class BrowserDriver(Driver):
@@ -64,32 +63,21 @@ class BrowserDriver(Driver):
         raise NotImplementedError
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        """See Driver."""
         self._require_filter(passes, textures, storage)
         require_targets(self, passes, storage, self.told["attachmentBytes"])
-        over = drawn_over(passes, size)
-        job = {
-            **self._shared(),
-            "storage": storage,
-            "keep": list(keep),
-            "textures": {name: packed(pixels) for name, pixels in textures.items()},
-            "passes": [
-                {
-                    **self._program(item),
-                    "outputs": [{"name": name, "over": name in kept} for name in item.outputs],
-                    "size": target_size(item.scale, size),
-                    "viewport": target_area(item.scale, item.viewport) if item.viewport else None,
-                    "values": {name: float(value) for name, value in item.values().items()},
-                    "inputs": {
-                        slot: {"texture": texture, "linear": is_linear(item.entry, slot)}
-                        for slot, texture in item.inputs.items()
-                    },
-                }
-                for item, kept in zip(passes, over, strict=True)
-            ],
-        }
+        images, draws, numbers = flattened(passes, textures, size, storage)
+        job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}
+        for item, inputs, targets, over, area in draws:
+            read = [
+                {"slot": slot, "image": number, "linear": is_linear(item.entry, slot)}
+                for slot, number in inputs.items()
+            ]
+            values = {name: float(value) for name, value in item.values().items()}
+            own = {"inputs": read, "targets": targets, "over": over, "area": area, "values": values}
+            job["passes"].append({**self._program(item), **own})
+        job["keep"] = [numbers[name] for name in keep]
         kept = self.session.call(f"{self.name}.run", job)
-        return {name: unpacked(pixels, storage) for name, pixels in kept.items()}
+        return {name: unpacked(image, storage) for name, image in zip(keep, kept, strict=True)}
 
     def _require_filter(self, passes: Sequence[Pass], textures: Mapping, storage: str) -> None:
         """32-bit textures under a linear filter are an option in WebGL 2 and in WebGPU."""

@@ -7,8 +7,9 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.drivers.base import (
+    Draw,
+    Image,
     Job,
-    Texture,
     TimedDriver,
     kind_of,
     require_targets,
@@ -16,7 +17,7 @@ from bokeh_validation.drivers.base import (
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass, target_area
+from bokeh_validation.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
 # half-float targets, but two of 32 bits.
@@ -124,7 +125,6 @@ class WGPU(TimedDriver):
         return self._pipelines[key]
 
     def upload(self, pixels: np.ndarray):
-        """See TimedDriver."""
         (height, width), usage = pixels.shape[:2], self.wgpu.TextureUsage
         texture = self._texture((width, height), *kind_of(pixels), usage.TEXTURE_BINDING | usage.COPY_DST)
         layout = {"bytes_per_row": pixels.nbytes // height, "rows_per_image": height}
@@ -133,14 +133,13 @@ class WGPU(TimedDriver):
         return texture
 
     def target(self, size: tuple[int, int], storage: str, channels: int = 4):
-        """See TimedDriver."""
         usage = self.wgpu.TextureUsage
         return self._texture(size, storage, channels, usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC)
 
     def _texture(self, size: tuple[int, int], storage: str, channels: int, usage: int):
         return self.device.create_texture(size=(*size, 1), format=texture_format(storage, channels), usage=usage)
 
-    def bind(self, item: Pass, bound: Mapping):
+    def bind(self, item: Pass, bound: Mapping[str, object]):
         """Bind group of a pass; slots it does not read get a dummy."""
         values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block has a multiple of 16 bytes
         values[: len(PARAMETERS)] = list(item.values().values())
@@ -152,33 +151,28 @@ class WGPU(TimedDriver):
         entries.append({"binding": FIRST_SAMPLER, "resource": self._sampler})
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
-    def step(self, item: Pass, bound: Mapping, targets: Sequence, kept: frozenset[str]) -> Callable:
+    def step(self, draw: Draw, handles: Sequence) -> Callable:
         """See TimedDriver: what records the pass with an encoder."""
-        pipeline, bindings = self.pipeline(item, [target.format for target in targets]), self.bind(item, bound)
-        area = target_area(item.scale, item.viewport) if item.viewport else None
+        targets = [handles[number] for number in draw.targets]
+        pipeline = self.pipeline(draw.item, [target.format for target in targets])
+        bindings = self.bind(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()})
+        how = {"store_op": "store", "clear_value": (0, 0, 0, 0)}
         attachments = [
-            {
-                "view": target.create_view(),
-                "load_op": "load" if name in kept else "clear",
-                "store_op": "store",
-                "clear_value": (0, 0, 0, 0),
-            }
-            for name, target in zip(item.outputs, targets, strict=True)
+            {"view": target.create_view(), "load_op": "load" if over else "clear", **how}
+            for target, over in zip(targets, draw.over, strict=True)
         ]
 
         def record(encoder, stamps: dict | None) -> None:
             render = encoder.begin_render_pass(color_attachments=attachments, timestamp_writes=stamps)
             render.set_pipeline(pipeline)
             render.set_bind_group(0, bindings)
-            if area:
-                render.set_viewport(*area, 0.0, 1.0)  # a triangle is clipped to it
+            render.set_viewport(*draw.area, 0.0, 1.0)  # a triangle is clipped to it
             render.draw(3)
             render.end()
 
         return record
 
     def draw(self, steps: Sequence[Callable]) -> None:
-        """See TimedDriver."""
         encoder = self.device.create_command_encoder()
         for record in steps:
             record(encoder, None)
@@ -214,15 +208,12 @@ class WGPU(TimedDriver):
         """
         self.device.queue.read_buffer(self._fence)
 
-    def pixels(self, texture: Texture) -> np.ndarray:
-        """See TimedDriver."""
-        (width, height), dtype = texture.size, np.dtype(storage_type(texture.storage))
+    def pixels(self, handle, image: Image) -> np.ndarray:
+        (width, height), dtype = image.size, np.dtype(storage_type(image.storage))
         layout = {"bytes_per_row": 4 * width * dtype.itemsize, "rows_per_image": height}
-        data = self.device.queue.read_texture({"texture": texture.handle}, layout, texture.handle.size)
-        return np.frombuffer(data, dtype)
+        return np.frombuffer(self.device.queue.read_texture({"texture": handle}, layout, handle.size), dtype)
 
     def prepared(self, passes, textures, size, storage="half", share=None) -> Job:
-        """See TimedDriver."""
         wide = storage == "float" or any(
             t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
         )
@@ -246,7 +237,6 @@ class DXC(WGPU):
         self._vertex = None
 
     def modules(self, item: Pass) -> tuple:
-        """See WGPU.modules."""
         if self._vertex is None:
             self._vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
         code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, item.constants)

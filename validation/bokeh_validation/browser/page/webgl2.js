@@ -1,11 +1,11 @@
 // WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on
 // a framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
 
-import { decode, elements, encode, walk } from "./job.js";
+import { decode, elements, encode } from "./job.js";
 
 let gl = null;
 let samplers = null; // by "is linear"
-const programs = new Map(); // both sources -> { program, places: name of a uniform -> its location or null }
+const programs = new Map(); // both sources -> linked program
 
 // Make the context on first use.
 function start() {
@@ -80,38 +80,23 @@ function linked(vertex, fragment) {
   if (!programs.has(key)) {
     const { ok, logs, program } = build(vertex, fragment);
     if (!ok) throw new Error("ANGLE refused a shader:\n" + Object.values(logs).join("\n"));
-    programs.set(key, { program, places: new Map() });
+    programs.set(key, program);
   }
   return programs.get(key);
 }
 
-// Where a uniform is. One that the program does not use has no place, and setting it there does nothing.
-function place({ program, places }, name) {
-  if (!places.has(name)) places.set(name, gl.getUniformLocation(program, name));
-  return places.get(name);
-}
-
-// 'half' or 'float' of 4 channels, or one of 'float': the format that stores it exactly.
-function format(type, channels) {
+// A texture of a job; a target is 0 everywhere, as WebGL has it.
+function texture({ size, channels, type, data }) {
   const half = type === "half";
   const layout = { 4: gl.RGBA, 1: gl.RED }[channels];
   const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 1: gl.R32F }[channels];
-  return { internal, layout, type: half ? gl.HALF_FLOAT : gl.FLOAT };
-}
-
-function texture([width, height], internal) {
   const made = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, made);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, internal, width, height);
-  return made;
-}
-
-function upload(pixels) {
-  const { internal, layout, type } = format(pixels.type, pixels.channels);
-  const made = texture([pixels.width, pixels.height], internal);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, internal, ...size);
   // a row of any of these formats is a multiple of 4 bytes, the alignment that uploads and readPixels() have by default
-  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, pixels.width, pixels.height, layout, type, decode(pixels));
+  const kind = half ? gl.HALF_FLOAT : gl.FLOAT;
+  if (data) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, layout, kind, decode({ type, data }));
   return made;
 }
 
@@ -134,52 +119,47 @@ function onto(targets, step) {
 }
 
 // Draw one pass into the framebuffer that is bound.
-function draw(pass, inputs, vertex) {
-  const made = linked(vertex, pass.fragment);
-  gl.viewport(...(pass.viewport ?? [0, 0, ...pass.size])); // a triangle is clipped to it
-  gl.useProgram(made.program);
+function draw({ fragment, area, inputs, values }, vertex, textures) {
+  const program = linked(vertex, fragment);
+  gl.viewport(...area); // a triangle is clipped to it
+  gl.useProgram(program);
   const bind = (unit, texture, sampler) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.bindSampler(unit, sampler);
   };
-  [...inputs].forEach(([slot, { texture, linear }], unit) => {
-    bind(unit, texture, samplers[linear]);
-    gl.uniform1i(place(made, "Bokeh" + slot), unit);
+  // a uniform that the program does not use has no location, and setting it there does nothing
+  inputs.forEach(({ slot, image, linear }, unit) => {
+    bind(unit, textures[image], samplers[linear]);
+    gl.uniform1i(gl.getUniformLocation(program, "Bokeh" + slot), unit);
   });
-  for (const [name, value] of Object.entries(pass.values)) gl.uniform1f(place(made, name), value);
+  for (const [name, value] of Object.entries(values)) gl.uniform1f(gl.getUniformLocation(program, name), value);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
-  // or the next upload or target, bound to unit 0, would stay bound to a pass that reads fewer slots
-  for (let unit = 0; unit < inputs.size; unit++) bind(unit, null, null);
+  // or a target would stay bound to a pass that reads fewer slots
+  inputs.forEach((_, unit) => bind(unit, null, null));
 }
 
 // The framebuffer that is bound, as RGBA, which is what 32-bit floats of any target can be read as; half floats only
 // where the browser names both.
-function read(size, storage) {
+function read({ size, type }) {
   const format = gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_FORMAT);
   const exact = format === gl.RGBA && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
-  const half = storage === "half" && exact;
-  const type = half ? "half" : "float";
-  const into = elements(size, type);
+  const half = type === "half" && exact;
+  const image = { size, channels: 4, type: half ? "half" : "float" };
+  const into = elements(image);
   gl.readPixels(0, 0, ...size, gl.RGBA, half ? gl.HALF_FLOAT : gl.FLOAT, into);
-  return encode(size, type, into);
+  return encode(image, into);
 }
 
-// Run a job and return the targets that it keeps, by name.
-export function run(job) {
+// Run a job and return the images that it keeps.
+export function run({ images, passes, keep, vertex }) {
   start();
-  const made = [];
+  const textures = images.map(texture);
   try {
-    const live = walk(job, made, {
-      upload,
-      target: (size) => texture(size, format(job.storage, 4).internal), // 0 everywhere, as WebGL has it
-      draw: (pass, inputs, targets) => onto(targets, () => draw(pass, inputs, job.vertex)),
-    });
-    const kept = {};
-    for (const name of job.keep) {
-      const { texture, size } = live.get(name);
-      kept[name] = onto([texture], () => read(size, job.storage));
+    for (const pass of passes) {
+      onto(pass.targets.map((image) => textures[image]), () => draw(pass, vertex, textures));
     }
+    const kept = keep.map((image) => onto([textures[image]], () => read(images[image])));
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
     return kept;
@@ -187,6 +167,6 @@ export function run(job) {
     // a lost context answers everything with a failure of that thing
     throw gl.isContextLost() ? new Error("the WebGL context was lost: the GPU process has died") : error;
   } finally {
-    for (const image of made) gl.deleteTexture(image);
+    for (const texture of textures) gl.deleteTexture(texture);
   }
 }

@@ -1,12 +1,7 @@
 // WebGPU: WGSL through tint and Dawn. Row 0 of every image is v = 0, in uploads, targets and copies alike.
 
-import { BYTES, decode, elements, encode, walk } from "./job.js";
+import { decode, elements, encode, pitch } from "./job.js";
 
-const FORMATS = {
-  half4: "rgba16float",
-  float4: "rgba32float",
-  float1: "r32float",
-};
 // Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
 const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
@@ -113,9 +108,12 @@ export async function compile({ code, vertex, fragment, slots, formats }) {
   return { ok: true, messages, pipeline: "" };
 }
 
-// A pipeline for targets of one format, made once for each entry, sample count and format.
-async function pipeline(device, { code, vertex, slots }, pass, format) {
-  const formats = pass.outputs.map(() => format);
+function format({ channels, type }) {
+  return { 4: "rgba", 1: "r" }[channels] + { half: "16float", float: "32float" }[type];
+}
+
+// A pipeline, made once for each entry, configuration and formats of targets.
+async function pipeline(device, { code, vertex, slots }, pass, formats) {
   const key = [pass.entry, JSON.stringify(pass.constants), ...formats, code].join("\0");
   if (!pipelines.has(key)) {
     if (!modules.has(code)) modules.set(code, device.createShaderModule({ code }));
@@ -127,53 +125,57 @@ async function pipeline(device, { code, vertex, slots }, pass, format) {
   return pipelines.get(key);
 }
 
-function upload(device, pixels) {
-  const size = [pixels.width, pixels.height];
-  const made = device.createTexture({
-    size,
-    format: FORMATS[pixels.type + pixels.channels],
-    usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
-  });
-  const bytesPerRow = pixels.width * pixels.channels * BYTES[pixels.type]; // writeTexture() wants no alignment
-  device.queue.writeTexture({ texture: made }, decode(pixels), { bytesPerRow }, size);
+function texture(device, image) {
+  const { TEXTURE_BINDING, COPY_DST, COPY_SRC, RENDER_ATTACHMENT } = GPUTextureUsage;
+  const usage = TEXTURE_BINDING | (image.data ? COPY_DST : COPY_SRC | RENDER_ATTACHMENT);
+  const made = device.createTexture({ size: image.size, format: format(image), usage });
+  if (image.data) {
+    // writeTexture() wants no alignment
+    device.queue.writeTexture({ texture: made }, decode(image), { bytesPerRow: pitch(image) }, image.size);
+  }
   return made;
 }
 
-function bind({ device, sampler, dummy }, slots, pass, inputs) {
+// The parameters of a pass.
+function uniforms(device, pass) {
   const values = new Float32Array(Object.values(pass.values));
   const buffer = device.createBuffer({
     size: Math.ceil(values.byteLength / 16) * 16, // of a uniform block
     usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
   });
   device.queue.writeBuffer(buffer, 0, values);
+  return buffer;
+}
+
+function bind({ device, sampler, dummy }, slots, pass, buffer, textures) {
   // a pass has something at every binding, also where it reads nothing
-  const textures = Object.keys(slots).map((slot) => (inputs.get(slot)?.texture ?? dummy).createView());
-  const resources = [{ buffer }, ...textures];
+  const read = new Map(pass.inputs.map(({ slot, image }) => [slot, textures[image]]));
+  const resources = [{ buffer }, ...Object.keys(slots).map((slot) => (read.get(slot) ?? dummy).createView())];
   resources.splice(SAMPLER, 0, sampler);
   const entries = resources.map((resource, binding) => ({ binding, resource }));
-  return { buffer, group: device.createBindGroup({ layout: layout(device, slots), entries }) };
+  return device.createBindGroup({ layout: layout(device, slots), entries });
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-function copy(device, encoder, { texture, size }, storage) {
-  const bytesPerRow = Math.ceil((size[0] * 4 * BYTES[storage]) / 256) * 256;
+function copy(device, encoder, image, texture) {
+  const bytesPerRow = Math.ceil(pitch(image) / 256) * 256;
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
-  const buffer = device.createBuffer({ size: bytesPerRow * size[1], usage });
-  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, size);
-  return { buffer, bytesPerRow, size };
+  const buffer = device.createBuffer({ size: bytesPerRow * image.size[1], usage });
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, image.size);
+  return { image, buffer, bytesPerRow };
 }
 
-async function read({ buffer, bytesPerRow, size }, storage) {
+async function read({ image, buffer, bytesPerRow }) {
   await buffer.mapAsync(GPUMapMode.READ);
   const padded = new Uint8Array(buffer.getMappedRange());
-  const into = elements(size, storage);
+  const into = elements(image);
   const bytes = new Uint8Array(into.buffer);
-  const row = bytes.length / size[1];
-  for (let y = 0; y < size[1]; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
-  return encode(size, storage, into);
+  const row = pitch(image);
+  for (let y = 0; y < image.size[1]; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
+  return encode(image, into);
 }
 
-// Run a job and return the targets that it keeps, by name.
+// Run a job and return the images that it keeps.
 export async function run(job) {
   const gpu = await start();
   const made = []; // what is destroyed at the end: waiting for the garbage collector would hold it for long
@@ -186,35 +188,27 @@ export async function run(job) {
 
 async function record(gpu, job, made) {
   const { device } = gpu;
-  const format = FORMATS[job.storage + 4];
-  const ready = [];
-  for (const pass of job.passes) ready.push(await pipeline(device, job, pass, format));
+  const textures = job.images.map((image) => made[made.push(texture(device, image)) - 1]);
   const encoder = device.createCommandEncoder();
-  const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
-  const live = walk(job, made, {
-    upload: (pixels) => upload(device, pixels),
-    target: (size) => device.createTexture({ size, format, usage }),
-    draw(pass, inputs, targets, index) {
-      const { buffer, group } = bind(gpu, job.slots, pass, inputs);
-      made.push(buffer);
-      const colorAttachments = targets.map((target, output) => ({
-        view: target.createView(),
-        loadOp: pass.outputs[output].over ? "load" : "clear",
-        storeOp: "store",
-        clearValue: [0, 0, 0, 0],
-      }));
-      const render = encoder.beginRenderPass({ colorAttachments });
-      render.setPipeline(ready[index]);
-      render.setBindGroup(0, group);
-      if (pass.viewport) render.setViewport(...pass.viewport, 0, 1); // a triangle is clipped to it
-      render.draw(3);
-      render.end();
-    },
-  });
-  const copies = job.keep.map((name) => [name, copy(device, encoder, live.get(name), job.storage)]);
-  for (const [, { buffer }] of copies) made.push(buffer);
+  for (const pass of job.passes) {
+    const formats = pass.targets.map((image) => format(job.images[image]));
+    const chosen = await pipeline(device, job, pass, formats);
+    const buffer = made[made.push(uniforms(device, pass)) - 1];
+    const colorAttachments = pass.targets.map((image, index) => ({
+      view: textures[image].createView(),
+      loadOp: pass.over[index] ? "load" : "clear",
+      storeOp: "store",
+      clearValue: [0, 0, 0, 0],
+    }));
+    const render = encoder.beginRenderPass({ colorAttachments });
+    render.setPipeline(chosen);
+    render.setBindGroup(0, bind(gpu, job.slots, pass, buffer, textures));
+    render.setViewport(...pass.area, 0, 1); // a triangle is clipped to it
+    render.draw(3);
+    render.end();
+  }
+  const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
+  made.push(...copies.map(({ buffer }) => buffer));
   device.queue.submit([encoder.finish()]);
-  const kept = {};
-  for (const [name, filled] of copies) kept[name] = await read(filled, job.storage);
-  return kept;
+  return Promise.all(copies.map(read));
 }
