@@ -47,6 +47,16 @@ def adapters() -> Iterator[tuple[str, str]]:
         yield from [(name, a.info["device"]) for a in webgpu.wgpu_adapters() for name in ("wgpu", "dxc")]
 
 
+def environment() -> dict[str, str]:
+    """Machine and folders."""
+    return {
+        "system": f"{platform.platform()}, {platform.machine()}",
+        "python": sys.version.split()[0],
+        "checkout": str(paths.ROOT),
+        "cache folder (the only place outside the checkout that is written to)": str(paths.cache_folder()),
+    }
+
+
 def doctor(
     install: Annotated[bool, typer.Option("--install", help="Fetch what can be fetched into the cache.")] = False,
 ) -> None:
@@ -61,9 +71,6 @@ def doctor(
         table.add_row(f"driver {name}", *find(name, partial(_adapter, name)))
     for driver, adapter in adapters():
         table.add_row(f"adapter for {driver}", "", adapter)
-    table.add_row("system", "", f"{platform.platform()}, {platform.machine()}")
-    table.add_row("python", "", sys.version.split()[0])
-    table.add_row("checkout", "", str(paths.ROOT))
-    where = "cache folder (the only place outside the checkout that is written to)"
-    table.add_row(where, "", str(paths.cache_folder()))
+    for name, value in environment().items():
+        table.add_row(name, "", value)
     console.print(table)
