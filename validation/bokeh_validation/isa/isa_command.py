@@ -50,7 +50,9 @@ def isa(
         terminal.end(False)
 
 
-def count(wanted: Mapping[str, Program], names: list[str], folder: Path | None = None) -> tuple[Counts, dict[str, str]]:
+def count(
+    wanted: Mapping[str, Program], names: list[str], folder: Path | None = None
+) -> tuple[Counts, dict[str, str]]:
     """(target -> program -> count, target -> why there is none)."""
     vertex, fragments = programs.spirv(dict(wanted), folder)
     counts, missing = {}, {}
@@ -76,15 +78,7 @@ def passes_table(
         if program.path or (old and name not in old):
             continue
         one, path = found[name], found[f"{name} path"]
-        cells = [
-            one.instructions,
-            one.texture,
-            one.registers,
-            one.waves or "",
-            one.spills,
-            loops(one, path),
-            path.slots,
-        ]
+        cells = [one.instructions, one.texture, one.registers, one.waves or "", one.spills, loops(one, path), path.slots]
         if old:
             cells += [f"{one.instructions / old[name].instructions:.3f}", f"{one.texture / old[name].texture:.3f}"]
         table.add_row(name, *map(str, cells))

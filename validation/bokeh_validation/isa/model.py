@@ -73,7 +73,9 @@ def cost(method: Method, counts: Mapping[str, Count], device: Device) -> Cost:
     return Cost(work, least, most)
 
 
-def by_pass(method: Method, counts: Mapping[str, Count], device: Device) -> Iterator[tuple[Pass, dict[str, float]]]:
+def by_pass(
+    method: Method, counts: Mapping[str, Count], device: Device
+) -> Iterator[tuple[Pass, dict[str, float]]]:
     """(pass, kind of work -> nanoseconds a pixel of the full size)."""
     scales = {"color": 1, "depth": 1}
     for item in method.passes:
@@ -82,11 +84,8 @@ def by_pass(method: Method, counts: Mapping[str, Count], device: Device) -> Iter
         scales |= dict.fromkeys(item.outputs, item.scale)
         moved = len(item.outputs) * share * COLOR_BYTES
         moved += sum(BYTES.get(name, COLOR_BYTES) / scales[name] ** 2 for name in item.inputs.values())
-        yield (
-            item,
-            {
-                ARITHMETIC: share * count.slots / device.lanes,
-                TEXTURES: share * count.texture / device.texels,
-                MEMORY: moved / device.bytes,
-            },
-        )
+        yield item, {
+            ARITHMETIC: share * count.slots / device.lanes,
+            TEXTURES: share * count.texture / device.texels,
+            MEMORY: moved / device.bytes,
+        }

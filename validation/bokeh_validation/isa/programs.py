@@ -44,9 +44,7 @@ def all_methods() -> list[Method]:
             settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
-        found += [
-            Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES
-        ]
+        found += [Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES]
     return found
 
 
