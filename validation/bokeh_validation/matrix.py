@@ -81,8 +81,8 @@ def run(
         for jobs in _jobs(programs, edit):
             used = [compiler for compiler in COMPILERS if compiler.name in jobs[0].program.compilers]
             # OpenGL, wgpu and DXC stay in this thread while the pool runs the other compilers of earlier programs
-            _compile([compiler for compiler in used if compiler.here], jobs)
-            waiting.append((jobs, pool.submit(_compile, [compiler for compiler in used if not compiler.here], jobs)))
+            compile_([compiler for compiler in used if compiler.here], jobs)
+            waiting.append((jobs, pool.submit(compile_, [compiler for compiler in used if not compiler.here], jobs)))
             while waiting and waiting[0][1].done():
                 collect()
         while waiting:
@@ -99,11 +99,6 @@ def _jobs(programs: Iterable[Program], edit: Callable[[str], str] | None) -> Ite
     for _, group in groupby(programs, lambda program: program.variant):
         same = [Job(program, edit(program.source) if edit else program.source) for program in group]
         yield from (same[first : first + TOGETHER] for first in range(0, len(same), TOGETHER))
-
-
-def _compile(compilers: Iterable[Compiler], jobs: Sequence[Job]) -> None:
-    for compiler in compilers:
-        compile_(compiler, jobs)
 
 
 def _version(compiler: Compiler) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from bokeh_validation import shaders, terminal
 from bokeh_validation.compilers import fxc
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers.tool import CompileResult
 
 SAMPLES = (16, 64, 144, 256, 400, 576)  # Table 1
 LOOPS = {"as it is": "", "[loop]": " [loop]", "[unroll]": " [unroll]"}

@@ -29,15 +29,9 @@ SAMPLES_SM3 = SAMPLES | {
     entries.GRID: (2, 4, 8, 12, 13, 16, 20, 24),
 }
 # For images that are a part of their textures, one of each kind: the longest program of shader model 3 among them
-VIEWPORT = {
-    **dict.fromkeys(
-        ("BokehLinearDepth", "BokehCoCMap", "BokehDepthOfFieldFinal", "BokehAdaptiveFinal", "BokehNaiveGather",
-         "BokehHexagonFirst", "BokehDecagonFirst", "BokehDecagonSecond"), (7,),
-    ),
-    **dict.fromkeys(
-        ("BokehLayerReach", "BokehLayerSplit", "BokehLayerFill", "BokehDecagonLayerSecond", "BokehLayered"), (None,)
-    ),
-}  # fmt: skip
+_FILTERS = "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond"
+_OF_LAYERS = "LayerReach LayerSplit LayerFill DecagonLayerSecond Layered"
+VIEWPORT = {f"Bokeh{name}": (7,) for name in _FILTERS.split()} | {f"Bokeh{n}": (None,) for n in _OF_LAYERS.split()}
 
 # Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT
 VARIANTS = (

@@ -11,7 +11,7 @@ from unittest.mock import patch
 import pytest
 
 from bokeh_validation import cli, drivers
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")

@@ -9,9 +9,9 @@ import sys
 import uuid
 from pathlib import Path
 
-from bokeh_validation.compilers import spirv, tool
+from bokeh_validation.compilers import spirv
 from bokeh_validation.compilers.packages import Package
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
 from bokeh_validation.errors import Unavailable
 
 VERSION = "0.17.5"
@@ -148,7 +148,7 @@ def fetch() -> Path:
     return PACKAGE.fetch()
 
 
-@tool.once
+@once
 def load() -> Compiler:
     """The compiler, fetched on first use. Raises Unavailable."""
     return Compiler(fetch())

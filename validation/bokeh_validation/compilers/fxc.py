@@ -11,9 +11,8 @@ import threading
 from collections.abc import Mapping
 
 from bokeh_validation import files, paths
-from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.packages import Package
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
 from bokeh_validation.windows import programs, server
 
 VERSION = "0.5.0"
@@ -29,8 +28,6 @@ PACKAGE = Package(
 )
 
 COMPILE_S = 60.0  # a program takes 0.01 to 2 s
-PROFILES = ("ps_3_0", "vs_3_0", "ps_4_0", "vs_4_0", "ps_5_0", "vs_5_0")
-
 
 # What shader model 3 guarantees (Direct3D 9). fxc compiles beyond it without a word; drivers refuse.
 BUDGETS = {
@@ -62,11 +59,9 @@ class Compiler:
     def compile(self, source: str, profile: str, entry: str, flags: int = 0) -> CompileResult:
         """One program, with facts. A hang or a crash of the compiler is a refusal that says so.
 
-        profile  one of PROFILES
+        profile  ps_ or vs_ and the shader model, such as ps_3_0
         flags    D3DCOMPILE_*; 0 is fxc.exe without options
         """
-        if profile not in PROFILES:
-            raise ValueError(f"profile {profile!r}: one of {', '.join(PROFILES)}")
         with self._turn:
             kept = {name: self._server.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
             for file in kept.values():
@@ -113,20 +108,18 @@ def facts(listing: str) -> dict[str, object]:
     temporaries, constants, samplers        registers rN, cN and sN that the code names (from shader model 4 on:
                                             dcl_temps, the size of cb0, and s registers)
     """
-    found = _SLOTS.search(listing)
     code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
     known: dict[str, object] = {}
-    if found:
-        total = int(found[1])
-        known["slots"] = total
-        known["texture_slots"] = int(found[2] or 0)
-        known["arithmetic_slots"] = int(found[3] or total)
+    if found := _SLOTS.search(listing):
+        total, texture, arithmetic = found.groups()
+        known |= {"slots": int(total), "texture_slots": int(texture or 0), "arithmetic_slots": int(arithmetic or total)}
     temporaries = re.search(r"dcl_temps (\d+)", code)
-    known["temporaries"] = int(temporaries[1]) if temporaries else _registers("r", code)
     buffer = re.search(r"dcl_constantbuffer cb0\[(\d+)\]", code, re.IGNORECASE)
-    known["constants"] = int(buffer[1]) if buffer else _registers("c", code)
-    known["samplers"] = _registers("s", code)
-    return known
+    return known | {
+        "temporaries": int(temporaries[1]) if temporaries else _registers("r", code),
+        "constants": int(buffer[1]) if buffer else _registers("c", code),
+        "samplers": _registers("s", code),
+    }
 
 
 def _registers(kind: str, code: str) -> int:
@@ -161,7 +154,7 @@ def over_budget(known: Mapping[str, object], profile: str) -> str:
     return "\n".join(lines)
 
 
-@tool.once
+@once
 def load() -> Compiler:
     """The compiler, fetched, built and started on first use. Raises Unavailable."""
     return Compiler()

@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.compilers.spirv import REGISTERS, facts
-from bokeh_validation.compilers.tool import Source, Tool
+from bokeh_validation.compilers.tool import CompileResult, Source, Tool, accepted, refused
 
 GLSLANG = Tool("glslangValidator", "glslang-tools", "--version", r"^Glslang Version: *(.*)")
 GLSLC = Tool("glslc", "glslc", "--version", r"^(.*)")

@@ -9,8 +9,7 @@ import os
 import re
 from functools import cache
 
-from bokeh_validation.compilers import tool
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
 from bokeh_validation.drivers.gl import EGL, GLDriver, OSMesa
 from bokeh_validation.errors import Unavailable
 
@@ -19,7 +18,7 @@ STAGES = {"vertex": 0x8B31, "fragment": 0x8B30}
 COMPILE_STATUS, LINK_STATUS, INFO_LOG_LENGTH = 0x8B81, 0x8B82, 0x8B84
 
 
-@tool.once
+@once
 def driver() -> GLDriver:
     """OSMesa, or EGL where there is no OSMesa. Raises Unavailable."""
     # Mesa skips what it finds in its cache of compiled shaders, and with it the warnings

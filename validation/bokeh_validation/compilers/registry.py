@@ -7,7 +7,7 @@ from functools import lru_cache, partial
 
 from bokeh_validation import paths, variants
 from bokeh_validation.compilers import angle_tint, dxc, fxc, glslang, mesa, mojoshader, naga, spirv
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.variants import Program
 
@@ -70,8 +70,13 @@ class Compiler:
         return ", ".join(version if name == self.name else f"{name} {version}" for name, version in told)
 
 
-def compile_(compiler: Compiler, jobs: Sequence[Job]) -> None:
-    """Fill a cell of each job, which are all of one variant."""
+def compile_(compilers: Sequence[Compiler], jobs: Sequence[Job]) -> None:
+    """Fill the compilers' cells of each job; these are all of one variant."""
+    for compiler in compilers:
+        _compile(compiler, jobs)
+
+
+def _compile(compiler: Compiler, jobs: Sequence[Job]) -> None:
     producer = next((name for name in compiler.takes if name in jobs[0].program.compilers), "")
     ready = []
     for job in jobs:

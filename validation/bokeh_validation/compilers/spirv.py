@@ -5,11 +5,10 @@ import struct
 from collections import Counter
 
 from bokeh_validation import passes
-from bokeh_validation.compilers import tool
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers.tool import CompileResult, Tool, run
 
-VAL = tool.Tool("spirv-val", "spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
-CROSS = tool.Tool("spirv-cross", "spirv-cross", "--revision", r"^(.*)")
+VAL = Tool("spirv-val", "spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
+CROSS = Tool("spirv-cross", "spirv-cross", "--revision", r"^(.*)")
 
 # HLSL's registers on the bindings of the WGSL file, all in set 0
 REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
@@ -75,7 +74,7 @@ def version_cross() -> str:
     said = CROSS.version()
     # Debian's build says only that it is Debian's
     if "Debian" in said and shutil.which("dpkg-query"):
-        package = tool.run("dpkg-query", ["-W", "-f=${Version}", "spirv-cross"])
+        package = run("dpkg-query", ["-W", "-f=${Version}", "spirv-cross"])
         said = package.output if package.ok else said
     return said
 

@@ -1,4 +1,4 @@
-"""Command line compilers: found, run with a time limit, and their end told as it was. Others: made once."""
+"""What a compiler says of a shader; those on the command line, run with a time limit and their end told as it was."""
 
 import re
 import shutil
@@ -12,12 +12,34 @@ from pathlib import Path
 from threading import Lock
 from typing import TypeVar
 
-from bokeh_validation.compilers.result import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
 
 T = TypeVar("T")
 
 TIMEOUT = 30.0  # seconds; what runs here takes 0.05
+
+
+@dataclass(frozen=True)
+class CompileResult:
+    """Outcome of one compilation; `facts` holds what the compiler tells of its output (slots, sizes)."""
+
+    ok: bool
+    messages: str = ""
+    binary: bytes = b""
+    facts: dict[str, object] = field(default_factory=dict)
+
+
+def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, object] | None = None) -> CompileResult:
+    """A result that is ok. What was printed all the same are warnings: their lines are counted in facts."""
+    known = dict(facts or {})
+    if messages.strip():
+        known["warnings"] = len(messages.strip().splitlines())
+    return CompileResult(True, messages.strip(), binary, known)
+
+
+def refused(messages: str) -> CompileResult:
+    """A result that is not ok."""
+    return CompileResult(False, messages.strip() or "refused without a message")
 
 
 @dataclass(frozen=True)

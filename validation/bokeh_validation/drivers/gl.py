@@ -1,7 +1,8 @@
 """GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import NamedTuple
 
@@ -149,8 +150,7 @@ def _egl_context(adapter: str | None) -> moderngl.Context:
     except Exception as error:
         raise Unavailable(f"EGL gave no OpenGL 3.3 context ({error}); {EGL.install}") from error
     seen = []
-    for context in _egl_devices():
-        renderer = context.info["GL_RENDERER"]
+    for context, renderer in _egl_devices():
         if adapter.lower() in renderer.lower():
             return context
         seen.append(renderer)
@@ -158,13 +158,21 @@ def _egl_context(adapter: str | None) -> moderngl.Context:
     raise Unavailable(f"no EGL device named like {adapter!r}; there are: {', '.join(seen) or 'none'}")
 
 
-def _egl_devices():
-    """Contexts on every EGL device, one after the other."""
-    for index in range(16):
-        try:
-            yield _egl_device(index)
-        except Exception:
-            return
+def _egl_devices() -> Iterator[tuple[moderngl.Context, str]]:
+    """Contexts on every EGL device, one after the other, with the names of their renderers."""
+    with suppress(Exception):
+        for index in range(16):
+            context = _egl_device(index)
+            yield context, context.info["GL_RENDERER"]
+
+
+def egl_adapters() -> list[str]:
+    """Renderer names of all EGL devices."""
+    names = []
+    for context, renderer in _egl_devices():
+        names.append(renderer)
+        context.release()
+    return names
 
 
 def _unbind_egl() -> None:
@@ -181,15 +189,6 @@ def _unbind_egl() -> None:
     display = egl.eglGetCurrentDisplay()
     if display:
         egl.eglMakeCurrent(ctypes.c_void_p(display), None, None, None)
-
-
-def egl_adapters() -> list[str]:
-    """Renderer names of all EGL devices."""
-    names = []
-    for context in _egl_devices():
-        names.append(context.info["GL_RENDERER"])
-        context.release()
-    return names
 
 
 class OSMesaContext:

@@ -15,7 +15,7 @@ from support import needed
 
 from bokeh_validation import paths
 from bokeh_validation.compilers import dxc, fxc, tool
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers.tool import CompileResult
 
 STUBS = paths.VALIDATION / "stubs"
 UNITY = paths.ROOT / "integration/unity"

@@ -15,7 +15,7 @@ from support import load
 
 from bokeh_validation import browser, drivers, paths, shaders
 from bokeh_validation.compilers import angle_tint, naga
-from bokeh_validation.compilers.result import CompileResult
+from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import Pass
 

@@ -16,7 +16,7 @@ from support import compiled, needed, says
 from bokeh_validation import matrix, paths, shaders
 from bokeh_validation.compilers import dxc, glslang, mesa, naga, registry, spirv, tool
 from bokeh_validation.compilers.registry import FAILED, MISSING, OK, Cell
-from bokeh_validation.compilers.result import accepted
+from bokeh_validation.compilers.tool import accepted
 from bokeh_validation.errors import Unavailable
 
 ROWS = matrix.load()
