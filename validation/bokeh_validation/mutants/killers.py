@@ -45,7 +45,7 @@ LAYERED = (
 )
 LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
 LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
-LAYERED_LEAKS = "test_layers_mutants.py::test_nothing_leaks_into_layers[egl]"
+LAYERED_LEAKS = "test_layers.py::test_viewport[egl]"
 LAYERED_INVERSE = "test_layers_mutants.py::test_a_size_whose_inverse_is_small"
 LAYERED_LEVELS = "test_layers_mutants.py::test_black_and_bright[egl]"
 LAYERED_MADE = "test_layers_mutants.py::test_layers_without_jitter"

@@ -23,7 +23,7 @@ SHAPES = [
     *(("exact", aperture) for aperture in methods.EXACT),
 ]
 # a part of the ray-traced scenes with something in focus, near and far
-PART = (slice(190, 286), slice(240, 368))
+PART = (slice(206, 270), slice(264, 344))
 
 
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
@@ -71,7 +71,7 @@ def test_every_entry(method, driver):
     """Every program of the package on every driver, everything away from its default: within the interval."""
     for name, settings in WHOLE.items():
         if name.startswith(method):
-            within(driver, noise_case((61, 37), settings))
+            within(driver, noise_case((45, 29), settings))
 
 
 def test_every_entry_is_there():

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from support import in_each_language, load
 from support_cases import noise_case, within
-from support_targets import framed, inside, poisoned
-from test_layers import SETTINGS, TEXTURES, VIEWPORTS
+from support_targets import framed, inside
+from test_layers import SETTINGS, TEXTURES
 
 from bokeh_validation import methods, shaders
 from bokeh_validation.patterns import near_edges
@@ -41,21 +41,6 @@ def test_half_a_layer(coc, driver):
     """The same for planes of which a part is in a layer."""
     case = noise_case((50, 40), near_edges.settings(rotation=10.0))
     within(driver, replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1]))))
-
-
-@pytest.mark.parametrize("viewport", VIEWPORTS, ids=str)
-@in_each_language
-def test_nothing_leaks_into_layers(viewport, driver):
-    """NaN around the image in every texture: nothing of it gets into any target. The picture would hide some."""
-    image = noise_case(viewport[2:], SETTINGS)
-    plan = methods.in_viewport(image.plan, viewport, TEXTURES)
-    names = {name: item.scale for item in plan.passes for name in item.outputs}
-    nothing = np.full((TEXTURES[1], TEXTURES[0], 4), np.nan, np.float16)
-    textures = {"color": framed(image.color, TEXTURES, viewport), "depth": framed(image.depth, TEXTURES, viewport)}
-    outputs = driver.run(poisoned(plan), textures | {"nan": nothing}, TEXTURES, keep=names)
-    for name, scale in names.items():
-        part = tuple(-(-length // scale) for length in viewport)
-        assert np.isfinite(inside(outputs[name], part)).all(), name
 
 
 @pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])

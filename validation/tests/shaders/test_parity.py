@@ -237,8 +237,15 @@ BINDINGS = {
 TABLES = {"library": LIBRARY, "layers": LAYERS, "passes": PASSES, "bindings": BINDINGS}
 
 
-@pytest.mark.parametrize("language", paths.LANGUAGES)
-@pytest.mark.parametrize("file, name", [(file, name) for file, table in TABLES.items() for name in table])
+def changes():
+    """File, name, language: what each language has in words of its own in each, the rest in one after the other."""
+    for file, table in TABLES.items():
+        for number, (name, change) in enumerate(table.items()):
+            languages = [paths.LANGUAGES[number % 3]] if isinstance(change, str) else paths.LANGUAGES
+            yield from ((file, name, language) for language in languages)
+
+
+@pytest.mark.parametrize(("file", "name", "language"), changes())
 def test_a_change_in_one_language_is_found(file, name, language):
     found = parity.check(mutated(file, language, TABLES[file][name]))
     assert found and all(difference.where and difference.what for difference in found)
@@ -251,7 +258,7 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
     key = FILES[file][language]
     text = TEXTS[key]
     start = COMMON.search(text).end()
-    for token in list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s]", text[start:]))[::211]:
+    for token in list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s]", text[start:]))[::499]:
         dropped = text[: start + token.start()] + text[start + token.end() :]
         assert parity.check({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
 

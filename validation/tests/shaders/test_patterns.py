@@ -1,29 +1,19 @@
-"""Every probe in every language (validation/run: on every driver), and that they notice what they are there for."""
+"""The probes that `validation/run` leaves out where it is brief, and that they notice what they are there for."""
+
+from itertools import cycle
 
 import pytest
-from support import in_each_language, load
+from support import LANGUAGES
 from support_cases import judged
 
-from bokeh_validation import drivers, methods, patterns, validate
-from bokeh_validation.patterns import exact, impulse, model
+from bokeh_validation import methods, patterns, validate
+from bokeh_validation.patterns import impulse, model
 
 
-@pytest.mark.parametrize("name", validate.FULL_PROBES)
-@in_each_language
+@pytest.mark.parametrize(("name", "driver"), zip(validate.FULL_PROBES, cycle(LANGUAGES)), indirect=["driver"])
 def test_probe(name, driver):
-    """Within the interval of the reference, and showing what it must: those that are not in test_brief."""
-    assert_shown(next(probe for probe in patterns.PROBES if probe.name == name), driver)
-
-
-@pytest.mark.parametrize("probe", exact.PROBES, ids=lambda p: p.name)
-def test_every_rotation(probe):
-    """What the quick probes leave out of the exact polygons."""
-    assert_shown(probe, load("osmesa"))
-
-
-def assert_shown(probe: patterns.Probe, driver: drivers.Driver) -> None:
-    """Of checks and comparisons."""
-    result = patterns.run(probe, driver)
+    """Within the interval of the reference, and showing what it must; the rest in each language: test_brief."""
+    result = patterns.run(next(probe for probe in patterns.PROBES if probe.name == name), driver)
     assert not [f"{c.name}: {c.value:.5g}, allowed {c.low:.5g} .. {c.high:.5g}" for c in result.checks if not c.ok]
     assert not [str(c) for r in result.cases for c in r.comparisons.values() if not c.ok]
 
