@@ -11,8 +11,7 @@ from support import called, load
 from test_render import refused
 
 from bokeh_validation import fetches, methods, shaders
-from bokeh_validation.bench import bench_command, measure, output, rows, session
-from bokeh_validation.errors import UserError
+from bokeh_validation.bench import measure, output, rows, session
 
 SIZE = (72, 64)
 DRIVERS = ("osmesa", "wgpu")
@@ -252,12 +251,3 @@ def test_command(tmp_path):
 def test_bad_input(arguments, words):
     """One line, exit code 2, before any work."""
     refused(called("bench", *arguments), words)
-
-
-def test_plan_defaults():
-    """As the paper on a GPU, smaller in software; a size that was given holds everywhere."""
-    software = load("osmesa")
-    assert bench_command.plan(None, None, False).size_on(software) == session.SOFTWARE_SIZE
-    assert bench_command.plan("800x600", None, False).size_on(software) == (800, 600)
-    with pytest.raises(UserError):
-        bench_command.plan("0x0", None, False)

@@ -337,17 +337,6 @@ class TestOutput:
         assert f"failed 1/{len(rows)}" in console.file.getvalue()
         assert "naga: wgsl BokehNaiveGather 2\n    [red] no" in matrix.failures(result)
 
-    def test_quick(self):
-        quick = matrix.load(quick=True)
-        assert len(quick) == len({(row.variant, row.entry) for row in ROWS})
-        # the exact polygons have no 13, so the first count of theirs
-        assert {row.samples for row in quick} == {None, 13, 7}
-
-    def test_progress(self):
-        seen = []
-        matrix.run([row for row in SAMPLE if row.language == "wgsl"], seen.append)
-        assert seen == [row.name for row in SAMPLE if row.language == "wgsl"]
-
     def test_versions(self, whole):
         """Each compiler that is here says which it is."""
         with needed("compiler"):

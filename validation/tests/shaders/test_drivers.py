@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hostile import COLOR, DEPTH
-from support import in_each_language
+from support import in_each_language, spread
 from support_cases import CAMERA, kind, noise_case, result, within
 
 from bokeh_validation import apertures, methods, metrics, suite
@@ -80,7 +80,7 @@ def test_every_entry_is_there():
     assert drawn | {"BokehLinearDepth", "BokehDebug"} == set(ENTRIES)
 
 
-@pytest.mark.parametrize("size", [(61, 37), (1, 1), (1, 64), (96, 2), (257, 33)], ids=str)
+@spread("size", [(61, 37), (1, 1), (1, 64), (96, 2), (257, 33)], [(61, 37)])
 @pytest.mark.parametrize("method", METHODS)
 def test_sizes(method, size, driver):
     """Odd, tiny and thin images."""

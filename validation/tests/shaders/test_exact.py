@@ -50,13 +50,6 @@ def test_tiling(sides, rotation, squeeze):
     np.testing.assert_array_equal(held, polygons.inside(corners, x, y))
 
 
-@pytest.mark.parametrize("sides", [4, 6, 8, 10])
-def test_first_pass_is_around_the_pixel(sides):
-    """The lines of the first pass have their mean on the pixel."""
-    middles = [segments.polygon_edge(k, sides, 0.4, 1.0, False).middle for k in range(1, sides // 2)]
-    np.testing.assert_allclose(np.mean(middles, axis=0), 0.0, atol=1e-15)
-
-
 def test_noise_has_no_bias():
     """Interleaved gradient noise is spread evenly over -0.5 .. 0.5, in every frame another."""
     for frame in (0, 1, 63):
@@ -186,23 +179,6 @@ def test_no_false_halo(aperture):
     row = rf"^\| market_7, around the head \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \| ([\d.]+) dB \|"
     stated = [float(number) for number in re.search(row, DOCUMENT, re.MULTILINE).groups()]
     assert stated == pytest.approx([found["paper"], HALO_BEFORE[aperture], found["exact"]], abs=0.15)
-
-
-@pytest.mark.parametrize("coc", [None, 0.1], ids=["from depth", "constant"])
-@pytest.mark.parametrize("scene", [suite.MARKET, suite.STREET], ids=lambda s: s.name)
-def test_jitter_converges(scene, coc):
-    """The mean of 16 frames at 3 samples an edge is 45 dB and more from 33 samples, 640 x 360; asked for."""
-    driver, image = load("osmesa"), suite.picture(scene)
-    rows = np.linspace(0, len(image.color) - 1, 360).astype(int)[:, None]
-    columns = np.linspace(0, image.color.shape[1] - 1, 640).astype(int)
-    color, depth = (np.ascontiguousarray(pixels[rows, columns]) for pixels in (image.color, image.depth))
-    base = Settings("exact", "hexagon", camera=MARKET, coc=coc)
-
-    def drawn(**changes) -> np.ndarray:
-        return result(driver, Case("", replace(base, **changes), color, depth)).astype(np.float64)
-
-    frames = [drawn(samples=3, jitter=1.0, frame=frame) for frame in range(16)]
-    assert metrics.psnr(np.mean(frames, axis=0), drawn(samples=33)) >= 45.0
 
 
 @pytest.mark.parametrize(

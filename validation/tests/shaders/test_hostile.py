@@ -141,12 +141,6 @@ def test_reach_is_not_too_wide():
     assert changed.sum() > 0.7 * reached.sum()
 
 
-@spread("method", METHODS, EVERYWHERE)
-def test_damage_is_what_the_reference_says(method, driver):
-    """Where bad pixels do reach, and everywhere else, the result is within the derived interval."""
-    within(driver, scene(method)[0]["bad"])
-
-
 @in_each_language
 def test_damage_of_layered_is_confined(driver):
     """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes say things.
@@ -214,12 +208,13 @@ CAMERAS = {
 }
 
 
-@pytest.mark.parametrize("method", ["paper", "exact adaptive", "layered"])
 @pytest.mark.parametrize("camera", CAMERAS)
 @in_each_language
-def test_cameras_at_their_limits(camera, method, driver):
-    """Whole pictures: safe, and within the interval. The CoC alone, on every driver: test_inputs.py."""
-    assert_right(driver, littered((25, 18), replace(METHODS[method], camera=CAMERAS[camera])))
+def test_cameras_at_their_limits(camera, driver):
+    """Whole pictures of layered: safe, and within the interval. Other methods: test_fuzz.py. The CoC alone, on every
+    driver: test_inputs.py.
+    """
+    assert_right(driver, littered((25, 18), replace(METHODS["layered"], camera=CAMERAS[camera])))
 
 
 # More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets

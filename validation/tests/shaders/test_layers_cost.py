@@ -28,7 +28,7 @@ IN_FOCUS = 0.35 * 2 * 39
 def test_time(name):
     """Medians of rounds in which all are drawn, in CPU time."""
     wanted = [row for row in rows.layers(bench_command.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
-    measured, _ = session.measure_rows(load(name), wanted, bench_command.LAYERS_SIZE, 9, scene=rows.LAYERS_SCENE)
+    measured, _ = session.measure_rows(load(name), wanted, bench_command.LAYERS_SIZE, 5, scene=rows.LAYERS_SCENE)
     ratios = {row["key"]: row["ratios"]["paper"] for row in measured if row["key"] in MOST_TIME}
     assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
 

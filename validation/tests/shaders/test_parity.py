@@ -175,33 +175,19 @@ LIBRARY = {
     "a renamed local": "DepthSamp, [[sampleCoords=>coords]]).r;",
 }
 LAYERS = {
-    "a literal": "min([[0.01=>0.02]] + brightness, 10000.0)",
-    "a texture": "BokehNearSlope(tile.[[r=>g]])",
-    "a function": "Bokeh[[Near=>Far]]Slope(tile.r)",
-    "a doc comment": "MaxCoC        [[fraction=>part]] of",
     "the first comment": "// Layers: where [[the=>an]] image lies",
     "a heading": "[13] [[the=>a]] picture\n// ---",
-    "a section number": "[1[[3=>4]]] the picture\n// ---",
-    "the contract": "Places and CoC are in [[pixels=>texels]] here.",
     "a default in the table": "//   BOKEH_LAYER_CELLS       1[[2=>3]] ",
     "a row of the presets": "//   BOKEH_PRESET_LOW        [[2=>1]] ",
     "the default row of the presets": "//   BOKEH_PRESET_MEDIUM     [[3=>4]] ",
-    "sampling past BokehFetchTexture": "[[BokehFetchTexture=>textureLod]](",
     "the version": "Version 0.[[2=>3]].0.",
     "a tag line": "// [[Layers: largest=>Largest]] of the three channels",
     "the configuration": ("#define BOKEH_PRESET_CELLS [[8=>9]]", "override BOKEH_LAYER_CELLS: i32 = [[12=>13]];"),
 }
 PASSES = {
-    "an argument": "BokehMakePolygon(sides[[=> + 0]], ",
     "the index of a pass": "BokehBegin(uv, [[1=>0]].0)",
     "the sides": ("uv, [[8=>6]])", "BokehUV, [[8=>6]])", "uv, [[8=>6]])"),
-    "a member": "settings.[[bleedingBias=>bleedingMult]] = ",
-    "a target": "targets.[[T3=>T2]]",
-    "a texture": "BokehColorSamp[[C=>B]]",
     "a parameter of the block": "Bokeh[[BlurCoC=>UseMax]] > 0.5",
-    "a comparison": "BokehUseMax [[>=><]] 0.5",
-    "a statement dropped": "[[    BokehUseViewport();\n=>]]",
-    "a comment": "// exact, [[first=>second]] pass",
     "a comment of an entry": "// BokehDebugMode: 0 [[colour, 1 depth=>depth, 1 colour]]",
     "an entry point renamed": (
         "float4 Bokeh[[NaiveGrid=>Grid]]_PS(",
