@@ -76,3 +76,13 @@ def compiled(step: Callable[[], CompileResult]) -> CompileResult:
     """Result of a compiler, if it is here."""
     with needed("compiler"):
         return step()
+
+
+def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:
+    """Exit code 2, nothing on standard output, one line on standard error with these words."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert done.stdout == ""
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("error: "), done.stderr
+    for word in words:
+        assert word in lines[0], lines[0]

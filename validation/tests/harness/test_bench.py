@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 from support import called, load
-from test_render import refused
 
 from bokeh_validation import fetches, methods, shaders
 from bokeh_validation.bench import measure, output, rows, session
@@ -231,23 +230,3 @@ def test_command(tmp_path):
     assert by_key["layered low"]["ratios"]["paper"]["median"] == pytest.approx(np.median(mine / paper))
     assert {curve["against"] for curve in driver["growth"]} == {"samples", "CoC", "pixels"}
     assert (tmp_path / "b.png").stat().st_size > 0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--size", "800"], ["--size 800", "1920x1080"]),
-        (["--size", "8x8"], ["--size 8x8", "16"]),
-        (["--size", "99999x16"], ["--size 99999x16", "8192"]),
-        (["--rounds", "0"], ["--rounds 0", "3 to"]),
-        (["--driver", "nvidia"], ["--driver nvidia", "osmesa"]),
-        (["--driver", "d3d9"], ["--driver d3d9", "read-back"]),
-        (["--clock", "sun"], ["--clock sun", "wall"]),
-        (["--driver", "osmesa", "--adapter", "nothing"], ["none of the drivers", "osmesa"]),
-        (["--json", "/nowhere/b.json"], ["/nowhere/b.json", "no folder"]),
-        (["--plot", "/nowhere/b.png"], ["/nowhere/b.png", "no folder"]),
-    ],
-)
-def test_bad_input(arguments, words):
-    """One line, exit code 2, before any work."""
-    refused(called("bench", *arguments), words)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from PIL import Image
 from support import called, load
-from test_render import refused
 
 from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
@@ -165,26 +164,3 @@ def test_a_package_with_another_hash_is_refused(tmp_path, monkeypatch):
 
 
 # ---------------------------------------------------------------------------------------------------------- bad input
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        *(
-            (["--only", only], [f"--only {only}", "1 to 13"])
-            for only in ("14", "0", "", "-1", "4,", "1.5", "4;9", "4,x")
-        ),
-        (["--only", "4", "--driver", "d3d12"], ["--driver d3d12", "osmesa"]),
-        (["--only", "4", "--driver", "reference"], ["--driver reference", "real driver"]),
-        (["--only", "4", "--output", "/no/such/folder/x"], ["/no/such/folder", "Make it first"]),
-        (["--only", "4", "--output", "/proc/x"], ["--output /proc/x", "cannot be written to"]),
-        (["--only", "4", "--output", "/dev/null"], ["--output /dev/null", "a file"]),
-        (["--nonsense"], ["--nonsense"]),
-    ],
-    ids=lambda value: " ".join(value),
-)
-def test_bad_option(options, words, tmp_path):
-    """One line, exit code 2, nothing written."""
-    given = options if "--output" in options else [*options, "--output", tmp_path / "out"]
-    refused(called("figures", *given), words)
-    assert not list(tmp_path.iterdir())

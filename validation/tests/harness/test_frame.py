@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support import called, load
-from test_render import refused
 
 from bokeh_validation import apertures, frame, methods, paths, shaders
 from bokeh_validation.errors import UserError
@@ -192,25 +191,6 @@ def test_the_command(tmp_path):
     assert heads == entries
     assert "writes tiles  (241 x 136 RGBA16F, 1/8)" in done.stdout
     assert "ColorSampE <- middle  (linear)" in done.stdout and "DepthSamp <- depth  (nearest)" in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--method", "best"], ["--method best", "layered"]),
-        (["--method", "layered", "--aperture", "star"], ["--aperture star", "octagon"]),
-        (["--method", "layered", "--quality", "best"], ["--quality best", "ultra"]),
-        (["--size", "1920"], ["--size 1920", "1920x1080"]),
-        (["--size", "0x7"], ["--size 0x7", "2 to 16384"]),
-        (["--size", "99999x9"], ["--size 99999x9", "2 to 16384"]),
-        (["--json", "/no/such/folder/x.json"], ["/no/such/folder"]),
-        (["--rings", "3"], ["--rings"]),
-    ],
-    ids=lambda value: " ".join(value),
-)
-def test_bad_input_is_one_line(arguments, words):
-    """Exit code 2 and one line that names the option and what is allowed."""
-    refused(called("plan", *arguments), words)
 
 
 def test_passes_page_is_up_to_date():

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
-from support import called
+from support import called, refused
 
 from bokeh_validation import exr, methods, paths, suite
 from bokeh_validation.reference.device import Reference
@@ -169,51 +169,6 @@ def test_bad_file(kind, tmp_path):
     assert not list(tmp_path.glob("*out.exr*")) and not list(tmp_path.glob(".*"))
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--depth-channel", "depth"], ["no depth channel 'depth'", "B G R Z"]),
-        (["--focus-distance", "0.05"], ["--focus-distance 0.05", "focal length 0.05"]),
-        (["--focus-distance", "0.01"], ["--focus-distance 0.01"]),
-        (["--focus-distance", "nan"], ["--focus-distance nan"]),
-        (["--aperture-diameter", "-0.1"], ["--aperture-diameter -0.1", "0 or more"]),
-        (["--focal-length", "0"], ["--focal-length 0"]),
-        (["--sensor-height", "-1"], ["--sensor-height -1"]),
-        (["--max-coc", "1.5"], ["--max-coc 1.5", "0 to 1"]),
-        (["--coc", "-0.1"], ["--coc -0.1"]),
-        (["--coc", "0.5"], ["--coc 0.5", "--max-coc"]),
-        (["--samples", "1"], ["--samples 1", "2 to 1024"]),
-        (["--samples", "-3"], ["--samples -3"]),
-        (["--samples", "many"], ["--samples"]),
-        (["--samples", "200", "--method", "naive"], ["--samples 200", "8192"]),
-        (["--aperture", "circle"], ["--aperture circle", "hexagon"]),
-        (["--method", "fast"], ["--method fast", "paper"]),
-        (["--aperture", "star"], ["--aperture star", "exact", "--method paper"]),
-        (["--spacing", "-1"], ["--spacing -1", "0 (a fixed number of samples) or more"]),
-        (["--spacing", "nan"], ["--spacing nan"]),
-        (["--spacing", "1", "--samples", "5"], ["--samples 5", "--max-samples"]),
-        (["--spacing", "1", "--method", "naive"], ["--spacing 1", "naive"]),
-        (["--max-samples", "1"], ["--max-samples 1", "2 to"]),
-        (["--jitter", "2"], ["--jitter 2", "0 to 1"]),
-        (["--frame", "-1"], ["--frame -1"]),
-        (["--squeeze", "0"], ["--squeeze 0", "more than 0"]),
-        (["--rotation", "inf"], ["--rotation inf"]),
-        (["--driver", "d3d12"], ["--driver d3d12", "osmesa"]),
-        (["--driver", "egl", "--adapter", "no such card"], ["no such card"]),
-        (["--driver", "wgpu", "--adapter", "no such card"], ["no such card"]),
-        (["--png", "/no/such/folder/x.png"], ["/no/such/folder"]),
-        (["--nonsense"], ["--nonsense"]),
-    ],
-    ids=" ".join,
-)
-def test_bad_option(options, words, tmp_path):
-    """One line, exit code 2, and an output that was there before is left alone."""
-    output = tmp_path / "out.exr"
-    output.write_text("precious")
-    refused(called("render", STREET, "-o", output, *options), words)
-    assert output.read_text() == "precious" and len(list(tmp_path.iterdir())) == 1
-
-
 @pytest.mark.parametrize("target", ["/no/such/folder/out.exr", "/proc/out.exr", "."])
 def test_unwritable_output(target, tmp_path):
     """Refused before any work, or without leaving anything."""
@@ -234,13 +189,3 @@ def test_closed_output():
     environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
     done = subprocess.run(["bash", "-c", command], stderr=subprocess.PIPE, text=True, env=environment)
     refused(subprocess.CompletedProcess(command, done.returncode, "", done.stderr), ["nothing.exr: no such file"])
-
-
-def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:
-    """Exit code 2, nothing on standard output, one line on standard error with these words."""
-    assert done.returncode == 2, done.stdout + done.stderr
-    assert done.stdout == ""
-    lines = done.stderr.strip().splitlines()
-    assert len(lines) == 1 and lines[0].startswith("error: "), done.stderr
-    for word in words:
-        assert word in lines[0], lines[0]

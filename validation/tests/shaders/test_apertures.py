@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from PIL import Image
 from support import called, in_each_language
-from test_render import refused
 
 from bokeh_validation import apertures, convex, decomposition, methods, paths, sheet
 from bokeh_validation.decomposition import Decomposition, decompose
@@ -325,28 +324,6 @@ def test_bad_polygon(text):
     with pytest.raises(UserError) as caught:
         decompose(sheet.parsed(text))
     assert BAD_POLYGONS[text] in str(caught.value) and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ([], ["--sides", "--vertices"]),
-        (["--sides", "3", "--vertices", PENTAGON], ["--sides", "--vertices"]),
-        (["--sides", "2"], ["--sides 2", "3 to 12"]),
-        (["--sides", "26"], ["--sides 26", "24"]),
-        (["--vertices", "0,0 1,0 half"], ["--vertices: corner 3", "'half'"]),
-        (["--sides", "3", "--rotation", "nan"], ["--rotation nan"]),
-        (["--sides", "3", "--squeeze", "0"], ["--squeeze 0", "at most 16"]),
-        (["--sides", "3", "--output", "/no/such/folder/x.png"], ["/no/such/folder"]),
-        (["--sides", "3", "--output", "a.png", "--json", "/no/such/folder/x.json"], ["/no/such/folder"]),
-    ],
-    ids=lambda value: " ".join(value),
-)
-def test_bad_option(options, words, tmp_path, monkeypatch):
-    """One line, exit code 2, no file."""
-    monkeypatch.chdir(tmp_path)
-    refused(called("aperture", *options), words)
-    assert not list(tmp_path.iterdir())
 
 
 # ------------------------------------------------------------------------------------------------- command and document

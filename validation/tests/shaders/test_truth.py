@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import called, load
-from test_render import refused
 
 from bokeh_validation import likeness, methods, paths, quality, suite
 from bokeh_validation.patterns.model import Case
@@ -106,19 +105,6 @@ def test_command():
     for row in rows.values():
         assert_as_written(row)
     assert files == ["likeness_street_11_detail.png", "numbers.json"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("--method", "blur"), "--method blur: unknown. Give one of pinhole, paper, exact, gather, scatter, layered."),
-        (("--scene", "street"), "--scene street: unknown. Give one of market_7, street_11, canopy_12"),
-        (("--pictures", "nowhere"), "--pictures nowhere: there is no such folder. Make it first."),
-    ],
-)
-def test_refusals(arguments, words):
-    """One line."""
-    refused(called("truth", *arguments), [words])
 
 
 # ------------------------------------------------------------------------------------------------------------- scatter

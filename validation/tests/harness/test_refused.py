@@ -1,0 +1,101 @@
+"""Bad options of every command: one line that says what is wrong and what is allowed, exit code 2, nothing written."""
+
+import shlex
+
+import pytest
+from support import called, refused
+
+from bokeh_validation import paths
+
+# command and options | words of the line
+REFUSED = """
+render --depth-channel depth | no depth channel 'depth'; B G R Z
+render --focus-distance 0.05 | --focus-distance 0.05; focal length 0.05
+render --focus-distance 0.01 | --focus-distance 0.01
+render --focus-distance nan | --focus-distance nan
+render --aperture-diameter -0.1 | --aperture-diameter -0.1; 0 or more
+render --focal-length 0 | --focal-length 0
+render --sensor-height -1 | --sensor-height -1
+render --max-coc 1.5 | --max-coc 1.5; 0 to 1
+render --coc -0.1 | --coc -0.1
+render --coc 0.5 | --coc 0.5; --max-coc
+render --samples 1 | --samples 1; 2 to 1024
+render --samples -3 | --samples -3
+render --samples many | --samples
+render --samples 200 --method naive | --samples 200; 8192
+render --aperture circle | --aperture circle; hexagon
+render --method fast | --method fast; paper
+render --aperture star | --aperture star; exact; --method paper
+render --spacing -1 | --spacing -1; 0 (a fixed number of samples) or more
+render --spacing nan | --spacing nan
+render --spacing 1 --samples 5 | --samples 5; --max-samples
+render --spacing 1 --method naive | --spacing 1; naive
+render --max-samples 1 | --max-samples 1; 2 to
+render --jitter 2 | --jitter 2; 0 to 1
+render --frame -1 | --frame -1
+render --squeeze 0 | --squeeze 0; more than 0
+render --rotation inf | --rotation inf
+render --driver d3d12 | --driver d3d12; osmesa
+render --driver egl --adapter 'no such card' | no such card
+render --driver wgpu --adapter 'no such card' | no such card
+render --png /no/such/folder/x.png | /no/such/folder
+render --nonsense | --nonsense
+plan --method best | --method best; layered
+plan --method layered --aperture star | --aperture star; octagon
+plan --method layered --quality best | --quality best; ultra
+plan --size 1920 | --size 1920; 1920x1080
+plan --size 0x7 | --size 0x7; 2 to 16384
+plan --size 99999x9 | --size 99999x9; 2 to 16384
+plan --json /no/such/folder/x.json | /no/such/folder
+plan --rings 3 | --rings
+figures --only 14 | --only 14; 1 to 13
+figures --only 0 | --only 0; 1 to 13
+figures --only '' | --only ; 1 to 13
+figures --only -1 | --only -1; 1 to 13
+figures --only 4, | --only 4,; 1 to 13
+figures --only 1.5 | --only 1.5; 1 to 13
+figures --only '4;9' | --only 4;9; 1 to 13
+figures --only 4,x | --only 4,x; 1 to 13
+figures --only 4 --driver d3d12 | --driver d3d12; osmesa
+figures --only 4 --driver reference | --driver reference; real driver
+figures --only 4 --output /no/such/folder/x | /no/such/folder; Make it first
+figures --only 4 --output /proc/x | --output /proc/x; cannot be written to
+figures --only 4 --output /dev/null | --output /dev/null; a file
+figures --nonsense | --nonsense
+bench --size 800 | --size 800; 1920x1080
+bench --size 8x8 | --size 8x8; 16
+bench --size 99999x16 | --size 99999x16; 8192
+bench --rounds 0 | --rounds 0; 3 to
+bench --driver nvidia | --driver nvidia; osmesa
+bench --driver d3d9 | --driver d3d9; read-back
+bench --clock sun | --clock sun; wall
+bench --driver osmesa --adapter nothing | none of the drivers; osmesa
+bench --json /nowhere/b.json | /nowhere/b.json; no folder
+bench --plot /nowhere/b.png | /nowhere/b.png; no folder
+aperture | --sides; --vertices
+aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
+aperture --sides 2 | --sides 2; 3 to 12
+aperture --sides 26 | --sides 26; 24
+aperture --vertices '0,0 1,0 half' | --vertices: corner 3; 'half'
+aperture --sides 3 --rotation nan | --rotation nan
+aperture --sides 3 --squeeze 0 | --squeeze 0; at most 16
+aperture --sides 3 --output /no/such/folder/x.png | /no/such/folder
+aperture --sides 3 --output a.png --json /no/such/folder/x.json | /no/such/folder
+truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, scatter, layered.
+truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
+truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
+"""
+
+
+@pytest.mark.parametrize("row", REFUSED.strip().splitlines())
+def test_bad_option(row, tmp_path, monkeypatch):
+    """An output that was there before is left alone."""
+    monkeypatch.chdir(tmp_path)
+    options, _, words = row.partition(" | ")
+    command, *options = shlex.split(options)
+    output = {"render": [paths.SCENES / "street_11_pin.exr", "-o", "out"], "figures": ["--output", "out"]}
+    given = output.get(command, []) if "--output" not in options else []
+    if command == "render":
+        (tmp_path / "out").write_text("precious")
+    refused(called(command, *given, *options), words.split("; "))
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["precious"] * (command == "render")
