@@ -22,7 +22,7 @@ IN_LAYERS: tuple[Mutant, ...] = (
     row("layers-reduced-rounding", "guard", "ReducedGrid", "floor(1.0 / full.texel + 0.5)", "(1.0 / full.texel)",
         LAYERED_INVERSE,
         argument="1 / (1 / 122) is above 122 in float32, and half of it would be 62. All compilers here fold it to "
-        "122. On a device whose compiler does not, test_a_size_whose_inverse_is_small notices."),
+        "122. On a device whose compiler does not, test_layers_mutants.py::test_within notices."),
     row("layers-reduced-origin", "constant", "ReducedGrid", "full.origin / scale", "full.origin", LAYERED_PLACE),
     row("layers-viewport-texel", "axis", "MakeGrid", "1.0 / wholeSize", "1.0 / viewport.zw", LAYERED_PLACE),
     row("layers-viewport-origin", "axis", "MakeGrid", "= viewport.xy", "= viewport.yx", LAYERED_PLACE),

@@ -39,15 +39,15 @@ OUT_OF_RANGE = (
 )
 # pass by pass within the reference's intervals; where both layers are full, then all settings
 LAYERED = (
-    "test_layers_mutants.py::test_half_a_layer[egl]",
-    "test_layers_mutants.py::test_both_layers[egl]",
+    "test_layers_mutants.py::test_within[egl half]",
+    "test_layers_mutants.py::test_within[egl both]",
     "test_layers.py::test_settings[osmesa]",
 )
 LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
 LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
 LAYERED_LEAKS = "test_layers.py::test_viewport[egl]"
-LAYERED_INVERSE = "test_layers_mutants.py::test_a_size_whose_inverse_is_small"
-LAYERED_LEVELS = "test_layers_mutants.py::test_black_and_bright[egl]"
+LAYERED_INVERSE = "test_layers_mutants.py::test_within[inverse]"
+LAYERED_LEVELS = "test_layers_mutants.py::test_within[egl bright]"
 LAYERED_MADE = "test_layers_mutants.py::test_layers_without_jitter"
 
 

@@ -18,29 +18,41 @@ from bokeh_validation.patterns.model import Case, depth_of, flat
 FULL = methods.Camera(1.8, 0.05, 8.0, max_coc=0.5)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"jitter": 1.0, "squeeze": 0.7},
-        {"aperture": "decagon", "quality": "low", "jitter": 0.5, "rotation": 20.0},
-        {"aperture": "decagon", "quality": "ultra", "targets": False},
-        # edges with fewer samples than texels
-        {"aperture": "square", "quality": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
-    ],
-    ids=["hexagon", "decagon", "one target", "square"],
-)
-@in_each_language
-def test_both_layers(changes, driver):
-    """Each pass is within its interval where there is much of either layer."""
-    within(driver, noise_case((75, 50), replace(SETTINGS, **{"camera": FULL, **changes})))
+def black_and_bright() -> Case:
+    """Both ends of what brightness is compared with: a black tile's level, and what a light may weigh."""
+    case = noise_case((64, 48), replace(SETTINGS, camera=FULL))
+    case.color[:, :32, :3] = 0.0
+    case.color[3::9, 36::7, :3] = 60000.0
+    return case
 
 
-@pytest.mark.parametrize("coc", [-11.0, -9.0, 11.0, 14.0])
-@in_each_language
-def test_half_a_layer(coc, driver):
-    """The same for planes of which a part is in a layer."""
+def plane(coc: float) -> Case:
+    """One depth, of which a part is in a layer."""
     case = noise_case((50, 40), near_edges.settings(rotation=10.0))
-    within(driver, replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1]))))
+    return replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1])))
+
+
+# much of either layer; the last: edges with fewer samples than texels
+BOTH = {
+    "hexagon": {"jitter": 1.0, "squeeze": 0.7},
+    "decagon": {"aperture": "decagon", "quality": "low", "jitter": 0.5, "rotation": 20.0},
+    "one target": {"aperture": "decagon", "quality": "ultra", "targets": False},
+    "square": {"aperture": "square", "quality": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
+}
+CASES = {
+    **{f"both {k}": noise_case((75, 50), replace(SETTINGS, **{"camera": FULL, **one})) for k, one in BOTH.items()},
+    **{f"half {coc}": plane(coc) for coc in (-11.0, -9.0, 11.0, 14.0)},
+    # 1 / (1 / 122) is more than 122 in float32: rounded up without a care, half of it would be 62 texels
+    "inverse": noise_case((122, 24), SETTINGS),
+    "bright": black_and_bright(),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+@in_each_language
+def test_within(name, driver):
+    """Each pass is within its interval."""
+    within(driver, CASES[name])
 
 
 @pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])
@@ -63,24 +75,6 @@ def test_layers_of_a_viewport(metres, driver):
     output = inside(driver.run(plan.passes, textures, TEXTURES)["result"], viewport).astype(float)[..., :3]
     place = TEXTURES[0] * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8)
     assert np.abs(output - alone).max() <= 4 * (place + 2.0**-10) * 40.0
-
-
-@in_each_language
-def test_a_size_whose_inverse_is_small(driver):
-    """1 / (1 / 122) is more than 122 in float32: rounded up without a care, half of it would be 62 texels."""
-    width = np.float32(122)
-    assert 1 / (1 / width) > width
-    within(driver, noise_case((122, 24), SETTINGS))
-
-
-@in_each_language
-def test_black_and_bright(driver):
-    """Both ends of what brightness is compared with: a black tile's level, and what a light may weigh."""
-    case = noise_case((64, 48), replace(SETTINGS, camera=FULL))
-    color = case.color.copy()
-    color[:, :32, :3] = 0.0
-    color[3::9, 36::7, :3] = 60000.0
-    within(driver, replace(case, color=color))
 
 
 def test_layers_without_jitter():
