@@ -236,13 +236,13 @@ def test_sample_counts(method, count, driver):
     assert_right(driver, littered((9, 7), settings, 0.1))
 
 
-@pytest.mark.parametrize("size", [(1, 4096), (4096, 1), (1, 1), (3, 2)], ids=str)
+@pytest.mark.parametrize("size", [(1, 2048), (2048, 1), (1, 1), (3, 2)], ids=str)
 @pytest.mark.parametrize("method", ["paper", "exact", "naive-grid", "exact adaptive", "layered"])
 @in_each_language
 def test_thin_images(method, size, driver):
-    """One column, one row, one pixel; a CoC of 0.02 is 82 texels high in the first.
+    """One column, one row, one pixel; a CoC of 0.02 is 41 texels high in the first.
 
-    uv is off by 4096 * 8 * 2^-24 texels, 1/512. Beside a clipped highlight of 65504 that is 128, so that the interval
+    uv is off by 2048 * 8 * 2^-24 texels, 1/1024. Beside a clipped highlight of 65504 that is 64, so that the interval
     is wide there; between the others it is narrow.
     """
     camera = replace(CAMERA, max_coc=0.02)
