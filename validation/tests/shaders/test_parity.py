@@ -231,7 +231,7 @@ def changes():
             yield from ((file, name, language) for language in languages)
 
 
-@pytest.mark.parametrize(("file", "name", "language"), changes())
+@pytest.mark.parametrize(("file", "name", "language"), list(changes()))
 def test_a_change_in_one_language_is_found(file, name, language):
     found = parity.check(mutated(file, language, TABLES[file][name]))
     assert found and all(difference.where and difference.what for difference in found)

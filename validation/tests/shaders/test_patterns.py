@@ -10,7 +10,7 @@ from bokeh_validation import methods, patterns, validate
 from bokeh_validation.patterns import impulse, model
 
 
-@pytest.mark.parametrize(("name", "driver"), zip(validate.FULL_PROBES, cycle(LANGUAGES)), indirect=["driver"])
+@pytest.mark.parametrize(("name", "driver"), list(zip(validate.FULL_PROBES, cycle(LANGUAGES))), indirect=["driver"])
 def test_probe(name, driver):
     """Within the interval of the reference, and showing what it must; the rest in each language: test_brief."""
     result = patterns.run(next(probe for probe in patterns.PROBES if probe.name == name), driver)
