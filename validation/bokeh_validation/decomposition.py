@@ -58,8 +58,12 @@ class Strip:
 
     def widened(self, width: float) -> "Strip":
         """The strip with its free line farther out; with both, where none is free: by less than the tolerance."""
-        more, low = width - self.width, {"low": 1.0, "high": 0.0, None: 0.5}[self.free]
-        return replace(self, low=self.low - low * more, high=self.high + (1.0 - low) * more)
+        if self.free == "low":
+            return replace(self, low=self.high - width)
+        if self.free == "high":
+            return replace(self, high=self.low + width)
+        middle = 0.5 * (self.low + self.high)
+        return replace(self, low=middle - 0.5 * width, high=middle + 0.5 * width)
 
 
 @dataclass(frozen=True)

@@ -72,12 +72,10 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
         )
     # overscan is cut off; what lies there is no part of the image, whatever it holds
     planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, chosen)]
-    for entry, plane in zip(chosen[:3], planes, strict=False):
-        advice = "NaN or infinite", "Clean it, for example by clamping, before it is blurred."
-        _refuse(path, entry, ~np.isfinite(plane), data, *advice)
-    for entry, plane in zip(chosen[3:], planes[3:], strict=True):
-        advice = "NaN", "Give every pixel a depth in metres; the sky may be infinite."
-        _refuse(path, entry, np.isnan(plane), data, *advice)
+    clean = "NaN or infinite", "Clean it, for example by clamping, before it is blurred."
+    deep = "NaN", "Give every pixel a depth in metres; the sky may be infinite."
+    for k, (entry, plane) in enumerate(zip(chosen, planes, strict=True)):
+        _refuse(path, entry, ~np.isfinite(plane) if k < 3 else np.isnan(plane), data, *(clean if k < 3 else deep))
     half = all(plane.dtype == np.float16 for plane in planes[:3])
     color = np.ones((display.height, display.width, 4), np.float16 if half else np.float32)
     for k in range(3):

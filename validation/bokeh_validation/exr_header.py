@@ -33,8 +33,7 @@ KINDS = ("uint", "half", "float")
 SIZES = (4, 2, 4)
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """A rectangle of pixels; right and bottom belong to it."""
 
     left: int
@@ -42,15 +41,9 @@ class Window:
     right: int
     bottom: int
 
-    @property
-    def width(self) -> int:
-        """Pixels; 0 or less where the window is empty."""
-        return self.right - self.left + 1
-
-    @property
-    def height(self) -> int:
-        """Pixels; 0 or less where the window is empty."""
-        return self.bottom - self.top + 1
+    # pixels; 0 or less where the window is empty
+    width = property(lambda self: self.right - self.left + 1)
+    height = property(lambda self: self.bottom - self.top + 1)
 
     def within(self, other: "Window") -> "Window":
         """What both have; empty where they do not meet."""
@@ -228,10 +221,10 @@ def _headers(cursor: _Cursor, several: bool) -> Iterator[tuple[dict[str, bytes],
 
 
 def _numbers(attributes: dict[str, bytes], name: str, layout: str) -> tuple[int, ...]:
-    data = attributes.get(name, b"")
-    if len(data) != struct.calcsize(layout):
-        raise _Broken(f"its header has no valid {name}")
-    return struct.unpack(layout, data)
+    try:
+        return struct.unpack(layout, attributes.get(name, b""))
+    except struct.error as error:
+        raise _Broken(f"its header has no valid {name}") from error
 
 
 def _window(path: Path, attributes: dict[str, bytes], name: str) -> Window:

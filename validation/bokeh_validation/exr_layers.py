@@ -52,7 +52,8 @@ def _colour(channels: list[Channel], wanted: str | None) -> list[Channel]:
     missing = _missing(entry for entry in channels if not entry.layer)
     have = {entry.last for entry in channels if not entry.layer}
     kind = ": luminance and chroma" if {"Y", "RY"} <= have else ": luminance without colour" if "Y" in have else ""
-    raise UserError(f"no channel {missing} (it has {_names(channels)}{kind}). Save it as R G B.")
+    names = _listed((entry.full for entry in channels), " ")
+    raise UserError(f"no channel {missing} (it has {names}{kind}). Save it as R G B.")
 
 
 def _missing(group: Iterable[Channel]) -> str:
@@ -79,7 +80,7 @@ def _depth(parts: list[Part], channels: list[Channel], colour: Channel, wanted: 
     """The depth channel that is closest to the colour's layer."""
     tier = next((tier for tier in _tiers(channels, colour, wanted) if tier), None)
     if tier is None:
-        names = _names(channels)
+        names = _listed((entry.full for entry in channels), " ")
         raise UserError(f"no depth channel {wanted!r} (it has {names}). Name one with --depth-channel, or give --coc.")
     differs = f"depth channel {printable(tier[0].full)!r} differs in size from the colour"
     fitting = [entry for entry in tier if parts[entry.part] == parts[colour.part]]
@@ -114,10 +115,6 @@ def _tiers(channels: list[Channel], colour: Channel, wanted: str) -> Iterator[li
 def _not_whole(entry: Channel, what: str, advice: str) -> None:
     if entry.kind == "uint":
         raise UserError(f"{what} {printable(entry.full)!r} holds whole numbers (uint), {advice}")
-
-
-def _names(channels: list[Channel]) -> str:
-    return _listed((entry.full for entry in channels), " ")
 
 
 def _paths(groups: list[list[Channel]]) -> str:

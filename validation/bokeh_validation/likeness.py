@@ -1,6 +1,6 @@
 """Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -81,27 +81,6 @@ def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Ro
     return Row(scene.name, label, metrics.flip(image, lens), metrics.psnr(image, lens), float(light))
 
 
-def measured(
-    driver: Driver,
-    scenes: Iterable[SceneFile],
-    wanted: Iterable[str],
-    folder: Path | None = None,
-    progress: Callable[[str], None] = lambda _: None,
-) -> list[Row]:
-    """Rows of scenes by methods (see labels); pictures into `folder`, those that the documents show."""
-    rows = []
-    for scene in scenes:
-        lens = suite.truth(scene, "hexagon")
-        images = {}
-        for label in wanted:
-            images[label] = picture(driver, scene, label)
-            rows.append(row(scene, label, images[label], lens))
-            progress(f"{scene.name}, {label}")
-        for name, pixels in shown(scene, images | {"truth": lens}).items() if folder else ():
-            pictures.write_png(folder / f"{name}.png", pictures.coarse(pixels))
-    return rows
-
-
 def markdown(rows: list[Row]) -> list[str]:
     """The table of docs/likeness.md: a row for a method, a column for a scene."""
     names = list(dict.fromkeys(one.scene for one in rows))
@@ -174,8 +153,16 @@ def truth(
     if folder is not None and not folder.is_dir():
         raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
     used = terminal.pick_driver(driver, adapter)
+    rows = []
     with terminal.progress("truth", len(scenes) * len(wanted)) as step:
-        rows = measured(used, scenes, wanted, folder, step)
+        for one in scenes:
+            lens, images = suite.truth(one, "hexagon"), {}
+            for label in wanted:
+                images[label] = picture(used, one, label)
+                rows.append(row(one, label, images[label], lens))
+                step(f"{one.name}, {label}")
+            for name, pixels in shown(one, images | {"truth": lens}).items() if folder else ():
+                pictures.write_png(folder / f"{name}.png", pictures.coarse(pixels))
     found = {"driver": used.name, "adapter": used.adapter, "rows": [one._asdict() for one in rows]}
     terminal.write_json(json_file, found)
     terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

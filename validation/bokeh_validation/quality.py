@@ -30,14 +30,11 @@ def _parallelograms(settings: methods.Settings) -> list[np.ndarray]:
     return [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS[settings.aperture]]
 
 
-def brute_table(corners: np.ndarray, cells: int = BRUTE_CELLS) -> np.ndarray:
-    """Midpoints of a square lattice inside a convex polygon, mirrored as a gather needs them, (N, 2), CoC of 1."""
-    return -apertures.lattice_kernel(cells, lambda x, y: polygons.inside(corners, x, y))
-
-
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
     """The polygon of a case gathered by the naive pass with `cells` samples across, (H, W, 4)."""
-    table = brute_table(outline(case.settings), cells)
+    corners = outline(case.settings)
+    # midpoints of a square lattice, mirrored as a gather needs them
+    table = -apertures.lattice_kernel(cells, lambda x, y: polygons.inside(corners, x, y))
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)
     coc = naive.passes[0]

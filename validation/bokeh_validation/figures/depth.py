@@ -92,10 +92,10 @@ def coc_blur(driver: Driver) -> Made:
     return _pair(7, images, {"a": "CoC blurred with the colour", "b": "CoC not blurred"}, BRANCHES, table)
 
 
-def edges(image: np.ndarray, step: float = 0.2) -> float:
-    """How many of a thousand pairs of horizontal neighbours in BRANCHES differ by more than `step` on the display."""
+def edges(image: np.ndarray) -> float:
+    """How many of a thousand pairs of horizontal neighbours in BRANCHES differ by more than 0.2 on the display."""
     shown = metrics.tone_mapped(panels.crop(image, *BRANCHES)[..., 1])
-    return 1000.0 * float((np.abs(np.diff(shown, axis=1)) > step).mean())
+    return 1000.0 * float((np.abs(np.diff(shown, axis=1)) > 0.2).mean())
 
 
 CROWN = (310, 0, 150, 120)
