@@ -957,28 +957,38 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
     float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
+        // the targets come last: until then only the lines take registers
         vec4 L1 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(1, polygon, false), CoC,
             centerPixel.a, settings);
-        vec4 L2 = none;
-        vec4 L3 = none;
-        targets.T2 = BokehExactTarget(2, polygon.sides, L1, none, none, none, centerPixel);
+        vec4 L2 = vec4(0.0, 0.0, 0.0, 0.0);
+        vec4 L3 = L2;
+        vec4 L4 = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(2, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, none, none, centerPixel);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(3, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, none, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            vec4 L4 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(4, polygon, false), CoC,
+            L4 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerPixel.a, settings);
+        }
+        targets.T2 = BokehExactTarget(2, polygon.sides, L1, L2, L3, L4, centerPixel);
+        if (polygon.sides > 4)
+        {
+            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 6)
+        {
+            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 8)
+        {
             targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
         }
     }

@@ -1033,28 +1033,38 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon pol
     float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float4 none = float4(0.0, 0.0, 0.0, 0.0);
+        // the targets come last: until then only the lines take registers
         float4 L1 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(1, polygon, false),
             CoC, centerPixel.a, settings);
-        float4 L2 = none;
-        float4 L3 = none;
-        targets.T2 = BokehExactTarget(2, polygon.sides, L1, none, none, none, centerPixel);
+        float4 L2 = float4(0.0, 0.0, 0.0, 0.0);
+        float4 L3 = L2;
+        float4 L4 = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(2, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, none, none, centerPixel);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(3, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, none, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            float4 L4 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(4, polygon,
-                false), CoC, centerPixel.a, settings);
+            L4 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(4, polygon, false), CoC,
+                centerPixel.a, settings);
+        }
+        targets.T2 = BokehExactTarget(2, polygon.sides, L1, L2, L3, L4, centerPixel);
+        if (polygon.sides > 4)
+        {
+            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 6)
+        {
+            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 8)
+        {
             targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
         }
     }

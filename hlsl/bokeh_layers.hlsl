@@ -152,13 +152,17 @@ BokehGrid BokehReducedGrid(BokehGrid full, float scale)
     BokehGrid grid;
     grid.size = ceil(full.size / scale);
     grid.origin = full.origin / scale;
-    grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    grid.texel = 1.0 / grid.size;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    }
     return grid;
 }
 
-// Layers: one filtered fetch
+// Layers: texture uv of a place
 //   place         texels of the grid, from the image's corner; the centre of the first is 0.5, 0.5
-float4 BokehFetchGrid(BOKEH_TEXTURE(tex), float2 place, BokehGrid grid)
+float2 BokehGridCoords(float2 place, BokehGrid grid)
 {
     float2 coords = place;
     if (BOKEH_VIEWPORT > 0)
@@ -166,7 +170,26 @@ float4 BokehFetchGrid(BOKEH_TEXTURE(tex), float2 place, BokehGrid grid)
         float2 inset = min(float2(0.5078125, 0.5078125), grid.size * 0.5);
         coords = grid.origin + clamp(place, inset, grid.size - inset);
     }
-    return BokehFetchTexture(BOKEH_ARGUMENT(tex), coords * grid.texel);
+    return coords * grid.texel;
+}
+
+// Layers: one filtered fetch
+float4 BokehFetchGrid(BOKEH_TEXTURE(tex), float2 place, BokehGrid grid)
+{
+    return BokehFetchTexture(BOKEH_ARGUMENT(tex), BokehGridCoords(place, grid));
+}
+
+// Layers: the same at a distance from a pixel, with fewer instructions
+//   uv            of the pixel in the image
+//   offset        texels of the grid
+float4 BokehFetchAround(BOKEH_TEXTURE(tex), float2 uv, float2 offset, BokehGrid grid)
+{
+    float2 coords = uv + offset * grid.texel;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        coords = BokehGridCoords(uv * grid.size + offset, grid);
+    }
+    return BokehFetchTexture(BOKEH_ARGUMENT(tex), coords);
 }
 
 // Layers: largest of the three channels
@@ -829,10 +852,10 @@ float4 BokehFetchLayer(BOKEH_TEXTURE(LayerSamp), float2 place, BokehGrid halves)
             halves);
         float4 b = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(inner.x, texel.y + 2.0),
             halves);
-        float4 sum = c * (w12.x * w12.y) + (l * w0.x + r * w3.x) * w12.y + (t * w0.y + b * w3.y) *
-            w12.x;
-        float total = w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x;
-        result = clamp(sum / total, min(min(c, min(l, r)), min(t, b)),
+        float2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
+        float4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) +
+            t * (w0.y * side.y) + b * (w3.y * side.y);
+        result = clamp(sum, min(min(c, min(l, r)), min(t, b)),
             max(max(c, max(l, r)), max(t, b)));
     }
     else
@@ -879,7 +902,8 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
     {
-        float s = centerPixel.a * full.size.y;
+        float height = full.size.y;
+        float s = centerPixel.a * height;
         float nearSlope = BokehNearSlope(tile.r);
         float farSlope = BokehFarSlope(tile.g);
         float nearShare = BokehLayerShare(-s, nearSlope);
@@ -903,9 +927,10 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
         float power = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
         float before = 0.0;
         float current = BokehRingRadius(1, radius, power);
-        float area = 0.25 * current * current;
-        float weight = (1.0 - nearShare) * (1.0 - farShare * addFar) * area /
-            max(ownRadius * ownRadius, area);
+        // what spreads less than the inner radius of the first ring reaches no other pixel
+        float least = 0.5 * current;
+        float share = least / max(ownRadius, least);
+        float weight = (1.0 - nearShare) * (1.0 - farShare * addFar) * share * share;
         float4 sum = float4(centerPixel.rgb, 1.0) * weight;
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
@@ -933,27 +958,35 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
             int onEdge = BokehOnEdge(ring, layers.polygon);
             float cell = (outer * outer - inner * inner) / float(onEdge * layers.polygon.sides);
             float slope = 1.0 / (outer - inner);
+            float start = inner * slope;
             float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-            BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides; edge++)
+            float2 scale = stretch * current;
+            // half of the edges: the others are opposite to them, sample by sample
+            BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides / 2; edge++)
             {
                 float2 nextCorner = BokehRotated(corner, cornerStep);
-                float2 along = (nextCorner - corner) / float(onEdge);
+                float2 along = (nextCorner - corner) * scale / float(onEdge);
+                float2 first = corner * scale + along * phase;
                 BOKEH_LOOP for (int i = 0; i < onEdge; i++)
                 {
-                    float2 place = center + (corner + along * (float(i) + phase)) * stretch *
-                        current;
-                    float2 f = place - 0.5 - floor(place - 0.5);
-                    place += clamp(f + (f - 0.5) * steepness, float2(0.0, 0.0), float2(1.0, 1.0)) -
-                        f;
-                    float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
-                    float q = pixel.a * full.size.y;
-                    float isBehind = clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - nearShare);
-                    float spread = BokehSpreadRadius(q);
-                    spread = min(spread + (ownRadius - spread) * isBehind, radius);
-                    weight = (1.0 - BokehLayerShare(-q, nearSlope)) *
-                        (1.0 - BokehLayerShare(q, farSlope) * addFar) * cell *
-                        clamp((spread - inner) * slope, 0.0, 1.0) / max(spread * spread, area);
-                    sum += float4(pixel.rgb, 1.0) * weight;
+                    float2 offset = first + along * float(i);
+                    float2 texel = floor(offset);
+                    offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
+                        float2(0.0, 0.0), float2(1.0, 1.0));
+                    BOKEH_LOOP for (int side = 0; side < 2; side++)
+                    {
+                        float4 pixel = BokehFetchAround(BOKEH_ARGUMENT(MapSamp), uv, offset, full);
+                        float isBehind = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
+                            (1.0 - nearShare);
+                        float spread = abs(pixel.a) * (0.5 * height) - 0.5;
+                        spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
+                        float kept = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
+                            BokehLayerShare(pixel.a, farSlope * height) * addFar;
+                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * cell /
+                            (spread * spread);
+                        sum += float4(pixel.rgb, 1.0) * weight;
+                        offset = -offset;
+                    }
                 }
                 corner = nextCorner;
             }

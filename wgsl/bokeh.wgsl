@@ -908,28 +908,38 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
     let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        // the targets come last: until then only the lines take registers
         let L1: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(1, polygon,
             false), CoC, centerPixel.a, settings);
-        var L2: vec4f = none;
-        var L3: vec4f = none;
-        targets.T2 = BokehExactTarget(2, polygon.sides, L1, none, none, none, centerPixel);
+        var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var L3: vec4f = L2;
+        var L4: vec4f = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(2, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, none, none, centerPixel);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(3, polygon, false), CoC,
                 centerPixel.a, settings);
-            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, none, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            let L4: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon,
-                false), CoC, centerPixel.a, settings);
+            L4 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon, false), CoC,
+                centerPixel.a, settings);
+        }
+        targets.T2 = BokehExactTarget(2, polygon.sides, L1, L2, L3, L4, centerPixel);
+        if (polygon.sides > 4)
+        {
+            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 6)
+        {
+            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, L4, centerPixel);
+        }
+        if (polygon.sides > 8)
+        {
             targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
         }
     }

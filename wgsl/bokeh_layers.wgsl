@@ -123,13 +123,17 @@ fn BokehReducedGrid(full: BokehGrid, scale: f32) -> BokehGrid
     var grid: BokehGrid;
     grid.size = ceil(full.size / scale);
     grid.origin = full.origin / scale;
-    grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    grid.texel = 1.0 / grid.size;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+    }
     return grid;
 }
 
-// Layers: one filtered fetch
+// Layers: texture uv of a place
 //   place         texels of the grid, from the image's corner; the centre of the first is 0.5, 0.5
-fn BokehFetchGrid(tex: texture_2d<f32>, texSampler: sampler, place: vec2f, grid: BokehGrid) -> vec4f
+fn BokehGridCoords(place: vec2f, grid: BokehGrid) -> vec2f
 {
     var coords: vec2f = place;
     if (BOKEH_VIEWPORT > 0)
@@ -137,7 +141,27 @@ fn BokehFetchGrid(tex: texture_2d<f32>, texSampler: sampler, place: vec2f, grid:
         let inset: vec2f = min(vec2f(0.5078125, 0.5078125), grid.size * 0.5);
         coords = grid.origin + clamp(place, inset, grid.size - inset);
     }
-    return BokehFetchTexture(tex, texSampler, coords * grid.texel);
+    return coords * grid.texel;
+}
+
+// Layers: one filtered fetch
+fn BokehFetchGrid(tex: texture_2d<f32>, texSampler: sampler, place: vec2f, grid: BokehGrid) -> vec4f
+{
+    return BokehFetchTexture(tex, texSampler, BokehGridCoords(place, grid));
+}
+
+// Layers: the same at a distance from a pixel, with fewer instructions
+//   uv            of the pixel in the image
+//   offset        texels of the grid
+fn BokehFetchAround(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f, offset: vec2f,
+    grid: BokehGrid) -> vec4f
+{
+    var coords: vec2f = uv + offset * grid.texel;
+    if (BOKEH_VIEWPORT > 0)
+    {
+        coords = BokehGridCoords(uv * grid.size + offset, grid);
+    }
+    return BokehFetchTexture(tex, texSampler, coords);
 }
 
 // Layers: largest of the three channels
@@ -805,10 +829,10 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, place:
             halves);
         let b: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, vec2f(inner.x, texel.y + 2.0),
             halves);
-        let sum: vec4f = c * (w12.x * w12.y) + (l * w0.x + r * w3.x) * w12.y +
-            (t * w0.y + b * w3.y) * w12.x;
-        let total: f32 = w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x;
-        result = clamp(sum / total, min(min(c, min(l, r)), min(t, b)),
+        let side: vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
+        let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) +
+            t * (w0.y * side.y) + b * (w3.y * side.y);
+        result = clamp(sum, min(min(c, min(l, r)), min(t, b)),
             max(max(c, max(l, r)), max(t, b)));
     }
     else
@@ -855,7 +879,8 @@ fn BokehLayered(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: te
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
     {
-        let s: f32 = centerPixel.a * full.size.y;
+        let height: f32 = full.size.y;
+        let s: f32 = centerPixel.a * height;
         let nearSlope: f32 = BokehNearSlope(tile.r);
         let farSlope: f32 = BokehFarSlope(tile.g);
         let nearShare: f32 = BokehLayerShare(-s, nearSlope);
@@ -879,9 +904,10 @@ fn BokehLayered(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: te
         let power: f32 = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
         var before: f32 = 0.0;
         var current: f32 = BokehRingRadius(1, radius, power);
-        let area: f32 = 0.25 * current * current;
-        var weight: f32 = (1.0 - nearShare) * (1.0 - farShare * addFar) * area /
-            max(ownRadius * ownRadius, area);
+        // what spreads less than the inner radius of the first ring reaches no other pixel
+        let least: f32 = 0.5 * current;
+        let share: f32 = least / max(ownRadius, least);
+        var weight: f32 = (1.0 - nearShare) * (1.0 - farShare * addFar) * share * share;
         var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * weight;
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
@@ -909,26 +935,36 @@ fn BokehLayered(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: te
             let onEdge: i32 = BokehOnEdge(ring, layers.polygon);
             let cell: f32 = (outer * outer - inner * inner) / f32(onEdge * layers.polygon.sides);
             let slope: f32 = 1.0 / (outer - inner);
+            let start: f32 = inner * slope;
             let phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-            for (var edge: i32 = 0; edge < layers.polygon.sides; edge++)
+            let scale: vec2f = stretch * current;
+            // half of the edges: the others are opposite to them, sample by sample
+            for (var edge: i32 = 0; edge < layers.polygon.sides / 2; edge++)
             {
                 let nextCorner: vec2f = BokehRotated(corner, cornerStep);
-                let along: vec2f = (nextCorner - corner) / f32(onEdge);
+                let along: vec2f = (nextCorner - corner) * scale / f32(onEdge);
+                let first: vec2f = corner * scale + along * phase;
                 for (var i: i32 = 0; i < onEdge; i++)
                 {
-                    var place: vec2f = center + (corner + along * (f32(i) + phase)) * stretch *
-                        current;
-                    let f: vec2f = place - 0.5 - floor(place - 0.5);
-                    place += clamp(f + (f - 0.5) * steepness, vec2f(0.0, 0.0), vec2f(1.0, 1.0)) - f;
-                    let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, full);
-                    let q: f32 = pixel.a * full.size.y;
-                    let isBehind: f32 = clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - nearShare);
-                    var spread: f32 = BokehSpreadRadius(q);
-                    spread = min(spread + (ownRadius - spread) * isBehind, radius);
-                    weight = (1.0 - BokehLayerShare(-q, nearSlope)) *
-                        (1.0 - BokehLayerShare(q, farSlope) * addFar) * cell *
-                        clamp((spread - inner) * slope, 0.0, 1.0) / max(spread * spread, area);
-                    sum += vec4f(pixel.rgb, 1.0) * weight;
+                    var offset: vec2f = first + along * f32(i);
+                    let texel: vec2f = floor(offset);
+                    offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
+                        vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+                    for (var side: i32 = 0; side < 2; side++)
+                    {
+                        let pixel: vec4f = BokehFetchAround(MapSamp, MapSampSampler, uv, offset,
+                            full);
+                        let isBehind: f32 = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
+                            (1.0 - nearShare);
+                        var spread: f32 = abs(pixel.a) * (0.5 * height) - 0.5;
+                        spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
+                        let kept: f32 = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
+                            BokehLayerShare(pixel.a, farSlope * height) * addFar;
+                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * cell /
+                            (spread * spread);
+                        sum += vec4f(pixel.rgb, 1.0) * weight;
+                        offset = -offset;
+                    }
                 }
                 corner = nextCorner;
             }

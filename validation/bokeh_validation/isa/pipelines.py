@@ -2,7 +2,7 @@
 
 It runs in other Pythons too (an unpacked system's, an emulated one's), so it needs the package `vulkan` and nothing
 else of this project. Standard input: {"vertex": FILE, "fragments": [[NAME, FILE, TARGETS], ...]}, files of SPIR-V.
-Standard output: {"device": NAME, "pipelines": {NAME: [{STATISTIC: VALUE}, CODE]}}, the code as the driver's own text of
+Standard output: {"version": "22.3.6", "pipelines": {NAME: [{STATISTIC: VALUE}, CODE]}}, the code as the driver writes
 it. Nothing is ever drawn.
 """
 
@@ -19,7 +19,7 @@ VALUES = ("b32", "i64", "u64", "f64")  # of VkPipelineExecutableStatisticValueKH
 
 
 def device():
-    """(instance, name of the device, logical device): the first one that tells statistics."""
+    """(the driver's version, the first device that tells statistics, the instance that keeps it)."""
     application = vk.VkApplicationInfo(apiVersion=vk.VK_MAKE_VERSION(1, 1, 0))
     instance = vk.vkCreateInstance(vk.VkInstanceCreateInfo(pApplicationInfo=application), None)
     for physical in vk.vkEnumeratePhysicalDevices(instance):
@@ -30,8 +30,9 @@ def device():
             wanted = vk.VkDeviceCreateInfo(
                 pNext=feature, pQueueCreateInfos=[queue], ppEnabledExtensionNames=[EXTENSION]
             )
-            name = vk.vkGetPhysicalDeviceProperties(physical).deviceName
-            return instance, name, vk.vkCreateDevice(physical, wanted, None)
+            number = vk.vkGetPhysicalDeviceProperties(physical).driverVersion
+            version = f"{number >> 22}.{number >> 12 & 1023}.{number & 4095}"
+            return version, vk.vkCreateDevice(physical, wanted, None), instance
     sys.exit("no device that tells statistics")
 
 
@@ -118,7 +119,7 @@ def told(logical, made):
 
 
 def code(logical, asked):
-    """The machine code as text: the last of the driver's representations. The package's own call leaves out the text."""
+    """The machine code as text: the last of the driver's representations, which the package's own call leaves out."""
     name, ffi = "vkGetPipelineExecutableInternalRepresentationsKHR", vk.ffi
     representations = ffi.cast("PFN_" + name, vk.lib.vkGetDeviceProcAddr(logical, name.encode()))
     asked, count = ffi.addressof(asked), ffi.new("uint32_t *")
@@ -142,12 +143,12 @@ def text(name):
 def main():
     """See above."""
     asked = json.load(sys.stdin)
-    _, name, logical = device()
+    version, logical, _ = device()
     vertex, of_pipeline, found = module(logical, asked["vertex"]), layout(logical), {}
     for program, file, targets in asked["fragments"]:
         made = pipeline(logical, vertex, module(logical, file), targets, of_pipeline)
         found[program] = told(logical, made)
-    json.dump({"device": name, "pipelines": found}, sys.stdout)
+    json.dump({"version": version, "pipelines": found}, sys.stdout)
 
 
 if __name__ == "__main__":

@@ -1,18 +1,21 @@
 """Loops of the GLSL written out, so that a compiler's static counts are those of the path that a pixel takes.
 
 A compiler counts what is in a loop once, and some count it as if it ran eight times. Here every loop whose number of
-iterations is known becomes that many copies of its body; whatever is still a loop counts once.
+iterations is known becomes that many copies of its body; whatever is still a loop counts once. Copies run to the end:
+what a loop takes to count, to compare and to leave is not in them, a few instructions an iteration.
 """
 
 import re
 from collections.abc import Mapping
 
 _LOOP = re.compile(r"for \(int (\w+) = (\w+); \1 (<=?) ([^;]+); \1\+\+\)\s*\{")
+_BREAK = re.compile(r"if \([^;{}]*\)\s*\{\s*break;\s*\}")
 # Bounds that are known to the caller under another name
 _BOUNDS = {
     "int(ceil(cells))": "BOKEH_LAYER_CELLS",
     "255": "tiles",
     "layers.polygon.sides": "sides",
+    "layers.polygon.sides / 2": "edges",
     # of version 0.1.0
     "numSamples": "BOKEH_NUM_SAMPLES",
     "maxSamples": "BOKEH_NUM_SAMPLES",
@@ -34,12 +37,12 @@ def unrolled(source: str, values: Mapping[str, int]) -> str:
     body, rest = source[begin : end - 1], unrolled(source[end:], values)
     if start is None or stop is None:
         return source[:begin] + unrolled(body, values) + "}" + rest
+    body = _BREAK.sub("", body)
     copies = [
-        "{ const int %s = %d; %s }" % (name, index, unrolled(body, {**values, name: index}))
+        f"{{ const int {name} = {index}; {unrolled(body, {**values, name: index})} }}"
         for index in range(start, stop + (comparison == "<="))
     ]
-    # a loop of one iteration: what a break leaves
-    return source[: loop.start()] + "for (int once = 0; once < 1; once++) {" + "\n".join(copies) + "}" + rest
+    return source[: loop.start()] + "\n".join(copies) + rest
 
 
 def _number(text: str, values: Mapping[str, int]) -> int | None:
@@ -47,6 +50,8 @@ def _number(text: str, values: Mapping[str, int]) -> int | None:
     if name == "onEdge" and "ring" in values:
         # as BokehOnEdge
         return max(int(6.0 * values["ring"] / values["sides"] + 0.5), 1)
+    if name == "edges":
+        return values["sides"] // 2
     return int(name) if name.isdecimal() else values.get(name)
 
 

@@ -90,7 +90,8 @@ class Picture(Layers):
                 pixel = self.fetch(0, *(_towards_texel(value, steepness) for value in place))
                 q = pixel[..., 3] * layers.height
                 behind = balls.clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - near_share)
-                spread = spread_radius(q)
+                # below 0 it is in no ring
+                spread = 0.5 * balls.absolute(q) - 0.5
                 spread = balls.minimum(spread + (own_radius - spread) * behind, radius)
                 weight = (1.0 - share(-q, near_slope)) * (1.0 - share(q, far_slope) * add_far) * cell
                 weight = weight * balls.clamp((spread - inner) * slope, 0.0, 1.0)

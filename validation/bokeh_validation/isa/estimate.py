@@ -9,7 +9,7 @@ beside anything else. A frame is the sum of its passes; the time between passes 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from bokeh_validation.isa.programs import Method, Program
+from bokeh_validation.isa.compiled import Method, Program
 from bokeh_validation.isa.targets import Count
 from bokeh_validation.passes import Pass
 
@@ -36,8 +36,8 @@ class Device:
 
 
 DEVICES = (
-    # 72 units of 64 lanes, 288 texture units, 2.25 GHz, 512 GB/s
-    Device("Radeon RX 6800 XT", "navi21", 72 * 64 * 2.25, 288 * 2.25, 512.0),
+    # 72 units of 64 lanes, 288 texture units, 2.25 GHz; 1664 GB/s with its cache of 128 MB, which holds the targets
+    Device("Radeon RX 6800 XT", "navi21", 72 * 64 * 2.25, 288 * 2.25, 1664.0),
     # 68 units of 128 lanes, 272 texture units, 1.71 GHz, 760 GB/s
     Device("GeForce RTX 3080", "ga102", 68 * 128 * 1.71, 272 * 1.71, 760.0),
     # 12 units of 128 lanes and 4 texture units (the arrangement of Adreno 6xx), 0.68 GHz, 67 GB/s
@@ -58,34 +58,52 @@ class Cost:
         """What takes longest."""
         return max(self.work, key=self.work.get)
 
-    def milliseconds(self, size: tuple[int, int]) -> tuple[float, float]:
-        """(least, most) of a frame of width x height."""
-        return self.least * size[0] * size[1] * 1e-6, self.most * size[0] * size[1] * 1e-6
+    @property
+    def middle(self) -> float:
+        """The estimate, where one number has to do."""
+        return (self.least + self.most) / 2.0
+
+    def text(self, size: tuple[int, int]) -> str:
+        """Milliseconds of a frame of width x height, and by how much they may be off."""
+        pixels = size[0] * size[1] * 1e-6
+        return f"{self.middle * pixels:.2f} ±{(self.most - self.least) / 2.0 * pixels:.2f}"
 
 
 def cost(method: Method, counts: Mapping[str, Count], device: Device) -> Cost:
     """What a method costs a pixel of the full size. `counts` are by the names of programs."""
     work, least, most = {ARITHMETIC: 0.0, TEXTURES: 0.0, MEMORY: 0.0}, 0.0, 0.0
-    for item, took in by_pass(method, counts, device):
+    for _, took in by_pass(method, counts, device):
         work = {kind: work[kind] + took[kind] for kind in work}
         least += max(took.values())
         most += sum(took.values()) + took[TEXTURES]
     return Cost(work, least, most)
 
 
-def by_pass(
-    method: Method, counts: Mapping[str, Count], device: Device
-) -> Iterator[tuple[Pass, dict[str, float]]]:
+def by_pass(method: Method, counts: Mapping[str, Count], device: Device) -> Iterator[tuple[Pass, dict[str, float]]]:
     """(pass, kind of work -> nanoseconds a pixel of the full size)."""
     scales = {"color": 1, "depth": 1}
     for item in method.passes:
-        count, share = counts[Program(item, path=True).name], 1.0 / item.scale**2
+        count, share = along_path(item, counts), 1.0 / item.scale**2
         # each target is written once, each texture is read once from memory
         scales |= dict.fromkeys(item.outputs, item.scale)
         moved = len(item.outputs) * share * COLOR_BYTES
         moved += sum(BYTES.get(name, COLOR_BYTES) / scales[name] ** 2 for name in item.inputs.values())
-        yield item, {
-            ARITHMETIC: share * count.slots / device.lanes,
-            TEXTURES: share * count.texture / device.texels,
-            MEMORY: moved / device.bytes,
-        }
+        yield (
+            item,
+            {
+                ARITHMETIC: share * count.slots / device.lanes,
+                TEXTURES: share * count.texture / device.texels,
+                MEMORY: moved / device.bytes,
+            },
+        )
+
+
+def along_path(item: Pass, counts: Mapping[str, Count]) -> Count:
+    """A pass along a pixel's path: the program as it is where the compiler has written out the loops itself."""
+    one, path = counts[Program(item).name], counts[Program(item, path=True).name]
+    return one if is_unrolled(one, path) else path
+
+
+def is_unrolled(one: Count, path: Count) -> bool:
+    """Whether all fetches of the path are in the code."""
+    return one.texture >= path.texture

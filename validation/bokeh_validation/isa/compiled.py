@@ -13,6 +13,7 @@ from bokeh_validation.methods import QUALITIES, Settings
 from bokeh_validation.passes import Pass
 
 VERTEX = "BokehFullScreen"
+PATH = " path"  # ends the names of programs with their loops written out
 SIZE = (1920, 1080)  # for which the tiles that the largest CoC reaches are counted
 # preset of `exact` -> BOKEH_NUM_SAMPLES, pixels between samples
 PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
@@ -44,7 +45,9 @@ def all_methods() -> list[Method]:
             settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
-        found += [Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES]
+        found += [
+            Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES
+        ]
     return found
 
 
@@ -67,7 +70,9 @@ class Program:
             words += [f"{key.removeprefix('BOKEH_LAYER_').lower()} {constants[key]}" for key in self._settings]
         elif "BOKEH_NUM_SAMPLES" in self._settings:
             words += [str(constants["BOKEH_NUM_SAMPLES"]), "adaptive" * constants["BOKEH_ADAPTIVE_SAMPLES"]]
-        return " ".join([word for word in words if word] + ["path"] * self.path)
+        if self.path and self.item.spec.layers and not self.item.spec.sides:
+            words.append(f"{round(self.item.values()['BokehSides'])} sides")
+        return " ".join(word for word in words if word) + PATH * self.path
 
     @property
     def _settings(self) -> tuple[str, ...]:
@@ -91,12 +96,12 @@ class Program:
         return shaders.GLSL_VERSIONS["450"] + "\n" + shaders.defines(head) + text
 
 
-def of_methods(chosen: Iterable[Method]) -> dict[str, Program]:
-    """Every program that the methods need, once, as it is and with its loops written out; by name."""
+def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, Program]:
+    """Every program that the methods need, once, by name: as it is, and, for `paths`, with its loops written out."""
     found = {}
     for method in chosen:
         for item in method.passes:
-            for path in (False, True):
+            for path in (False, True) if paths else (False,):
                 program = Program(item, path)
                 found.setdefault(program.name, program)
     return found

@@ -1,0 +1,94 @@
+"""What the GPUs' compilers count: against the fetches that the shaders' loops say, and against earlier counts.
+
+The compiler of AMD's driver comes with the system's Mesa. Another version counts otherwise, so the table is for one:
+`validation/run isa --table validation/tests/harness/isa_stock.tsv` makes it anew.
+"""
+
+from collections import defaultdict
+from dataclasses import astuple
+from pathlib import Path
+
+import pytest
+from support import called
+
+from bokeh_validation import fetches
+from bokeh_validation.isa import compiled, estimate, isa_command
+from bokeh_validation.isa.targets import STOCK, Count
+from bokeh_validation.isa.unrolled import unrolled
+
+TABLE = Path(__file__).with_name("isa_stock.tsv")
+# of a count in the table: a compiler may order instructions otherwise, and moves a few copies with it
+TOLERANCE = 0.05
+# Fetches that a compiler leaves out, since the program has made them already: the middle sample of a line of the
+# paper's is the pixel itself, colour and depth; LayerSizes looks at its tile's reach twice, LayerSplit at four pixels
+# three times
+AGAIN = {"BokehDepthOfField": 2, "BokehDepthOfFieldFinal": 2, "BokehLayerSizes": 1, "BokehLayerSplit": 8}
+
+
+@pytest.fixture(scope="module")
+def stock() -> isa_command.Counts:
+    """All programs on the system's own compiler."""
+    counts = isa_command.count(compiled.all_methods(), [target.name for target in STOCK])
+    if not counts.found:
+        pytest.skip(f"no compiler of AMD's driver: {counts.missing}")
+    return counts
+
+
+def known() -> dict[str, dict[str, Count]]:
+    """Target and version -> program -> count, of the table."""
+    found = defaultdict(dict)
+    for line in TABLE.read_text(encoding="ascii").splitlines():
+        target, version, name, *values = line.split("\t")
+        found[target, version][name] = Count(*map(int, values))
+    return found
+
+
+def test_counts_of_the_table(stock):
+    """As before, within TOLERANCE; fetches, and that nothing spills, exactly."""
+    table = known()
+    if not any((target, version) in table for target, version in stock.mesa.items()):
+        pytest.skip(f"the table is of another Mesa than {sorted(set(stock.mesa.values()))}")
+    for target, found in stock.found.items():
+        before = table[target, stock.mesa[target]]
+        assert before.keys() == {name for name in found if not name.endswith(compiled.PATH)}, "make the table anew"
+        for name, was in before.items():
+            now = found[name]
+            assert (now.texture, now.spills) == (was.texture, 0), (target, name)
+            pairs = zip(astuple(now), astuple(was), strict=True)
+            assert all(abs(one - other) <= TOLERANCE * other for one, other in pairs), (target, name, now, was)
+
+
+def test_fetches_on_the_path(stock):
+    """A program with its loops written out has as many fetches as its loops say, not one more or fewer."""
+    found = stock.found["navi21"]
+    for method in compiled.all_methods():
+        for item in method.passes:
+            count = estimate.along_path(item, found)
+            said = sum(fetches.of_pass(item).values()) if item.spec.role != "copy" else 2
+            # both sides of a branch are in the code: a polygon of a layer, or one fetch
+            said += item.spec.layers and item.spec.sides > 0
+            assert count.texture == said - AGAIN.get(item.entry, 0), (item.entry, count, said)
+
+
+def test_registers_leave_room(stock):
+    """On RDNA 2 every pass of `exact` runs with 24 waves or more, which hides the time of its fetches."""
+    for name, one in stock.found["navi21"].items():
+        if name.startswith(("Square", "Hexagon", "Octagon", "Decagon")) and not name.endswith(compiled.PATH):
+            assert one.waves >= 24, (name, one)
+
+
+def test_unrolled():
+    """Loops within loops, bounds from outside and from the loop around; a loop of unknown length stays."""
+    source = "for (int y = 0; y < N; y++)\n{ for (int i = 1; i <= 2; i++) { if (i >= n) { break; } f(y, i); } }\nrest"
+    for y in range(2):
+        assert f"const int y = {y};" in unrolled(source, {"N": 2})
+    assert unrolled(source, {"N": 2}).count("f(y, i);") == 4
+    assert "break" not in unrolled(source, {"N": 2}) and "for" not in unrolled(source, {"N": 2})
+    unknown = unrolled(source, {})
+    assert unknown.startswith("for (int y = 0; y < N; y++)") and unknown.count("f(y, i);") == 2
+
+
+def test_bad_folder(tmp_path):
+    """One line, exit code 2."""
+    done = called("isa", "--against", tmp_path)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "no glsl/bokeh.glsl" in done.stderr
