@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bokeh_validation import paths
-from bokeh_validation.engines import bevy, direct3d, scripts, threejs
+from bokeh_validation.engines import bevy, direct3d, pages, scripts
 from bokeh_validation.engines.capture import Broken, Capture, read
 
 __all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
@@ -33,8 +33,8 @@ class Engine(NamedTuple):
 ENGINES = {
     "opengl": Engine(scripts.run),
     "panda3d": Engine(scripts.run),
-    "threejs-webgl": Engine(threejs.run),
-    "threejs-webgpu": Engine(threejs.run),
+    "threejs-webgl": Engine(pages.run),
+    "threejs-webgpu": Engine(pages.run),
     "direct3d9": Engine(direct3d.run),
     "direct3d11": Engine(direct3d.run),
     "bevy": Engine(bevy.run, bevy.changed),

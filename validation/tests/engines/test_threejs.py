@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation.engines import threejs
+from bokeh_validation.engines import pages
 
 SIZE = (240, 320)
 
 
-@pytest.fixture(scope="module", params=threejs.KINDS.values())
+@pytest.fixture(scope="module", params=["webgl", "webgpu"])
 def kind(request) -> str:
     return request.param
 
 
 @pytest.fixture(scope="module")
 def sample(kind):
-    with needed("three.js"), threejs.opened(kind) as opened:
+    with needed("three.js"), pages.opened(f"threejs-{kind}") as opened:
         yield opened
 
 
