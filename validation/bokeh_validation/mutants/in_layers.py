@@ -30,6 +30,7 @@ IN_LAYERS: tuple[Mutant, ...] = (
     row("layers-viewport-origin", "axis", "MakeGrid", "= viewport.xy", "= viewport.yx", LAYERED_PLACE),
     row("layers-inset", "constant", "GridCoords", "vec2(0.5078125, 0.5078125)", "vec2(0.25, 0.25)", LAYERED_LEAKS),
     row("layers-far-side", "guard", "GridCoords", "grid.size - inset", "grid.size", LAYERED_LEAKS),
+    row("layers-place", "off-by-one", "FetchGrid", "BokehGridCoords(place,", "BokehGridCoords(place + 0.5,"),
     row("layers-largest", "axis", "MakeLayers", "MaxCoC * imageSize.y", "MaxCoC * imageSize.x"),
     row("layers-no-jitter", "constant", "MakeLayers", "= 0.0;", "= 1.0;", LAYERED_MADE),
     # shares

@@ -125,7 +125,7 @@ class TestShaders:
         assert found == {name: int(binding) for binding, name, kind in written if kind != "sampler" or name in samplers}
 
     def test_table_of_shader_model_3(self, whole):
-        """docs/performance.md: the largest figures of each entry over its sample counts, as fxc has them."""
+        """docs/performance.md: entries over all sample counts, as fxc has them, the largest figures among them."""
         largest: dict[str, list[int]] = {}
         for row, cell in chosen(whole, "hlsl-sm3", "fxc"):
             found = [cell.facts[name] for name in ("slots", "temporaries", "constants", "samplers")]
@@ -134,8 +134,8 @@ class TestShaders:
         text = (paths.ROOT / "docs/performance.md").read_text(encoding="utf-8")
         table = text[text.index("| ps_3_0, the largest") :].partition("\n\n")[0].splitlines()[2:]
         shown = {name: [int(n) for n in numbers] for name, *numbers in (row.strip("| ").split(" | ") for row in table)}
-        del largest["FullScreen"]
-        assert shown == largest
+        assert shown.items() <= largest.items()
+        assert list(map(max, *shown.values())) == list(map(max, *largest.values()))
 
     def test_slots_of_the_viewport(self, whole):
         """docs/performance.md and docs/inputs.md: how many slots more BOKEH_VIEWPORT takes in shader model 3."""

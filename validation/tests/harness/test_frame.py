@@ -147,9 +147,9 @@ def test_two_channels_are_enough():
 def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:
     """A pass that writes how often it fetched in place of its result."""
     text = shaders.glsl(item.entry, "330", item.constants)
-    head = re.compile(r"^(vec4 (?:BokehFetchGrid|BokehFetchNearest)\([^)]*\)\n\{\n)", re.MULTILINE)
+    head = re.compile(r"^(vec4 BokehFetch(?:Grid|Around|Nearest)\([^)]*\)\n\{\n)", re.MULTILINE)
     text, found = head.subn(r"\1    fetched += 1.0;\n", text)
-    assert found == 2
+    assert found == 3
     text, found = re.subn(r"\bvoid main\(\)", "void counted()", text)
     assert found >= 1
     version, rest = text.split("\n", 1)

@@ -4,17 +4,20 @@ The compiler of AMD's driver comes with the system's Mesa. Another version count
 `validation/run isa --table validation/tests/harness/isa_stock.tsv` makes it anew.
 """
 
+import re
 from collections import defaultdict
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import pytest
-from support import called
+from support import called, load
 
-from bokeh_validation import fetches
+from bokeh_validation import fetches, paths
+from bokeh_validation.bench import rows, session
 from bokeh_validation.isa import compiled, estimate, isa_command
 from bokeh_validation.isa.targets import STOCK, Count
 from bokeh_validation.isa.unrolled import unrolled
+from bokeh_validation.methods import Settings, plan
 
 TABLE = Path(__file__).with_name("isa_stock.tsv")
 # of a count in the table: a compiler may order instructions otherwise, and moves a few copies with it
@@ -58,6 +61,21 @@ def test_counts_of_the_table(stock):
             assert all(abs(one - other) <= TOLERANCE * other for one, other in pairs), (target, name, now, was)
 
 
+def test_estimates_of_the_document(stock):
+    """docs/performance.md: the milliseconds of the GPU whose compiler is here, of the same Mesa."""
+    if stock.mesa["navi21"] != "22.3.6":
+        pytest.skip(f"the page is of another Mesa than {stock.mesa['navi21']}")
+    page = (paths.ROOT / "docs/performance.md").read_text(encoding="utf-8")
+    row = re.compile(r"^\| (\w+ \w+ [A-Z]+) \| \d+ \| (\d+) \| (.+?) \|", re.MULTILINE)
+    shown = {name.lower(): cells for name, *cells in row.findall(page)}
+    assert len(shown) > 10
+    for method in compiled.all_methods():
+        if cells := shown.pop(method.name, None):
+            cost = estimate.cost(method, stock.found["navi21"], estimate.DEVICES[0])
+            assert cells == [f"{method.fetches:.0f}", cost.text((1920, 1080))], method.name
+    assert not shown
+
+
 def test_fetches_on_the_path(stock):
     """A program with its loops written out has as many fetches as its loops say, not one more or fewer."""
     found = stock.found["navi21"]
@@ -92,3 +110,18 @@ def test_bad_folder(tmp_path):
     """One line, exit code 2."""
     done = called("isa", "--against", tmp_path)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "no glsl/bokeh.glsl" in done.stderr
+
+
+@pytest.mark.alone
+def test_order_of_the_methods(stock):
+    """A software driver has no texture units: by their arithmetic the methods come in the order of their time on it."""
+    size, camera = (480, 270), rows.LAYERS_SCENE.camera
+    wanted = [row for row in rows.layers(size) if row.key in (rows.LAYERS_PAPER, "layered low", "layered medium")]
+    exact = Settings("exact", "hexagon", camera=camera)
+    wanted.append(replace(wanted[0], key="exact hexagon", settings=exact, passes=plan(exact, size).passes))
+    measured, _ = session.measure_rows(load("osmesa"), wanted, size, 5, scene=rows.LAYERS_SCENE)
+    times = {row["key"]: row["seconds"]["median"] for row in measured}
+    every = [compiled.Method(row.key, row.settings) for row in wanted]
+    counts = isa_command.count(every, ["navi21"]).found["navi21"]
+    estimated = {one.name: estimate.cost(one, counts, estimate.DEVICES[0]).work["arithmetic"] for one in every}
+    assert sorted(times, key=times.get) == sorted(estimated, key=estimated.get), (times, estimated)
