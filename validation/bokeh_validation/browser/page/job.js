@@ -2,7 +2,8 @@
 //
 //   { size: [width, height], channels: 4 | 1, type: "half" | "float", data }
 //
-// `data` is base64 of the raw rows, first row first, nothing between the rows; a target has none.
+// `data` is the raw rows, first row first, nothing between the rows, in base64 or as the array of its elements; a target
+// has none.
 
 const ARRAYS = { half: Uint16Array, float: Float32Array };
 
@@ -12,7 +13,7 @@ export function elements({ size: [width, height], channels, type }) {
 }
 
 export function decode({ type, data }) {
-  return new ARRAYS[type](Uint8Array.fromBase64(data).buffer);
+  return typeof data === "string" ? new ARRAYS[type](Uint8Array.fromBase64(data).buffer) : data;
 }
 
 export function encode({ size, channels, type }, elements) {

@@ -1,5 +1,6 @@
 // WebGL 2: GLSL ES 3.00 through ANGLE. Row 0 of every image is v = 0: the first row of an upload and of readPixels() on
-// a framebuffer is the bottom one in OpenGL's words, and nothing here ever reaches a screen.
+// a framebuffer is the bottom one in OpenGL's words. The validation draws onto no screen; the live page (demo/page) turns
+// its picture over when it shows it.
 
 import { decode, elements, encode } from "./job.js";
 
@@ -7,16 +8,17 @@ let gl = null;
 let samplers = null; // by "is linear"
 const programs = new Map(); // both sources -> linked program
 
-// Make the context on first use.
-function start() {
-  if (gl && !gl.isContextLost()) return;
-  gl = new OffscreenCanvas(1, 1).getContext("webgl2", { antialias: false, depth: false, alpha: true });
+// Make the context on first use, of a canvas that is seen or of none. Returns it.
+export function start(canvas = new OffscreenCanvas(1, 1)) {
+  if (gl && !gl.isContextLost()) return gl;
+  gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: true });
   if (!gl) throw new Error("this browser gives no WebGL 2 context");
   if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("no EXT_color_buffer_float: no float targets");
   gl.getExtension("EXT_color_buffer_half_float");
   samplers = { true: sampler(gl.LINEAR), false: sampler(gl.NEAREST) };
   programs.clear();
   gl.disable(gl.DITHER);
+  return gl;
 }
 
 function sampler(filter) {
@@ -75,7 +77,7 @@ export function compile({ vertex, fragment }) {
 }
 
 // A linked program, made once for each pair of sources.
-function linked(vertex, fragment) {
+export function linked(vertex, fragment) {
   const key = vertex + "\0" + fragment;
   if (!programs.has(key)) {
     const { ok, logs, program } = build(vertex, fragment);
@@ -86,7 +88,7 @@ function linked(vertex, fragment) {
 }
 
 // A texture of a job; a target is 0 everywhere, as WebGL has it.
-function texture({ size, channels, type, data }) {
+export function texture({ size, channels, type, data }) {
   const half = type === "half";
   const layout = { 4: gl.RGBA, 1: gl.RED }[channels];
   const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 1: gl.R32F }[channels];
@@ -101,7 +103,7 @@ function texture({ size, channels, type, data }) {
 }
 
 // Do something with a framebuffer of some targets, in the order of the shader's outputs.
-function onto(targets, step) {
+export function onto(targets, step) {
   const made = gl.createFramebuffer();
   try {
     gl.bindFramebuffer(gl.FRAMEBUFFER, made);
@@ -119,7 +121,7 @@ function onto(targets, step) {
 }
 
 // Draw one pass into the framebuffer that is bound.
-function draw({ fragment, area, inputs, values }, vertex, textures) {
+export function draw({ fragment, area, inputs, values }, vertex, textures) {
   const program = linked(vertex, fragment);
   gl.viewport(...area); // a triangle is clipped to it
   gl.useProgram(program);

@@ -1,0 +1,38 @@
+// The passes of a frame: those of the harness (methods.plan, written into the page), with the controls in place of what
+// the page was made with.
+
+// settings: { method, blades, preset, rotation (degrees), squeeze, stop, focal, focus (metres) }
+// Returns [{ fragment, inputs, targets, size, values }], or null where the harness has no such frame.
+export function frame({ plans, parameters, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
+  const name = `${settings.method} ${apertures[settings.blades]}`;
+  const plan = plans[`${name} ${settings.preset}`] ?? plans[name];
+  if (!plan) return null;
+  const lens = {
+    BokehApertureDiameter: settings.focal / settings.stop,
+    BokehFocalLength: settings.focal,
+    BokehFocusDistance: settings.focus,
+    BokehSensorHeight: sensor,
+    BokehMaxCoC: maxCoC,
+    BokehAspectRatio: width / height,
+    BokehImageWidth: width,
+    BokehImageHeight: height,
+    BokehSqueeze: settings.squeeze,
+  };
+  return plan.passes.map((pass) => ({
+    fragment: pass.head + glsl,
+    inputs: pass.inputs.map(([slot, image, linear]) => ({ slot, image, linear })),
+    targets: pass.targets,
+    size: [width, height].map((side) => Math.ceil(side / pass.scale)),
+    values: { ...parameters, ...turned(pass.values, settings.rotation), ...lens },
+  }));
+}
+
+// The lines of a pass with the aperture turned.
+function turned(values, degrees) {
+  if (!("BokehAngle" in values)) return values;
+  const angle = (degrees * Math.PI) / 180;
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const { BokehLineCenterX: x = 0, BokehLineCenterY: y = 0 } = values;
+  const center = { BokehLineCenterX: c * x - s * y, BokehLineCenterY: s * x + c * y };
+  return { ...values, BokehAngle: values.BokehAngle + angle, ...center };
+}
