@@ -580,8 +580,8 @@ int main(int argc, char **argv)
     make_buffers();
     make_shaders();
     make_sampler();
-    parameters.apertureDiameter = APERTURE_DIAMETER;
-    parameters.focalLength = FOCAL_LENGTH;
+    parameters.focalLength = focal_length();
+    parameters.apertureDiameter = parameters.focalLength / F_STOP;
     parameters.maxCoC = MAX_COC;
     focus_on_place(SUBJECT);
     if (argc > 1)

@@ -77,8 +77,8 @@ static void write_capture(const char *folder, const char *engine, const char *ad
         if (!strcmp(shot->method, "layered"))
             fprintf(file, " \"written\": \"%s.written\",", shot->name);
         fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"
-                " \"sensor_height\": %.9g, \"max_coc\": %.9g}}", APERTURE_DIAMETER, FOCAL_LENGTH, shot->focus_distance,
-                SENSOR_HEIGHT, MAX_COC);
+                " \"sensor_height\": %.9g, \"max_coc\": %.9g}}", focal_length() / F_STOP, focal_length(),
+                shot->focus_distance, SENSOR_HEIGHT, MAX_COC);
     }
     fprintf(file, "]}\n");
     close_file(file, folder, "capture.json");

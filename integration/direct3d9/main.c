@@ -446,8 +446,8 @@ int main(int argc, char **argv)
     make_shaders();
     make_scene();
     camera = make_camera();
-    parameters.apertureDiameter = APERTURE_DIAMETER;
-    parameters.focalLength = FOCAL_LENGTH;
+    parameters.focalLength = focal_length();
+    parameters.apertureDiameter = parameters.focalLength / F_STOP;
     parameters.maxCoC = MAX_COC;
     focus_on_place(SUBJECT);
     if (argc > 1)

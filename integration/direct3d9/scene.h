@@ -18,7 +18,8 @@
 enum { MAX_BALLS = 18, MAX_VERTICES = MAX_BALLS * RINGS * SEGMENTS * 6 + 12 };
 
 static const float PI = 3.14159265f;
-static const float APERTURE_DIAMETER = 0.085f, FOCAL_LENGTH = 0.085f, SENSOR_HEIGHT = 0.024f, MAX_COC = 0.1f;
+/* vertical, that of a lens of 85 mm */
+static const float FIELD_OF_VIEW = 0.2805f, F_STOP = 1.0f, SENSOR_HEIGHT = 0.024f, MAX_COC = 0.1f;
 static const float Z_NEAR = 0.5f, Z_FAR = 50.0f;
 static const float SUBJECT[3] = {-0.06f, 0.19f, 3.0f}; /* middle of the ball that is in focus */
 
@@ -45,10 +46,16 @@ static float dot3(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* A camera at (0, 0.55, 0) that looks down a little, with the field of view of the lens. */
+/* Of the lens that sees the field of view: docs/lens.md. */
+static float focal_length(void)
+{
+    return SENSOR_HEIGHT / (2.0f * tanf(0.5f * FIELD_OF_VIEW));
+}
+
+/* A camera at (0, 0.55, 0) that looks down a little. */
 static Camera make_camera(void)
 {
-    const float c = cosf(0.1f), s = sinf(0.1f), y = 2.0f * FOCAL_LENGTH / SENSOR_HEIGHT;
+    const float c = cosf(0.1f), s = sinf(0.1f), y = 1.0f / tanf(0.5f * FIELD_OF_VIEW);
     Camera camera = {
         {0, 0.55f, 0, 0}, {1, 0, 0, 0}, {0, c, s, 0}, {0, -s, c, 0},
         {y * HEIGHT / WIDTH, y, Z_FAR / (Z_FAR - Z_NEAR), -Z_NEAR * Z_FAR / (Z_FAR - Z_NEAR)},

@@ -10,9 +10,8 @@ import numpy as np
 
 SIZE = (384, 256)
 NEAR, FAR = 0.1, 50.0
-SENSOR_HEIGHT, FOCAL_LENGTH = 0.024, 0.085
-# the lens of the depth of field is the lens of the picture
-FIELD_OF_VIEW = 2.0 * atan(0.5 * SENSOR_HEIGHT / FOCAL_LENGTH)
+# vertical; what a lens of 85 mm sees on a sensor that is 24 mm high
+FIELD_OF_VIEW = 2.0 * atan(0.5 * 0.024 / 0.085)
 EYE, PITCH = (0.0, 0.32, 0.0), -0.09
 BALL = (-0.03, 0.06, -1.5)
 

@@ -1,15 +1,18 @@
 """A renderer with depth of field, without a window: python sample.py picture.png"""
 
 import sys
+from math import tan
 
 import moderngl
 import numpy as np
 from apertures import DEBUG, OCTAGON
 from depth_of_field import depth_of_field
 from PIL import Image
-from renderer import BALL, FAR, FOCAL_LENGTH, NEAR, SENSOR_HEIGHT, SIZE, Renderer, view
+from renderer import BALL, FAR, FIELD_OF_VIEW, NEAR, SIZE, Renderer, view
 
-LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=SENSOR_HEIGHT)
+# the lens of the blur is the lens of the picture, at f/1.4: docs/lens.md
+FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * FIELD_OF_VIEW))
+LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=0.024)
 IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1])
 DEPTH = dict(BokehDepthKind=1.0, BokehNear=NEAR, BokehFar=FAR)
 BLUR = dict(BokehMaxCoC=0.12, BokehSpacing=1.0, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)

@@ -13,6 +13,7 @@ PARAMETERS = {
     "BokehDepthKind": 1.0,
     "BokehNear": scene.NEAR,
     "BokehFar": scene.FAR,
+    # f/1.4
     "BokehApertureDiameter": scene.FOCAL_LENGTH / 1.4,
     "BokehFocalLength": scene.FOCAL_LENGTH,
     "BokehSensorHeight": scene.FILM[1],

@@ -4,7 +4,7 @@
 // and bokeh_layers.wgsl. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does
 // not take WGSL.
 
-import { FloatType, HalfFloatType, NoBlending, RedFormat, Vector2 } from 'three/webgpu';
+import { FloatType, HalfFloatType, MathUtils, NoBlending, RedFormat, Vector2 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 
@@ -162,6 +162,17 @@ export class PolygonBokehNode extends Node {
       return { row, writes, scale, target };
     });
     this.debug = [...this.passes.slice(0, 2), { ...this.passes.at(-1), row: DEBUG }];
+  }
+
+  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
+  // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
+  setLens(fStop) {
+    const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
+    if (this.camera.isPerspectiveCamera) {
+      const fovy = MathUtils.degToRad(this.camera.getEffectiveFOV());
+      focalLength.value = sensorHeight.value / (2 * Math.tan(fovy / 2));
+    }
+    apertureDiameter.value = focalLength.value / fStop;
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.

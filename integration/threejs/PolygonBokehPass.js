@@ -3,7 +3,7 @@
 // Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of bokeh.glsl and
 // bokeh_layers.glsl. It stands directly after the RenderPass, before bloom and before OutputPass.
 
-import { FloatType, GLSL3, HalfFloatType, NearestFilter, NoBlending, RedFormat } from 'three';
+import { FloatType, GLSL3, HalfFloatType, MathUtils, NearestFilter, NoBlending, RedFormat } from 'three';
 import { ShaderMaterial, Vector2, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
 
@@ -182,6 +182,17 @@ export class PolygonBokehPass extends Pass {
     this.passes = frame.map((row, i) => ({ ...made[i], material: material(row) }));
     this.debug = [...this.passes.slice(0, 2), { material: material(DEBUG) }];
     this.quad = new FullScreenQuad();
+  }
+
+  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
+  // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
+  setLens(fStop) {
+    const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
+    if (this.camera.isPerspectiveCamera) {
+      const fovy = MathUtils.degToRad(this.camera.getEffectiveFOV());
+      focalLength.value = sensorHeight.value / (2 * Math.tan(fovy / 2));
+    }
+    apertureDiameter.value = focalLength.value / fStop;
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.

@@ -19,7 +19,7 @@ export function addBokeh(renderer, scene, camera, options) {
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
   const composer = new EffectComposer(renderer, target);
   const bokeh = new PolygonBokehPass(library, camera, options);
-  bokeh.uniforms.apertureDiameter.value = 0.25; // metres: a dollhouse lens, for a strong blur
+  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
   composer.addPass(new OutputPass()); // tone mapping and sRGB, last

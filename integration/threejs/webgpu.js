@@ -13,7 +13,7 @@ const library = (await text('bokeh.wgsl')) + (await text('bokeh_layers.wgsl'));
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {
   const bokeh = new PolygonBokehNode(library, pass(scene, camera), options);
-  bokeh.uniforms.apertureDiameter.value = 0.25; // metres: a dollhouse lens, for a strong blur
+  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
   return { pipeline, bokeh };
 }

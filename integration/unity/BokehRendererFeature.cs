@@ -25,8 +25,8 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         public View view = View.Result;
 
         [Header("Lens, metres")]
-        public float apertureDiameter = 0.05f;
-        public float focalLength = 0.05f;
+        [Tooltip("The focal length is that of the camera's field of view. Smaller than any real lens: more blur")]
+        public float fStop = 0.2f;
         [Tooltip("Along the view axis. A BokehFocus on the camera overrides it.")]
         public float focusDistance = 5.0f;
         public float sensorHeight = 0.024f;
@@ -102,6 +102,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         public ShaderPass pass;
         public Settings settings;
         public Inputs inputs;
+        public float focalLength;
         public float focusDistance;
         public float width;
         public float height;
@@ -128,6 +129,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
 
         Material material;
         Settings settings;
+        float focalLength;
         float focusDistance;
         TextureDesc description;
 
@@ -144,6 +146,9 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         {
             UniversalResourceData resources = frameData.Get<UniversalResourceData>();
             Camera camera = frameData.Get<UniversalCameraData>().camera;
+            // the field of view is the vertical one: docs/lens.md
+            float fovy = Mathf.Deg2Rad * camera.fieldOfView;
+            focalLength = settings.sensorHeight / (2.0f * Mathf.Tan(0.5f * fovy));
             focusDistance = settings.focusDistance;
             if (camera.TryGetComponent(out BokehFocus focus))
             {
@@ -240,6 +245,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
                 data.pass = shaderPass;
                 data.settings = settings;
                 data.inputs = inputs;
+                data.focalLength = focalLength;
                 data.focusDistance = focusDistance;
                 data.width = description.width;
                 data.height = description.height;
@@ -272,8 +278,8 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             SetTexture(Depth, data.inputs.depth);
             SetTexture(ColorB, data.inputs.second);
             SetTexture(ColorC, data.inputs.third);
-            Properties.SetFloat(ApertureDiameter, settings.apertureDiameter);
-            Properties.SetFloat(FocalLength, settings.focalLength);
+            Properties.SetFloat(ApertureDiameter, data.focalLength / settings.fStop);
+            Properties.SetFloat(FocalLength, data.focalLength);
             Properties.SetFloat(FocusDistance, data.focusDistance);
             Properties.SetFloat(SensorHeight, settings.sensorHeight);
             Properties.SetFloat(MaxCoC, settings.maxCoC);

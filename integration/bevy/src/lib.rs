@@ -109,6 +109,16 @@ impl Default for Bokeh {
     }
 }
 
+impl Bokeh {
+    /// The lens of a camera's vertical field of view (radians), at an f-stop. Smaller stops than those of real lenses blur
+    /// more: docs/lens.md.
+    pub fn with_lens(fov: f32, f_stop: f32) -> Self {
+        let lens = Self::default();
+        let focal_length = lens.sensor_height / (2.0 * (0.5 * fov).tan());
+        Self { focal_length, aperture_diameter: focal_length / f_stop, ..lens }
+    }
+}
+
 /// Depth of a point of the world along a camera's view axis, metres: the focus distance at which it is sharp.
 pub fn view_depth(camera: &GlobalTransform, point: Vec3) -> f32 {
     (point - camera.translation()).dot(*camera.forward())

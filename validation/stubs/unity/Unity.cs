@@ -40,6 +40,7 @@ namespace UnityEngine
 
     public sealed class Camera : Behaviour
     {
+        public float fieldOfView { get; set; }
         public Ray ScreenPointToRay(Vector3 pos) { return default(Ray); }
     }
 
@@ -81,6 +82,7 @@ namespace UnityEngine
     public struct Mathf
     {
         public const float Deg2Rad = 0.0174532924f;
+        public static float Tan(float f) { return 0.0f; }
     }
 
     public class Texture : Object { }

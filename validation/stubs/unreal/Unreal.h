@@ -55,6 +55,11 @@ struct FVector
 
 struct FVector2D { double X, Y; };
 
+struct FMatrix
+{
+    double M[4][4];
+};
+
 struct FVector2f
 {
     FVector2f() = default;
@@ -294,8 +299,15 @@ struct FPostProcessMaterialInputs
 struct FSceneViewFamily {};
 struct FSceneViewExtensionContext {};
 
+struct FViewMatrices
+{
+    FMatrix ProjectionMatrix;
+    const FMatrix& GetProjectionMatrix() const { return ProjectionMatrix; }
+};
+
 struct FSceneView
 {
+    FViewMatrices ViewMatrices;
     TUniformBufferRef<FViewUniformShaderParameters> ViewUniformBuffer;
     bool bIsSceneCapture, bIsReflectionCapture;
     ERHIFeatureLevel::Type GetFeatureLevel() const { return ERHIFeatureLevel::SM5; }

@@ -1,5 +1,7 @@
 """Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
+from math import radians, tan
+
 import pytest
 from support import needed
 
@@ -8,6 +10,23 @@ from bokeh_validation import engines
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
 # Their default is layered
 LAYERED = ("opengl", "threejs-webgl", "threejs-webgpu", "direct3d11")
+# Vertical field of view in degrees, f-stop: what the sample's lens is made of
+LENSES = {
+    "opengl": (16.071, 1.4),
+    "panda3d": (16.071, 1.4),
+    "threejs-webgl": (45.0, 0.07),
+    "threejs-webgpu": (45.0, 0.07),
+    "direct3d9": (16.071, 1.0),
+    "direct3d11": (16.071, 1.0),
+    "bevy": (26.991, 0.2),
+}
+
+
+def check_lens(camera, fovy, stop):
+    """f from the field of view, A from the f-stop: docs/lens.md."""
+    focal_length = camera.sensor_height / (2.0 * tan(0.5 * radians(fovy)))
+    assert camera.focal_length == pytest.approx(focal_length, rel=1e-4)
+    assert camera.aperture_diameter == pytest.approx(focal_length / stop, rel=1e-4)
 
 
 # Bevy's first build takes a quarter of an hour
@@ -27,6 +46,8 @@ def test_sample(name, request):
     assert set(shown) >= WANTED
     assert name not in LAYERED or shown[0] == ("layered", "hexagon")
     for shot in capture.shots:
+        if name in LENSES:
+            check_lens(shot.case.settings.camera, *LENSES[name])
         assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}, {shot.outside}"
         # something is in focus, something is not, and something is brighter than white
         depth, color = shot.case.depth, shot.case.color

@@ -31,15 +31,16 @@ fn main() -> AppExit {
 }
 
 fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+    // What a lens of 50 mm sees on a sensor that is 24 mm high
+    let fov = 2.0 * (0.012_f32 / 0.05).atan();
     commands.spawn((
         Camera3d::default(),
         Camera { clear_color: Color::linear_rgb(0.006, 0.01, 0.03).into(), ..default() },
-        // What a lens of 50 mm sees on a sensor that is 24 mm high
-        Projection::from(PerspectiveProjection { fov: 2.0 * (0.012_f32 / 0.05).atan(), ..default() }),
+        Projection::from(PerspectiveProjection { fov, ..default() }),
         Tonemapping::AcesFitted,
         Transform::from_xyz(0.0, 1.5, 0.0).looking_at(Vec3::new(0.0, 1.2, -6.0), Vec3::Y),
-        // An aperture larger than life, for a small picture
-        Bokeh { aperture_diameter: 0.25, focal_length: 0.05, ..default() },
+        // f/1 in a model of 1 : 5: a strong blur, for a small picture
+        Bokeh::with_lens(fov, 1.0 / 5.0),
     ));
     commands.spawn((
         DirectionalLight { illuminance: 5000.0, color: Color::srgb(0.85, 0.9, 1.0), ..default() },

@@ -20,8 +20,7 @@ BOKEH_SETTING(int32, Enable, 1, "0: off");
 BOKEH_SETTING(int32, Sides, 6, "6: hexagon, 8: octagon");
 BOKEH_SETTING(int32, Paper, 0, "0: exact polygons, 1: the paper's, by min");
 BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
-BOKEH_SETTING(float, ApertureDiameter, 0.05f, "metres");
-BOKEH_SETTING(float, FocalLength, 0.05f, "metres");
+BOKEH_SETTING(float, FStop, 0.2f, "of a lens with the view's field of view; below that of real ones: more blur");
 BOKEH_SETTING(float, FocusDistance, 5.0f, "metres along the view axis");
 BOKEH_SETTING(float, SensorHeight, 0.024f, "metres");
 BOKEH_SETTING(float, MaxCoC, 0.1f, "fraction of the image height");
@@ -115,8 +114,10 @@ struct FBokehPasses
         Given->BokehViewMin = ViewRect.Min;
         Given->BokehTargetMin = FIntPoint(0, 0);
         Given->BokehImageSize = FVector2f(static_cast<float>(ViewRect.Width()), static_cast<float>(ViewRect.Height()));
-        Given->BokehApertureDiameter = SettingApertureDiameter.GetValueOnRenderThread();
-        Given->BokehFocalLength = SettingFocalLength.GetValueOnRenderThread();
+        // M[1][1] is 1 / tan(half of the vertical field of view): docs/lens.md
+        const float Zoom = static_cast<float>(View.ViewMatrices.GetProjectionMatrix().M[1][1]);
+        Given->BokehFocalLength = 0.5f * SettingSensorHeight.GetValueOnRenderThread() * Zoom;
+        Given->BokehApertureDiameter = Given->BokehFocalLength / SettingFStop.GetValueOnRenderThread();
         Given->BokehFocusDistance = SettingFocusDistance.GetValueOnRenderThread();
         Given->BokehSensorHeight = SettingSensorHeight.GetValueOnRenderThread();
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
