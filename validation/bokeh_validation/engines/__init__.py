@@ -33,6 +33,7 @@ class Engine(NamedTuple):
 ENGINES = {
     "opengl": Engine(scripts.run),
     "panda3d": Engine(scripts.run),
+    "raylib": Engine(scripts.run),
     "threejs-webgl": Engine(pages.run),
     "threejs-webgpu": Engine(pages.run),
     "direct3d9": Engine(direct3d.run),

@@ -1,5 +1,5 @@
-"""integration/opengl and panda3d: scripts in Python, off screen through EGL. Panda3D has a virtual environment of its
-own.
+"""integration/opengl, panda3d and raylib: scripts in Python, off screen. The last two have a virtual environment each,
+with what their requirements.txt pins.
 """
 
 import hashlib
@@ -12,26 +12,38 @@ from bokeh_validation.drivers import gl
 from bokeh_validation.engines import process
 from bokeh_validation.errors import Unavailable
 
-REQUIREMENTS = paths.ROOT / "integration/panda3d/requirements.txt"
 SECONDS, INSTALL_SECONDS = 120, 400
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the capture of 'opengl' or 'panda3d' in `folder`. Raises errors.Unavailable, RuntimeError."""
-    process.run([python(name), paths.ROOT / "integration" / name / "capture.py", folder], SECONDS)
+    """Leave the capture of a sample in `folder`. Raises errors.Unavailable, RuntimeError."""
+    process.run([*command(name), paths.ROOT / "integration" / name / "capture.py", folder], SECONDS)
 
 
-def python(name: str) -> Path:
-    """Interpreter of a sample. Raises errors.Unavailable, also where there is no OpenGL 3.3 without a window."""
+def command(name: str) -> list[str | Path]:
+    """What runs a script of a sample. Raises errors.Unavailable, also where there is no OpenGL 3.3 without a window."""
     gl.EGL().context.release()
-    return Path(sys.executable) if name == "opengl" else _with_panda3d()
+    if name == "opengl":
+        return [sys.executable]
+    # raylib has no OpenGL without a window
+    display = ["xvfb-run", "-a"] if name == "raylib" else []
+    if display and shutil.which(display[0]) is None:
+        raise Unavailable("no display; apt-get install -y xvfb xauth libgl1 libgl1-mesa-dri")
+    return [*display, _environment(name)]
 
 
-@locks.held("panda3d")
-def _with_panda3d() -> Path:
-    base = paths.cache_folder() / "engines/panda3d"
+def requirements(name: str) -> Path:
+    """The file with a sample's packages and their hashes."""
+    return paths.ROOT / "integration" / name / "requirements.txt"
+
+
+@locks.held("scripts")
+def _environment(name: str) -> Path:
+    """Interpreter of a sample's virtual environment."""
+    base = paths.cache_folder() / "engines" / name
     # the lock file and the Python decide what is in it
-    key = hashlib.sha256(REQUIREMENTS.read_bytes() + f"{sys.version}{sys.base_prefix}".encode()).hexdigest()[:16]
+    locked = requirements(name).read_bytes()
+    key = hashlib.sha256(locked + f"{sys.version}{sys.base_prefix}".encode()).hexdigest()[:16]
     target = base / f"venv-{key}"
     complete = target / "complete"
     if not complete.exists():
@@ -42,9 +54,9 @@ def _with_panda3d() -> Path:
             process.run([sys.executable, "-I", "-m", "venv", target], INSTALL_SECONDS)
             pip = [target / "bin/python", "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
             extra = {"PIP_CACHE_DIR": str(paths.cache_folder() / "pip")}
-            process.run([*pip, "--require-hashes", "-r", REQUIREMENTS], INSTALL_SECONDS, extra=extra)
+            process.run([*pip, "--require-hashes", "-r", requirements(name)], INSTALL_SECONDS, extra=extra)
         except RuntimeError as error:
-            last = str(error).splitlines()[-1]
-            raise Unavailable(f"Panda3D is not to be had here ({last}); pip install panda3d==1.10.16") from error
+            wanted, last = locked.decode().splitlines()[1].split()[0], str(error).splitlines()[-1]
+            raise Unavailable(f"{wanted} is not to be had here ({last}); pip install {wanted}") from error
         complete.touch()
     return target / "bin/python"

@@ -9,11 +9,12 @@ from bokeh_validation import engines
 
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
 # Their default is layered
-LAYERED = ("opengl", "threejs-webgl", "threejs-webgpu", "direct3d11")
+LAYERED = ("opengl", "raylib", "threejs-webgl", "threejs-webgpu", "direct3d11")
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
     "opengl": (16.071, 1.4),
     "panda3d": (16.071, 1.4),
+    "raylib": (27.0, 0.2),
     "threejs-webgl": (45.0, 0.07),
     "threejs-webgpu": (45.0, 0.07),
     "direct3d9": (16.071, 1.0),

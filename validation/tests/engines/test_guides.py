@@ -65,11 +65,12 @@ def test_build_command(name):
     assert any(f"{' '.join(direct3d.BUILDS[name])} -o {name}.exe" in text for _, text in blocks(name))
 
 
-def test_panda3d_version():
+@pytest.mark.parametrize("name", ["panda3d", "raylib"])
+def test_locked_version(name):
     """The guide's is the locked one."""
-    (version,) = re.findall(r"^panda3d==(\S+)", scripts.REQUIREMENTS.read_text(encoding="utf-8"), re.MULTILINE)
-    shown = (INTEGRATION / "panda3d/README.md").read_text(encoding="utf-8")
-    assert set(re.findall(r"panda3d==(\d[\d.]*\d)", shown)) == {version}
+    (version,) = re.findall(rf"^{name}==(\S+)", scripts.requirements(name).read_text(encoding="utf-8"), re.MULTILINE)
+    shown = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
+    assert set(re.findall(rf"{name}==(\d[\d.]*\d)", shown)) == {version}
 
 
 def test_bevy_passes():
@@ -83,13 +84,13 @@ def test_bevy_passes():
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
-@pytest.mark.parametrize("name", ["opengl", "panda3d"])
+@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib"])
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide, but for what another device rounds: half a step of 255 on average."""
     with needed(name):
-        python = scripts.python(name)
+        command = scripts.command(name)
     drawn = tmp_path / "picture.png"
-    process.run([python, INTEGRATION / name / "sample.py", drawn], scripts.SECONDS)
+    process.run([*command, INTEGRATION / name / "sample.py", drawn], scripts.SECONDS)
     with Image.open(drawn) as a, Image.open(INTEGRATION / name / "picture.png") as b:
         assert a.size == b.size
         off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()

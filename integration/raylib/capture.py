@@ -1,0 +1,78 @@
+"""For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+
+color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
+capture.json says what they are.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import raylib as rl
+from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
+from depth_of_field import HEXAGON, depth_of_field
+from raylib import ffi
+from sample import PAPER, PARAMETERS, focus_on, read, start
+from scene import DRUM, SIZE, Scene
+
+SHOTS = {
+    "layered-hexagon": HEXAGON,
+    "layered-octagon": OCTAGON,
+    "exact-hexagon": EXACT_HEXAGON,
+    "exact-octagon": EXACT_OCTAGON,
+    "paper-hexagon": PAPER_HEXAGON,
+    "paper-octagon": PAPER_OCTAGON,
+}
+RENDERER, GL_VERSION = 0x1F01, 0x1F02
+
+
+def gl_string(name):
+    """What glGetString says."""
+    function = ffi.cast("const char *(*)(unsigned int)", rl.rlGetProcAddress(b"glGetString"))
+    return ffi.string(function(name)).decode()
+
+
+def main(folder):
+    """Every shot of the same frame, focused on the drums."""
+    start()
+    scene = Scene()
+    scene.draw()
+    focus = focus_on(DRUM)
+    shots = []
+    for name, table in SHOTS.items():
+        passes, result = depth_of_field(scene.color, scene.depth, table)
+        for step in passes:
+            step.draw(BokehFocusDistance=focus, **PARAMETERS, **PAPER)
+        (folder / f"{name}.f16").write_bytes(read(result, 8))
+        method, aperture = name.split("-")
+        shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if method == "layered":
+            shot["written"] = f"{name}.written"
+            targets = [target for step in passes[1:] for target in step.targets]
+            (folder / shot["written"]).write_bytes(b"".join(read(target, 8) for target in targets))
+        shots.append(shot)
+    (folder / "color.f16").write_bytes(read(scene.color, 8))
+    (folder / "depth.f32").write_bytes(read(passes[0].targets[0], 4))
+    capture = {
+        "engine": f"raylib {rl.RAYLIB_VERSION}, OpenGL {gl_string(GL_VERSION)}",
+        "device": gl_string(RENDERER),
+        "width": SIZE[0],
+        "height": SIZE[1],
+        "color": "color.f16",
+        "depth": "depth.f32",
+        "camera": {
+            "aperture_diameter": PARAMETERS["BokehApertureDiameter"],
+            "focal_length": PARAMETERS["BokehFocalLength"],
+            "focus_distance": focus,
+            "sensor_height": PARAMETERS["BokehSensorHeight"],
+            "max_coc": PARAMETERS["BokehMaxCoC"],
+        },
+        "spacing": PARAMETERS["BokehSpacing"],
+        "max_samples": 33,
+        "shots": shots,
+    }
+    (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,111 @@
+"""raylib with depth of field: python sample.py picture.png"""
+
+import sys
+from math import radians, tan
+from struct import unpack_from
+
+import raylib as rl
+from apertures import DEBUG, OCTAGON
+from depth_of_field import FullScreenPass, depth_of_field, texture
+from raylib import ffi
+from scene import DRUM, EYE, FAR, FIELD_OF_VIEW, NEAR, SIZE, TARGET, Scene
+
+# the lens of the blur is the lens of the picture, at f/0.2 (f/1 in a model of 1 : 5): docs/lens.md
+FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * radians(FIELD_OF_VIEW)))
+PARAMETERS = {
+    "BokehDepthKind": 1.0,
+    "BokehNear": NEAR,
+    "BokehFar": FAR,
+    "BokehApertureDiameter": FOCAL_LENGTH / 0.2,
+    "BokehFocalLength": FOCAL_LENGTH,
+    "BokehSensorHeight": 0.024,
+    "BokehMaxCoC": 0.1,
+    "BokehAspectRatio": SIZE[0] / SIZE[1],
+    "BokehImageWidth": SIZE[0],
+    "BokehImageHeight": SIZE[1],
+    "BokehSpacing": 1.0,
+    "BokehSqueeze": 1.0,
+    "BokehBleedingBias": 0.02,
+    "BokehBleedingMult": 30.0,
+}
+# the paper's method has these as well
+PAPER = {"BokehBlurCoC": 1.0, "BokehLineLength": 1.0}
+
+TONE_MAPPING = """
+#version 330
+uniform sampler2D image;
+in vec2 BokehUV;
+out vec4 color;
+void main()
+{
+    vec3 hdr = textureLod(image, BokehUV, 0.0).rgb;
+    color = vec4(pow(hdr / (1.0 + hdr), vec3(1.0 / 2.2)), 1.0);
+}
+"""
+
+
+def start():
+    """A window that is not shown. raylib has no OpenGL without one."""
+    rl.SetTraceLogLevel(rl.LOG_WARNING)
+    rl.SetConfigFlags(rl.FLAG_WINDOW_HIDDEN)
+    rl.InitWindow(*SIZE, b"bokeh")
+
+
+def focus_on(place):
+    """Focus distance for a place in the world: its depth along the view axis, metres."""
+    forward = [target - eye for target, eye in zip(TARGET, EYE, strict=True)]
+    length = sum(part * part for part in forward) ** 0.5
+    return sum((there - eye) * part for there, eye, part in zip(place, EYE, forward, strict=True)) / length
+
+
+def read(image, texel):
+    """Bytes of a texture with `texel` bytes a texel, v = 0 first."""
+    pixels = rl.rlReadTexturePixels(image.id, image.width, image.height, image.format)
+    found = bytes(ffi.buffer(pixels, image.width * image.height * texel))
+    rl.MemFree(pixels)
+    return found
+
+
+def focus_at(metres, x, y):
+    """Focus distance for a pixel, counted from the lower left: one texel of what the first pass wrote, metres."""
+    return unpack_from("f", read(metres, 4), 4 * (y * metres.width + x))[0]
+
+
+def picture(image):
+    """Rows of bytes of a texture, tone-mapped, first row on top."""
+    shown = texture(*SIZE, rl.PIXELFORMAT_UNCOMPRESSED_R8G8B8A8)
+    FullScreenPass(TONE_MAPPING, {"image": image}, [shown], {}).draw()
+    pixels, row = read(shown, 4), 4 * SIZE[0]
+    return [pixels[start : start + row] for start in range(len(pixels) - row, -1, -row)]
+
+
+def main(path):
+    """Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere."""
+    start()
+    scene = Scene()
+    scene.draw()
+
+    passes, result = depth_of_field(scene.color, scene.depth)
+    for step in passes:
+        step.draw(BokehFocusDistance=focus_on(DRUM), **PARAMETERS)
+
+    fields, view = depth_of_field(scene.color, scene.depth, DEBUG)
+    for step in fields:
+        step.draw(BokehFocusDistance=focus_on(DRUM), BokehDebugMode=3.0, **PARAMETERS)
+
+    picked = focus_at(passes[0].targets[0], 150, 215)
+    octagon, other = depth_of_field(scene.color, scene.depth, OCTAGON)
+    for step in octagon:
+        step.draw(BokehFocusDistance=picked, **PARAMETERS)
+
+    pairs = ((scene.color, result), (view, other))
+    rows = [left + right for pair in pairs for left, right in zip(*map(picture, pair), strict=True)]
+    sheet = ffi.from_buffer(b"".join(rows))
+    form = (2 * SIZE[0], 2 * SIZE[1], 1, rl.PIXELFORMAT_UNCOMPRESSED_R8G8B8A8)
+    if not rl.ExportImage(ffi.new("Image *", (sheet, *form))[0], path.encode()):
+        sys.exit(f"cannot write {path}")
+    print(f"{path}: focus on the drum {focus_on(DRUM):.3f} m, picked {picked:.3f} m")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
