@@ -7,6 +7,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -41,7 +42,7 @@ class Page:
 
     def _open(self, chromium, file: Path):
         self.chromium = chromium
-        page = chromium.new_page(viewport={"width": 1280, "height": 800})
+        self.tab = page = chromium.new_page(viewport={"width": 1280, "height": 800}, has_touch=True)
         page.on("console", lambda message: self.said.append(message.text))
         page.on("pageerror", lambda error: self.said.append(error.message))
         page.add_init_script(SCRIPT)
@@ -57,6 +58,10 @@ class Page:
         processes = client.send("SystemInfo.getProcessInfo")["processInfo"]
         client.detach()
         return np.array([time.perf_counter(), sum(one["cpuTime"] for one in processes)])
+
+    def hand(self, step: Callable) -> object:
+        """What a hand does with mouse, finger or keys: step(Playwright's page)."""
+        return self.session._ask(lambda: step(self.tab)).result(browser.RUN_LIMIT)
 
     def timed(self, function: str, argument: object) -> float:
         """Seconds of a call on cores that are free: what it took of them, where others used them meanwhile."""
@@ -243,6 +248,30 @@ def test_controls(page):
     swapped = page.call("press", {"key": "x"})
     assert (swapped["left"], swapped["right"]) == ("exact", "input")
     assert page.call("press", {"key": "0"})["focus"] == 2.42
+
+
+def test_pointer_and_touch(page):
+    """As a hand does it: the divider is dragged without a change of focus, a tap focuses, a slider keeps its arrows."""
+    page.call("scene", 0)
+    split = page.call("set", {"left": "input", "right": "exact", "preset": "low"})["state"]["split"]
+    box = page.hand(lambda tab: tab.locator("#canvas").bounding_box())
+    at = [box["x"] + split * box["width"], box["y"] + 0.2 * box["height"]]
+
+    def drag(tab):
+        tab.mouse.move(*at)
+        tab.mouse.down()
+        tab.mouse.move(box["x"] + 0.75 * box["width"], at[1] + 30, steps=3)
+        tab.mouse.up()
+
+    page.hand(drag)
+    state = page.call("set", {})["state"]
+    assert state["split"] == pytest.approx(0.75, abs=0.01) and state["focus"] == 2.42
+    page.hand(lambda tab: tab.touchscreen.tap(box["x"] + 0.2 * box["width"], box["y"] + 0.8 * box["height"]))
+    assert page.call("set", {})["state"]["focus"] != 2.42
+    page.hand(lambda tab: (tab.locator("#stop").focus(), tab.keyboard.press("ArrowRight"), tab.keyboard.press("x")))
+    after = page.call("set", {})["state"]
+    assert after["stop"] > state["stop"] and after["split"] == state["split"]
+    assert (after["left"], after["right"]) == ("exact", "input")
 
 
 def test_own_pictures(page):

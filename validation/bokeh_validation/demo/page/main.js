@@ -60,7 +60,7 @@ function step(now) {
 function focusOn(seconds) {
   const goal = 1 / pull.focus;
   const left = (1 / state.focus - goal) * Math.exp(-Math.min(Math.max(seconds, 0.005), 2 * PULL) / PULL);
-  state.focus = Math.abs(left) < 0.003 * goal ? pull.focus : 1 / (goal + left);
+  state.focus = Math.abs(left) < Math.max(0.003 * goal, 0.0005) ? pull.focus : 1 / (goal + left);
   if (state.focus === pull.focus) pull = null;
 }
 
@@ -187,6 +187,7 @@ function listScenes() {
 // Focus on the depth of a texel.
 export function focusAt([x, y]) {
   const metres = current.depth.data[y * current.color.size[0] + x];
+  if (!(metres > 0)) return; // no depth there
   // a lens cannot focus nearer than its focal length
   pull = { focus: Math.min(Math.max(metres, 1.5 * state.focal), 1000) };
   last = performance.now();
@@ -236,7 +237,8 @@ function listen() {
 }
 
 function key(event) {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("input, select")) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("select")) return;
+  if (event.target.matches("input") && event.key.startsWith("Arrow")) return; // its own
   const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
   const sides = Object.keys(data.apertures).map(Number);
   const actions = {

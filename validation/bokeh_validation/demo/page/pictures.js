@@ -36,7 +36,7 @@ export async function dropped(files) {
   if (!depth) throw new Error(`${first.name}: no depth. Drop an EXR with a channel Z, or a picture and its depth.png`);
   const [width, height] = color.size;
   const middle = depth[(height >> 1) * width + (width >> 1)];
-  const lens = { stop: STOP, focal: FOCAL, focus: Math.min(Math.max(middle, 0.5), 64), exposure: 1, rotation: 0 };
+  const lens = { stop: STOP, focal: FOCAL, focus: Math.min(Math.max(middle || 5, 0.5), 64), exposure: 1, rotation: 0 };
   return { name: first.name, color: color.color, depth: single(color.size, depth), truth: null, ...lens };
 }
 
