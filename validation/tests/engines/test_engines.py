@@ -9,7 +9,9 @@ from bokeh_validation import engines
 
 WANTED = {("paper", "hexagon"), ("paper", "octagon"), ("exact", "hexagon"), ("exact", "octagon")}
 # Their default is layered
-LAYERED = ("opengl", "raylib", "threejs-webgl", "threejs-webgpu", "direct3d11")
+LAYERED = (
+    "opengl", "raylib", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu", "direct3d11",
+)  # fmt: skip
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
     "opengl": (16.071, 1.4),
@@ -17,6 +19,8 @@ LENSES = {
     "raylib": (27.0, 0.2),
     "threejs-webgl": (45.0, 0.07),
     "threejs-webgpu": (45.0, 0.07),
+    "playcanvas-webgl": (45.0, 0.07),
+    "playcanvas-webgpu": (45.0, 0.07),
     "direct3d9": (16.071, 1.0),
     "direct3d11": (16.071, 1.0),
     "bevy": (26.991, 0.2),

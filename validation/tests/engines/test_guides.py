@@ -1,5 +1,6 @@
 """The guides of integration/ against their samples: the code that they show, tables, pictures drawn again."""
 
+import json
 import re
 import textwrap
 from pathlib import Path
@@ -71,6 +72,18 @@ def test_locked_version(name):
     (version,) = re.findall(rf"^{name}==(\S+)", scripts.requirements(name).read_text(encoding="utf-8"), re.MULTILINE)
     shown = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
     assert set(re.findall(rf"{name}==(\d[\d.]*\d)", shown)) == {version}
+
+
+@pytest.mark.parametrize("name", [path.parent.name for path in INTEGRATION.glob("*/package-lock.json")])
+def test_npm_version(name):
+    """The table of integration/README.md has the locked one."""
+    lock = json.loads((INTEGRATION / name / "package-lock.json").read_text(encoding="utf-8"))
+    (package, version) = next(iter(lock["packages"][""]["dependencies"].items()))
+    assert lock["packages"][f"node_modules/{package}"]["version"] == version
+    rows = re.findall(
+        rf"^\| \[.*\({name}/README.md\).*? \| ([\d.]+), ", (INTEGRATION / "README.md").read_text(), re.MULTILINE
+    )
+    assert rows and all(f"{version}.".startswith(f"{shown}.") for shown in rows), rows
 
 
 def test_bevy_passes():

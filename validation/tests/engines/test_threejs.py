@@ -1,10 +1,9 @@
 """integration/threejs: what its guide says of depth, focus and debug views is so."""
 
-import base64
-
 import numpy as np
 import pytest
 from support import needed
+from support_pages import assert_debug_views, pixels
 
 from bokeh_validation.engines import pages
 
@@ -62,9 +61,9 @@ def test_logarithmic_depth(sample, kind):
     assert said["said"] == []
     usual, logarithmic = (
         {
-            "color": _pixels(frame["color"], np.float16),
-            "depth": _pixels(frame["depth"], np.float32).astype(np.float64),
-            "coc": _pixels(frame["result"], np.float16)[..., 3],
+            "color": pixels(frame["color"], SIZE),
+            "depth": pixels(frame["depth"], SIZE).astype(np.float64),
+            "coc": pixels(frame["result"], SIZE)[..., 3],
         }
         for frame in said["frames"]
     )
@@ -84,20 +83,4 @@ def test_logarithmic_depth(sample, kind):
 
 def test_debug_views(sample, kind):
     """Depth, circle of confusion, near and far field, as section [9] has them; alpha is the signed CoC."""
-    said = sample.call("views", kind)
-    half = {mode: _pixels(data, np.float16) for mode, data in said["views"].items()}
-    depth = _pixels(said["depth"], np.float32)
-    coc = _pixels(said["coc"], np.float16)[..., 3]
-    focus = said["focus"]
-    assert np.allclose(half["1"][..., 0], depth / (depth + focus), atol=2e-3)
-    assert np.allclose(half["2"][..., 0], abs(coc) / said["maxCoC"], atol=2e-3)
-    blurred = abs(coc) > 0.005
-    near = depth < focus
-    assert ((coc < 0) == near)[blurred].all()
-    assert (half["3"][..., 0] > half["3"][..., 2])[blurred & near].all() and (blurred & near).any()
-    assert (half["3"][..., 2] > half["3"][..., 0])[blurred & ~near].all() and (blurred & ~near).any()
-
-
-def _pixels(data: str, dtype: type) -> np.ndarray:
-    values = np.frombuffer(base64.b64decode(data), dtype)
-    return values.reshape(*SIZE, 4) if dtype is np.float16 else values.reshape(SIZE)
+    assert_debug_views(sample.call("views", kind), SIZE)

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for PlayCanvas: a CameraFrame whose depth of field is made of the functions of bokeh.glsl and
+// bokeh_layers.glsl. It stands after TAA, before bloom and tone mapping.
+
+import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, RenderTarget } from 'playcanvas';
+import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
+import { PROJECTION_PERSPECTIVE, ShaderUtils, Texture } from 'playcanvas';
+
+// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
+// textures that it reads: docs/passes.md. `color` and `metres` are the camera frame's. Where a row writes several
+// textures, the function returns them as T2, T3, T4, T5.
+
+// 'SignedCoCMap' for layered and exact, whose passes read no depth; 'CoCMap' for paper
+const cocMap = (name) => [
+  ['coc'],
+  1,
+  `Bokeh${name}(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)`,
+];
+
+// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
+// second takes four: it gets the last one for the rest, and does not read it.
+const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
+const four = (names) => names.concat(Array(4 - names.length).fill(names.at(-1))).join(', ');
+
+const FRAMES = {
+  layered(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const near = between('nearTarget', sides);
+    const far = between('farTarget', sides);
+    const [rows, columns] = ['vec2(1.0, 0.0)', 'vec2(0.0, 1.0)'];
+    return [
+      [['tiles'], 8, 'BokehLayerTiles(coc, uv, layers)'],
+      [['reachAlongRows'], 8, `BokehLayerReach(tiles, uv, ${rows}, layers)`],
+      [['reach'], 8, `BokehLayerReach(reachAlongRows, uv, ${columns}, layers)`],
+      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, reach, uv, layers)'],
+      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, leftovers, uv, layers)'],
+      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, tileSums, reach, uv, ${rows}, layers)`],
+      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, rowSums, reach, uv, layers)'],
+      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, reach, uv, layers)'],
+      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, farWithHoles, shares, reach, uv, layers)'],
+      [near, 2, `BokehLayerFirst(near, sizes, uv, false, layers)${one}`],
+      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
+      [far, 2, `BokehLayerFirst(far, sizes, uv, true, layers)${one}`],
+      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
+      [['result'], 1, 'BokehLayered(coc, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
+    ];
+  },
+
+  exact(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const targets = between('target', sides);
+    return [
+      [targets, 1, `BokehExactFirst(coc, uv, polygon, settings)${one}`],
+      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
+    ];
+  },
+
+  // Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
+  paper(sides) {
+    const line = (degrees, from) => {
+      const segment = `BokehSegment(radians(${degrees}.0) + rotation, 1.0, vec2(0.0, 0.0), squeeze)`;
+      return `BokehDepthOfFieldAdaptive(${from}, metres, uv, ${segment}, settings, true)`;
+    };
+    const combined = (a, b) => `BokehCombine(${a}, BokehFetch(${b}, uv), false)`;
+    if (sides === 6) {
+      return [
+        [['line1'], 1, line(90, 'coc')],
+        [['line2'], 1, line(30, 'line1')],
+        [['result'], 1, combined(line(150, 'line1'), 'line2')],
+      ];
+    }
+    return [
+      [['line1'], 1, line(0, 'coc')],
+      [['line2'], 1, line(90, 'line1')],
+      [['line3'], 1, line(45, 'coc')],
+      [['result'], 1, combined(line(135, 'line3'), 'line2')],
+    ];
+  },
+};
+
+// What debugMode 1, 2 and 3 show: depth, circle of confusion, near and far field
+const VIEWS = [
+  'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
+  'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
+  'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
+];
+
+// To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing (pixels
+// between samples of exact and paper).
+const UNIFORMS = {
+  apertureDiameter: 0.05,
+  focalLength: 0.05,
+  focusDistance: 5,
+  sensorHeight: 0.024,
+  maxCoC: 0.1,
+  rotation: 0,
+  squeeze: 1,
+  spacing: 1,
+};
+
+// of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
+const PRESETS = { LOW: [2, 8, 0], MEDIUM: [3, 12, 1], HIGH: [3, 16, 1], ULTRA: [4, 16, 1] };
+
+// The names of uniforms and textures are common to all shaders of PlayCanvas: these get a prefix.
+const own = (name) => `bokeh_${name}`;
+
+// The two languages. values: of the library's constants; code: what a pass does, as (call) => text
+const GLSL = {
+  vertex: `
+attribute vec2 aPosition;
+varying vec2 bokehUv;
+void main()
+{
+    bokehUv = aPosition * 0.5 + 0.5;
+    gl_Position = vec4(aPosition, 0.0, 1.0);
+}`,
+
+  // PlayCanvas evaluates #if by itself. It does not know GL_ES, by which the library sets the precision, and compares
+  // numbers as text, in which 13 < 2; behind a second name it leaves them alone.
+  library(text, values) {
+    const define = ([name, value]) => `#define ${name}_HERE ${value}\n#define ${name} ${name}_HERE\n`;
+    const precision = ['float', 'int', 'sampler2D'].map((type) => `precision highp ${type};\n`);
+    return [...precision, ...Object.entries(values).map(define), text].join('');
+  },
+
+  declarations: (textures, uniforms) => `
+uniform sampler2D ${textures.map(own).join(', ')};
+uniform float ${uniforms.map(own).join(', ')};
+uniform vec2 bokeh_imageSize;
+varying vec2 bokehUv;
+`,
+  uniform: own,
+  call: (text) => text,
+  main: (sides, call, writes, opaque) => `
+void main()
+{
+    vec2 uv = bokehUv;
+    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
+    BokehFilter settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `pcFragColor0 = ${call};`}
+    ${writes.length > 1 ? writes.map((_, i) => `pcFragColor${i} = targets.T${i + 2};`).join(' ') : ''}
+    ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
+}`,
+};
+
+const filtered = (name) => `var ${name}: texture_2d<f32>;\nvar ${name}Sampler: sampler;\n`;
+const WGSL = {
+  vertex: `
+attribute aPosition: vec2f;
+varying bokehUv: vec2f;
+@vertex fn vertexMain(input: VertexInput) -> VertexOutput
+{
+    var output: VertexOutput;
+    output.bokehUv = input.aPosition * vec2f(0.5, -0.5) + 0.5;
+    output.position = vec4f(input.aPosition, 0.0, 1.0);
+    return output;
+}`,
+
+  // PlayCanvas hands no pipeline constants on to WebGPU, so the overrides get their values here.
+  library: (text, values) =>
+    text.replace(/(?<=override (\w+): \w+ = )[\d.]+/g, (value, name) => values[name] ?? value),
+
+  // each on a line of its own; 'uff': a 32-bit float texture, which not every device filters
+  declarations: (textures, uniforms) => `
+${textures.map((name) => (name === 'metres' ? `var ${own(name)}: texture_2d<uff>;\n` : filtered(own(name)))).join('')}
+${uniforms.map((name) => `uniform ${own(name)}: f32;\n`).join('')}
+uniform bokeh_imageSize: vec2f;
+varying bokehUv: vec2f;
+`,
+  uniform: (name) => `uniform.${own(name)}`,
+  // a sampler comes after the first texture, but where a texel is fetched
+  call: (text) =>
+    text.replace(/(Bokeh(?!FetchNearest|\w*CoCMap)\w+\((bokeh_\w+))/g, '$1, $2Sampler').replaceAll('vec2(', 'vec2f('),
+  main: (sides, call, writes, opaque) => `
+@fragment fn fragmentMain(input: FragmentInput) -> FragmentOutput
+{
+    var output: FragmentOutput;
+    let uv = input.bokehUv;
+    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
+    var settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    ${writes.length > 1 ? `let targets = ${call};` : `output.color = ${call};`}
+    ${writes.length > 1 ? writes.map((_, i) => `output.color${i || ''} = targets.T${i + 2};`).join(' ') : ''}
+    ${opaque ? 'output.color.a = 1.0;' : ''}
+    return output;
+}`,
+};
+
+function replaced(text, names, by) {
+  return text.replace(new RegExp(`(?<![.\\w])(${names.join('|')})\\b`, 'g'), (name) => by(name));
+}
+
+// What comes after the library in a pass that reads the textures `reads`
+function fragment(language, reads, [writes, , call], sides, opaque) {
+  const uniforms = Object.keys(UNIFORMS);
+  const main = language.main(sides, language.call(replaced(call, reads, own)), writes, opaque);
+  return language.declarations(reads, uniforms) + replaced(main, [...uniforms, 'imageSize'], language.uniform);
+}
+
+class BokehPass extends RenderPassShaderQuad {
+  // bokeh   the PolygonBokeh that it is a pass of
+  // reads   the textures, by name
+  // target  that it draws into, of 1 / scale of the size
+  constructor(bokeh, shader, scale, reads, target) {
+    super(bokeh.device);
+    Object.assign(this, { bokeh, shader, reads, scale });
+    this.init(target);
+  }
+
+  frameUpdate() {
+    const { width, height } = this.bokeh.textures.color;
+    this.renderTarget.resize(Math.ceil(width / this.scale), Math.ceil(height / this.scale));
+  }
+
+  execute() {
+    const { textures, uniforms } = this.bokeh;
+    const { width, height } = textures.color;
+    const set = (name, value) => this.device.scope.resolve(own(name)).setValue(value);
+    for (const name of this.reads) set(name, textures[name]);
+    for (const name in UNIFORMS) set(name, uniforms[name]);
+    set('imageSize', [width, height]);
+    super.execute();
+  }
+
+  destroy() {
+    this.shader = null; // PlayCanvas keeps it for the next pass of that name
+  }
+}
+
+// All passes from colour and metres to the result: textures.color and .metres are set before each frame
+class PolygonBokeh extends FramePass {
+  constructor(device, library, uniforms, { method, sides, preset, samples, opaque }) {
+    super(device);
+    this.uniforms = uniforms;
+    this.textures = { color: null, metres: null };
+    const [BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC] = PRESETS[preset];
+    const values = { BOKEH_NUM_SAMPLES: samples, BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC };
+    const language = device.isWebGPU ? WGSL : GLSL;
+    const text = language.library(library, values);
+    const frame = [cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap'), ...FRAMES[method](sides)];
+    this.targets = frame.map(([writes]) => {
+      const colorBuffers = writes.map((name) => (this.textures[name] = this.texture(name)));
+      return new RenderTarget({ name: writes[0], colorBuffers, depth: false });
+    });
+
+    const pass = (row, place, target) => {
+      const [, scale, call] = row;
+      const last = opaque && target === this.targets.at(-1);
+      const reads = Object.keys(this.textures).filter((name) => new RegExp(`\\b${name}\\b`).test(call));
+      const shader = ShaderUtils.createShader(device, {
+        uniqueName: ['bokeh', method, sides, preset, samples, last, place].join('-'),
+        attributes: { aPosition: SEMANTIC_POSITION },
+        vertexGLSL: GLSL.vertex,
+        vertexWGSL: WGSL.vertex,
+        [device.isWebGPU ? 'fragmentWGSL' : 'fragmentGLSL']: text + fragment(language, reads, row, sides, last),
+      });
+      return new BokehPass(this, shader, scale, reads, target);
+    };
+    this.passes = frame.map((row, i) => pass(row, i, this.targets[i]));
+    this.views = VIEWS.map((view, i) => pass([['result'], 1, view], `view${i}`, this.targets.at(-1)));
+    this.beforePasses.push(...this.passes, ...this.views);
+  }
+
+  texture(name) {
+    return new Texture(this.device, {
+      name: own(name),
+      width: 1,
+      height: 1,
+      format: PIXELFORMAT_RGBA16F,
+      mipmaps: false,
+      minFilter: FILTER_LINEAR,
+      magFilter: FILTER_LINEAR,
+      addressU: ADDRESS_CLAMP_TO_EDGE,
+      addressV: ADDRESS_CLAMP_TO_EDGE,
+    });
+  }
+
+  // Before its passes are looked at: which of them draw
+  frameUpdate() {
+    super.frameUpdate();
+    this.passes.forEach((pass, i) => (pass.enabled = i === 0 || this.debugMode === 0));
+    this.views.forEach((pass, i) => (pass.enabled = i + 1 === this.debugMode));
+  }
+
+  destroy() {
+    this.beforePasses.forEach((pass) => pass.destroy());
+    for (const target of this.targets) {
+      target.destroyTextureBuffers();
+      target.destroy();
+    }
+  }
+}
+
+class BokehCameraFrame extends FramePassCameraFrame {
+  createPasses(options) {
+    super.createPasses(options);
+    const { library, uniforms, bokehOptions } = this.cameraFrame;
+    // CameraFrame makes its first passes before it is told of these
+    this.bokeh = library && new PolygonBokeh(this.device, library, uniforms, bokehOptions);
+  }
+
+  collectPasses() {
+    const passes = super.collectPasses();
+    passes.splice(passes.indexOf(this.scenePassHalf ?? this.composePass), 0, this.bokeh);
+    return passes;
+  }
+
+  frameUpdate() {
+    super.frameUpdate();
+    const { textures } = this.bokeh;
+    this.bokeh.debugMode = this.cameraFrame.debugMode;
+    textures.color = this.composePass.sceneTexture;
+    textures.metres = this.prePass.linearDepthTexture;
+    this.composePass.sceneTexture = textures.result;
+    this.scenePassHalf?.setSourceTexture(textures.result);
+  }
+}
+
+export class PolygonBokehFrame extends CameraFrame {
+  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order
+  // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //          confusion, fewer passes; 'paper': lines and min, a target less
+  // sides    6 or 8; layered and exact have 4 and 10 as well
+  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  // samples  of exact and paper: at most so many on an edge or a line
+  // opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
+  //          transparency.
+  constructor(
+    app,
+    cameraComponent,
+    library,
+    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true } = {},
+  ) {
+    if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
+    super(app, cameraComponent);
+    this.library = library;
+    this.uniforms = { ...UNIFORMS };
+    this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
+    this.bokehOptions = { method, sides, preset, samples, opaque };
+    this.rendering.renderFormats = [PIXELFORMAT_RGBA16F];
+    this.rendering.sceneDepthMap = true; // a first pass for depth, in metres
+    this.update();
+  }
+
+  createRenderPass() {
+    return new BokehCameraFrame(this.app, this, this.cameraComponent, this.options);
+  }
+
+  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
+  // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
+  setLens(fStop) {
+    const { projection, projectionMatrix } = this.cameraComponent;
+    const { uniforms } = this;
+    if (projection === PROJECTION_PERSPECTIVE) {
+      uniforms.focalLength = 0.5 * uniforms.sensorHeight * projectionMatrix.data[5];
+    }
+    uniforms.apertureDiameter = uniforms.focalLength / fStop;
+  }
+
+  // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
+  focusOn(point) {
+    this.uniforms.focusDistance = -this.cameraComponent.viewMatrix.transformPoint(point).z;
+  }
+}

@@ -1,0 +1,179 @@
+// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+
+import { FILLMODE_NONE, PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
+import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
+import { addBokeh, app, box, camera, frame as shown, subject } from './sample.js';
+
+const WIDTH = 320;
+const HEIGHT = 240;
+const SHAPES = {
+  layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
+  exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
+  paper: { hexagon: 6, octagon: 8 },
+};
+
+const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
+
+// One frame of a new camera frame, which is destroyed before the next one; change(frame) is called before it is drawn
+let last = shown;
+async function draw(options, [width, height], change = () => {}) {
+  last.destroy();
+  app.setCanvasFillMode(FILLMODE_NONE, width, height);
+  app.setCanvasResolution(RESOLUTION_FIXED, width, height);
+  last = addBokeh(app, camera, options);
+  last.focusOn(subject.getPosition());
+  change(last);
+  last.update();
+  await drawn();
+  return last;
+}
+
+// After the next frame
+function drawn() {
+  app.renderNextFrame = true;
+  return new Promise((done) => app.once('frameend', done));
+}
+
+const pixels = (texture) => texture.read(0, 0, texture.width, texture.height, { immediate: true });
+
+// A frame's pixels, first row in memory first
+async function read({ renderPassCamera: { bokeh } }) {
+  const { color, metres, result } = bokeh.textures;
+  return { color: await pixels(color), depth: await pixels(metres), result: await pixels(result) };
+}
+
+// What every pass wrote, in the order of docs/passes.md
+async function written({ renderPassCamera: { bokeh } }) {
+  const found = [];
+  for (const { _colorBuffers } of bokeh.targets) for (const texture of _colorBuffers) found.push(await pixels(texture));
+  return new Uint8Array(await new Blob(found).arrayBuffer());
+}
+
+// { data: what capture.json holds, files: name -> base64 }
+export async function capture() {
+  const { gl, wgpu, canvas } = app.graphicsDevice;
+  const device = gl ? gl.getParameter(names(gl).UNMASKED_RENDERER_WEBGL) : adapter(wgpu);
+  const engine = `PlayCanvas ${version}, ${gl ? 'WebGL 2' : 'WebGPU'}`;
+  const data = { engine, device, width: WIDTH, height: HEIGHT, shots: [] };
+  await draw({}, [2 * WIDTH, 2 * HEIGHT]);
+  app.renderNextFrame = true;
+  const picture = await new Promise((done) => app.once('frameend', () => canvas.toBlob(done)));
+  const files = { 'picture.png': base64(await picture.bytes()) };
+  for (const [method, shapes] of Object.entries(SHAPES)) {
+    for (const [aperture, sides] of Object.entries(shapes)) {
+      const name = `${method}-${aperture}`;
+      // a size that 2, 4 and 8 do not divide, where there are smaller targets
+      const [width, height] = method === 'layered' ? [WIDTH - 3, HEIGHT - 3] : [WIDTH, HEIGHT];
+      const frame = await draw({ method, sides, opaque: false }, [width, height]);
+      const shot = { name, method, aperture, width, height, max_samples: 33, ...settings(frame.uniforms) };
+      for (const [what, array] of Object.entries(await read(frame))) {
+        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+        files[shot[what]] = base64(array);
+      }
+      if (method === 'layered') {
+        shot.written = `${name}.written`;
+        files[shot.written] = base64(await written(frame));
+      }
+      data.shots.push(shot);
+    }
+  }
+  return { data, files };
+}
+
+const names = (gl) => gl.getExtension('WEBGL_debug_renderer_info');
+const adapter = ({ adapterInfo: { vendor, architecture, description } }) =>
+  [vendor, architecture, description].filter(Boolean).join(' ');
+
+// What the shaders got, which is float32.
+function settings(uniforms) {
+  const value = (name) => Math.fround(uniforms[name]);
+  return {
+    spacing: value('spacing'),
+    camera: {
+      aperture_diameter: value('apertureDiameter'),
+      focal_length: value('focalLength'),
+      focus_distance: value('focusDistance'),
+      sensor_height: value('sensorHeight'),
+      max_coc: value('maxCoC'),
+    },
+  };
+}
+
+// Depth in metres as the passes read it, and where a ray meets the floor or the wall, in the leftmost columns, which
+// show nothing else: [{ name, drawn: [...], met: [...] }]
+export async function depths() {
+  const found = [];
+  for (const [name, projection] of Object.entries({ PROJECTION_PERSPECTIVE, PROJECTION_ORTHOGRAPHIC })) {
+    Object.assign(camera, { projection, orthoHeight: 1.2 });
+    const { depth } = await read(await draw({}, [WIDTH, HEIGHT]));
+    const [drawn, met] = [[], []];
+    for (let row = 0; row < HEIGHT; row++) {
+      for (let x = 0; x < WIDTH / 10; x++) {
+        drawn.push(depth[row * WIDTH + x]);
+        met.push(meets(x + 0.5, (app.graphicsDevice.isWebGPU ? row : HEIGHT - 1 - row) + 0.5));
+      }
+    }
+    found.push({ name, drawn, met });
+  }
+  camera.projection = PROJECTION_PERSPECTIVE;
+  return found;
+}
+
+function meets(x, y) {
+  const start = camera.screenToWorld(x, y, 1);
+  const along = camera.screenToWorld(x, y, 2).sub(start);
+  const floor = along.y < 0 ? -start.y / along.y : Infinity;
+  const there = along.mulScalar(Math.min(floor, (-16 - start.z) / along.z)).add(start);
+  return -camera.viewMatrix.transformPoint(there).z;
+}
+
+// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
+export async function views() {
+  const found = { views: {} };
+  for (const mode of [0, 1, 2, 3]) {
+    const frame = await draw({ opaque: false }, [WIDTH, HEIGHT], (changed) => (changed.debugMode = mode));
+    const { depth, result } = await read(frame);
+    const { focusDistance, maxCoC } = frame.uniforms;
+    Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
+    if (mode === 0) found.coc = base64(result);
+    else found.views[mode] = base64(result);
+  }
+  return found;
+}
+
+// Beside other effects of the camera frame: { effect: { size, result: rgba, blooms: whether bloom reads the result } }
+const EFFECTS = {
+  none: () => {},
+  bloom: ({ bloom }) => (bloom.intensity = 0.02),
+  ssao: ({ ssao }) => (ssao.type = SSAOTYPE_LIGHTING),
+  taa: ({ taa }) => (taa.enabled = true),
+  samples: ({ rendering }) => (rendering.samples = 4),
+  scale: ({ rendering }) => (rendering.renderTargetScale = 0.5),
+};
+export async function effects() {
+  const found = {};
+  for (const [effect, change] of Object.entries(EFFECTS)) {
+    const frame = await draw({}, [WIDTH, HEIGHT], change);
+    for (let i = 0; i < 8; i++) await drawn(); // TAA takes several
+    const { bokeh, scenePassHalf } = frame.renderPassCamera;
+    const { result } = bokeh.textures;
+    const blooms = scenePassHalf?.sourceTexture === result;
+    found[effect] = { size: [result.height, result.width], result: base64(await pixels(result)), blooms };
+  }
+  return found;
+}
+
+// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode
+// after a key.
+export async function interaction() {
+  await drawn();
+  const { x, y } = camera.worldToScreen(box.getPosition());
+  const { canvas } = app.graphicsDevice;
+  const { left, top } = canvas.getBoundingClientRect();
+  const before = shown.uniforms.focusDistance;
+  canvas.dispatchEvent(new MouseEvent('click', { clientX: left + x, clientY: top + y }));
+  dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
+  while (shown.uniforms.focusDistance === before) await drawn();
+  const depth = -camera.viewMatrix.transformPoint(new Vec3().copy(box.getPosition())).z;
+  return { before, after: shown.uniforms.focusDistance, box: depth, mode: shown.debugMode };
+}

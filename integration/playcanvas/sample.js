@@ -1,0 +1,48 @@
+// The sample, for WebGL 2 and WebGPU: the canvas of the page says which.
+
+import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
+import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
+import { PolygonBokehFrame } from './PolygonBokehFrame.js';
+import { makeScene } from './scene.js';
+
+const canvas = document.querySelector('canvas');
+const options = new AppOptions();
+options.graphicsDevice = await createGraphicsDevice(canvas, { deviceTypes: [canvas.dataset.device], antialias: false });
+options.componentSystems = [CameraComponentSystem, LightComponentSystem, RenderComponentSystem];
+export const app = new AppBase(canvas);
+app.init(options);
+app.autoRender = false; // nothing moves: a frame is drawn when it is asked for
+app.start();
+
+const language = options.graphicsDevice.isWebGPU ? 'wgsl' : 'glsl';
+const text = async (name) => (await fetch(`../../${language}/${name}.${language}`)).text();
+const library = (await text('bokeh')) + (await text('bokeh_layers'));
+
+// The camera with depth of field. `options` are those of PolygonBokehFrame.
+export function addBokeh(app, camera, options) {
+  const frame = new PolygonBokehFrame(app, camera, library, options);
+  frame.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  frame.rendering.toneMapping = TONEMAP_ACES; // which is done after the bokeh, with sRGB
+  frame.update();
+  return frame;
+}
+
+export const { camera, subject, box } = makeScene(app);
+export const frame = addBokeh(app, camera);
+frame.focusOn(subject.getPosition());
+app.renderNextFrame = true;
+
+// A click focuses on what is there.
+const picker = new Picker(app, canvas.width, canvas.height, true);
+canvas.addEventListener('click', async (event) => {
+  picker.prepare(camera, app.scene);
+  const point = await picker.getWorldPointAsync(event.offsetX, event.offsetY);
+  if (point) frame.focusOn(point);
+  app.renderNextFrame = true;
+});
+
+// Keys 0 to 3 choose the debug view.
+addEventListener('keydown', ({ key }) => {
+  if ('0123'.includes(key)) frame.debugMode = Number(key);
+  app.renderNextFrame = true;
+});
