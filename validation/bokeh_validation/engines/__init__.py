@@ -36,6 +36,8 @@ ENGINES = {
     "raylib": Engine(scripts.run),
     "threejs-webgl": Engine(pages.run),
     "threejs-webgpu": Engine(pages.run),
+    "babylonjs-webgl": Engine(pages.run),
+    "babylonjs-webgpu": Engine(pages.run),
     "playcanvas-webgl": Engine(pages.run),
     "playcanvas-webgpu": Engine(pages.run),
     "direct3d9": Engine(direct3d.run),

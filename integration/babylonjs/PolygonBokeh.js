@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for Babylon.js: a PostProcess, made of the functions of bokeh.* and bokeh_layers.*, in GLSL for
+// WebGL 2 and in WGSL for WebGPU. It is the first of its camera's post processes, before bloom and image processing.
+
+import { Constants } from '@babylonjs/core/Engines/constants.js';
+import { EffectRenderer, EffectWrapper } from '@babylonjs/core/Materials/effectRenderer.js';
+import { MultiRenderTarget } from '@babylonjs/core/Materials/Textures/multiRenderTarget.js';
+import { ShaderLanguage } from '@babylonjs/core/Materials/shaderLanguage.js';
+import { Color4 } from '@babylonjs/core/Maths/math.color.js';
+import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
+import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
+import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
+import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
+
+// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
+// textures that it reads: docs/passes.md. `color` and `depth` are the scene's. Where a row writes several textures, the
+// function returns them as T2, T3, T4, T5.
+// In a right-handed scene the depth along the view axis is below 0.
+const METRES = [['metres'], 1, 'vec4(-BokehFetchNearest(depth, uv).r)'];
+
+const MAP = [
+  ['coc'],
+  1,
+  'BokehSignedCoCMap(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)',
+];
+
+// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
+// second takes four: it gets the last one for the rest, and does not read it.
+const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
+const four = (names) => names.concat(Array(4 - names.length).fill(names.at(-1))).join(', ');
+
+const FRAMES = {
+  layered(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const near = between('nearTarget', sides);
+    const far = between('farTarget', sides);
+    const [rows, columns] = ['vec2(1.0, 0.0)', 'vec2(0.0, 1.0)'];
+    return [
+      [['tiles'], 8, 'BokehLayerTiles(coc, uv, layers)'],
+      [['reachAlongRows'], 8, `BokehLayerReach(tiles, uv, ${rows}, layers)`],
+      [['reach'], 8, `BokehLayerReach(reachAlongRows, uv, ${columns}, layers)`],
+      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, reach, uv, layers)'],
+      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, leftovers, uv, layers)'],
+      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, tileSums, reach, uv, ${rows}, layers)`],
+      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, rowSums, reach, uv, layers)'],
+      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, reach, uv, layers)'],
+      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, farWithHoles, shares, reach, uv, layers)'],
+      [near, 2, `BokehLayerFirst(near, sizes, uv, false, layers)${one}`],
+      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
+      [far, 2, `BokehLayerFirst(far, sizes, uv, true, layers)${one}`],
+      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
+      [['result'], 1, 'BokehLayered(coc, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
+    ];
+  },
+
+  exact(sides) {
+    const one = sides === 4 ? '.T2' : '';
+    const targets = between('target', sides);
+    return [
+      [targets, 1, `BokehExactFirst(coc, uv, polygon, settings)${one}`],
+      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
+    ];
+  },
+};
+
+// In place of the result
+const VIEWS = {
+  depth: 'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
+  coc: 'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
+  focus: 'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
+};
+
+// `#version 300 es` keeps Babylon.js from rewriting what follows.
+const glsl = (library, uniforms, { writes, reads, call, opaque }, { sides, samples, preset }) => `#version 300 es
+#define BOKEH_NUM_SAMPLES ${samples}
+#define BOKEH_PRESET_${preset}
+${library}
+${reads.map((name) => `uniform sampler2D ${name};`).join('\n')}
+uniform float ${uniforms.join(', ')};
+uniform vec2 imageSize;
+in vec2 vUV;
+${writes.map((_, i) => `layout(location = ${i}) out vec4 T${i + 2};`).join('\n')}
+
+void main()
+{
+    vec2 uv = vUV;
+    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
+    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
+    BokehFilter settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `T2 = ${call};`}
+    ${writes.length > 1 ? writes.map((_, i) => `T${i + 2} = targets.T${i + 2};`).join(' ') : ''}
+    ${opaque ? 'T2.a = 1.0;' : ''}
+}`;
+
+// of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
+const PRESETS = { LOW: [2, 8, 0], MEDIUM: [3, 12, 1], HIGH: [3, 16, 1], ULTRA: [4, 16, 1] };
+
+// The overrides of the library get their values here: Babylon.js hands no pipeline constants on.
+function configured(library, { samples, preset }) {
+  const [BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC] = PRESETS[preset];
+  const values = { BOKEH_NUM_SAMPLES: samples, BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC };
+  return library.replace(/(?<=override (\w+): \w+ = )[\d.]+/g, (value, name) => values[name] ?? value);
+}
+
+// In WGSL the sampler comes after the first texture, and vectors have other names. Babylon.js binds what is called
+// cocSampler with coc, and makes the struct around main of what it finds here.
+const wgslCall = (call) =>
+  call.replace(/^(Bokeh(?:Layer|Exact)\w*)\((\w+)/, '$1($2, $2Sampler').replace(/\b(vec[24])\(/g, '$1f(');
+
+const wgsl = (library, uniforms, { writes, reads, call, opaque }, options) => `
+varying vUV: vec2f;
+${uniforms.map((name) => `uniform ${name}: f32;`).join('\n')}
+uniform imageSize: vec2f;
+${reads.map((name) => `var ${name}: texture_2d<f32>;`).join('\n')}
+${wgslCall(call).includes('Sampler') ? `var ${reads[0]}Sampler: sampler;` : ''}
+${configured(library, options)}
+
+@fragment
+fn main(input: FragmentInputs) -> FragmentOutputs
+{
+    let uv = input.vUV;
+    let imageSize = uniforms.imageSize;
+    ${uniforms.map((name) => `let ${name} = uniforms.${name};`).join('\n    ')}
+    let polygon = BokehMakePolygon(${options.sides}, rotation, squeeze);
+    let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
+    var settings = BokehDefaultFilter(imageSize);
+    settings.spacing = spacing;
+    let targets = ${wgslCall(call)};
+    ${writes.length === 1 ? `fragmentOutputs.color = ${opaque ? 'vec4f(targets.rgb, 1.0)' : 'targets'};` : ''}
+    ${writes.length > 1 ? writes.map((_, i) => `fragmentOutputs.fragData${i} = targets.T${i + 2};`).join(' ') : ''}
+}`;
+
+export class PolygonBokeh extends PostProcess {
+  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order; for WebGPU those in WGSL
+  // camera   the camera whose picture is blurred
+  // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //          confusion, fewer passes
+  // sides    4, 6, 8 or 10
+  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  // samples  of exact: at most so many on an edge
+  // opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
+  // view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
+  constructor(
+    library,
+    camera,
+    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true, view } = {},
+  ) {
+    const scene = camera.getScene();
+    const engine = scene.getEngine();
+
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
+    // (pixels between samples of exact).
+    const uniforms = {
+      apertureDiameter: 0.05,
+      focalLength: 0.05,
+      focusDistance: 5,
+      sensorHeight: 0.024,
+      maxCoC: 0.1,
+      rotation: 0,
+      squeeze: 1,
+      spacing: 1,
+    };
+
+    const rightHanded = scene.useRightHandedSystem;
+    const inputs = rightHanded ? [METRES, MAP] : [MAP];
+    const frame = inputs.concat(view ? [[['result'], 1, VIEWS[view]]] : FRAMES[method](sides));
+    const [language, shader] = engine.isWebGPU ? [ShaderLanguage.WGSL, wgsl] : [ShaderLanguage.GLSL, glsl];
+    const names = [...new Set(['color', 'depth', 'metres', ...frame.flatMap(([writes]) => writes)])];
+    const passes = frame.map(([writes, scale, call]) => {
+      // in the order of the call
+      const reads = [...new Set(call.match(/\w+/g))].filter((name) => names.includes(name));
+      const pass = { writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
+      pass.wrapper = new EffectWrapper({
+        engine,
+        name: `bokeh ${writes[0]}`,
+        fragmentShader: shader(library, Object.keys(uniforms), pass, { sides, samples, preset }),
+        shaderLanguage: language,
+        uniforms: [...Object.keys(uniforms), 'imageSize'],
+        samplers: [...reads],
+        useAsPostProcess: true, // for blending off, which is its default
+        allowEmptySourceTexture: true,
+      });
+      return pass;
+    });
+
+    // The last pass is the post process itself, and writes into the input of the next one. Its input is the scene.
+    const last = passes.at(-1);
+    const textureType = Constants.TEXTURETYPE_HALF_FLOAT;
+    super('polygonBokeh', '', { size: 1, camera, textureType, shaderLanguage: language, effectWrapper: last.wrapper });
+    camera.detachPostProcess(this);
+    camera.attachPostProcess(this, 0);
+    this.externalTextureSamplerBinding = true; // the scene's texture is called color here
+    Object.assign(this, { camera, uniforms, passes });
+    this.onApplyObservable.add((effect) => this.bind(effect, last));
+
+    // Depth along the view axis: a pass of Babylon.js that draws the scene once more, into R32F. Where nothing is
+    // drawn, it would be 0 without a clearColor: at the camera.
+    const [float, nearest] = [Constants.TEXTURETYPE_FLOAT, Constants.TEXTURE_NEAREST_SAMPLINGMODE];
+    this.depth = new DepthRenderer(scene, float, camera, false, nearest, true, 'bokeh depth');
+    this.depth.clearColor = new Color4(rightHanded ? -camera.maxZ : camera.maxZ, 0, 0, 1);
+    const depth = this.depth.getDepthMap();
+    camera.customRenderTargets.push(depth); // those of the scene are drawn with the meshes that the last frame showed
+    this.textures = { depth, metres: depth };
+
+    for (const pass of passes.slice(0, -1)) {
+      const options = { defaultType: pass.writes[0] === 'metres' ? float : textureType, generateDepthBuffer: false };
+      pass.target = new MultiRenderTarget(pass.writes[0], 1, pass.writes.length, scene, options);
+      pass.target.textures.forEach((texture, i) => {
+        texture.wrapU = texture.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE;
+        this.textures[pass.writes[i]] = texture;
+      });
+      pass.wrapper.onApplyObservable.add(() => this.bind(pass.wrapper.effect, pass));
+    }
+    this.quad = new EffectRenderer(engine);
+    this.drawing = scene.postProcessManager.onBeforeRenderObservable.add(() => {
+      if (scene.activeCamera === camera) this.draw();
+    });
+    this.resizing = engine.onResizeObservable.add(() => {
+      depth.resize({ width: engine.getRenderWidth(), height: engine.getRenderHeight() });
+    });
+  }
+
+  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
+  // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
+  setLens(fStop) {
+    const { uniforms, camera } = this;
+    if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
+      uniforms.focalLength = 0.5 * uniforms.sensorHeight * Math.abs(camera.getProjectionMatrix(true).m[5]);
+    }
+    uniforms.apertureDiameter = uniforms.focalLength / fStop;
+  }
+
+  // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
+  focusOn(point) {
+    this.uniforms.focusDistance = Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
+  }
+
+  // Whether all shaders are compiled
+  isReady() {
+    return this.textures.depth.isReadyForRendering() && this.passes.every(({ wrapper }) => wrapper.isReady());
+  }
+
+  // All passes but the last, after the scene was drawn
+  draw() {
+    const { width, height } = this.inputTexture;
+    for (const { target, scale, wrapper } of this.passes.slice(0, -1)) {
+      const size = { width: Math.ceil(width / scale), height: Math.ceil(height / scale) };
+      if (target.getRenderWidth() !== size.width || target.getRenderHeight() !== size.height) target.resize(size);
+      this.quad.render(wrapper, target);
+    }
+  }
+
+  bind(effect, { reads }) {
+    const { width, height } = this.inputTexture;
+    for (const [name, value] of Object.entries(this.uniforms)) effect.setFloat(name, value);
+    effect.setFloat2('imageSize', width, height);
+    for (const name of reads) {
+      if (name === 'color') effect.setTextureFromPostProcess(name, this);
+      else effect.setTexture(name, this.textures[name]);
+    }
+  }
+
+  dispose() {
+    const scene = this.camera.getScene();
+    scene.postProcessManager.onBeforeRenderObservable.remove(this.drawing);
+    scene.getEngine().onResizeObservable.remove(this.resizing);
+    for (const { target, wrapper } of this.passes) {
+      target?.dispose();
+      wrapper.dispose();
+    }
+    this.quad.dispose();
+    this.depth.dispose();
+    super.dispose(this.camera);
+  }
+}

@@ -1,0 +1,175 @@
+// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+
+import { AbstractEngine } from '@babylonjs/core/Engines/abstractEngine.js';
+import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
+import '@babylonjs/core/Engines/Extensions/engine.readTexture.js';
+import '@babylonjs/core/Engines/WebGPU/Extensions/engine.readTexture.js';
+import { addBokeh } from './sample.js';
+
+const WIDTH = 320;
+const HEIGHT = 240;
+const SHAPES = { hexagon: 6, square: 4, octagon: 8, decagon: 10 };
+const METHODS = ['layered', 'exact']; // the default first
+
+const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
+
+// The sample with its own loop stopped
+async function stopped(kind) {
+  const { sample } = await import(`./${kind}.js`);
+  sample.engine.stopRenderLoop();
+  return sample;
+}
+
+// One frame with another PolygonBokeh, of these options
+async function draw(sample, options, [width, height]) {
+  const { engine, scene, subject, library } = sample;
+  sample.bokeh.dispose();
+  sample.bokeh = addBokeh(library, scene.activeCamera, options);
+  sample.bokeh.focusOn(subject.position);
+  engine.setSize(width, height);
+  while (!scene.isReady()) {
+    const errors = sample.bokeh.passes.map(({ wrapper }) => wrapper.effect.getCompilationError());
+    if (errors.some(Boolean)) throw new Error(errors.join('\n'));
+    await new Promise((done) => setTimeout(done, 10));
+  }
+  engine.beginFrame();
+  scene.render();
+  engine.endFrame();
+}
+
+// Pixels of a texture of the engine's, first row in memory first
+async function pixels(engine, texture, channels) {
+  const { width, height } = texture;
+  const bytes = await engine._readTexturePixels(texture, width, height, -1, 0, null, true, true); // WebGPU: as bytes
+  const Type = channels === 1 ? Float32Array : Uint16Array;
+  const read = new Type(bytes.buffer, bytes.byteOffset, bytes.byteLength / Type.BYTES_PER_ELEMENT);
+  const stride = read.length / (width * height);
+  return stride === channels ? read : read.filter((_, i) => i % stride < channels);
+}
+
+async function readFrame({ engine, bokeh, tone }) {
+  return {
+    color: await pixels(engine, bokeh.inputTexture.texture, 4),
+    depth: await pixels(engine, bokeh.textures.metres.getInternalTexture(), 1),
+    result: await pixels(engine, tone.inputTexture.texture, 4),
+  };
+}
+
+// What every pass wrote, one after the other, in the order of docs/passes.md
+async function readPasses({ engine, bokeh, tone }) {
+  const textures = bokeh.passes.flatMap(({ target }) => target?.renderTarget.textures ?? tone.inputTexture.texture);
+  const found = [];
+  for (const texture of textures) found.push(await pixels(engine, texture, 4));
+  return new Uint8Array(await new Blob(found).arrayBuffer());
+}
+
+// { data: what capture.json holds, files: name -> base64 } of 'webgl'
+export async function capture(kind) {
+  const sample = await stopped(kind);
+  const { engine } = sample;
+  const title = `Babylon.js ${AbstractEngine.Version}, ${engine.name}`;
+  const data = { engine: title, device: engine.getInfo().renderer, width: WIDTH, height: HEIGHT, shots: [] };
+  await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
+  const picture = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
+  const files = { 'picture.png': base64(await picture.bytes()) };
+  for (const method of METHODS) {
+    for (const [aperture, sides] of Object.entries(SHAPES)) {
+      const name = `${method}-${aperture}`;
+      // a size that 2, 4 and 8 do not divide, where there are smaller targets
+      const [width, height] = method === 'layered' ? [WIDTH - 3, HEIGHT - 3] : [WIDTH, HEIGHT];
+      await draw(sample, { method, sides, opaque: false }, [width, height]);
+      const shot = { name, method, aperture, width, height, max_samples: 33, ...settings(sample.bokeh.uniforms) };
+      for (const [what, array] of Object.entries(await readFrame(sample))) {
+        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+        files[shot[what]] = base64(array);
+      }
+      if (method === 'layered') {
+        shot.written = `${name}.written`;
+        files[shot.written] = base64(await readPasses(sample));
+      }
+      data.shots.push(shot);
+    }
+  }
+  return { data, files };
+}
+
+// What the shaders got, which is float32.
+function settings(uniforms) {
+  const value = (name) => Math.fround(uniforms[name]);
+  return {
+    spacing: value('spacing'),
+    camera: {
+      aperture_diameter: value('apertureDiameter'),
+      focal_length: value('focalLength'),
+      focus_distance: value('focusDistance'),
+      sensor_height: value('sensorHeight'),
+      max_coc: value('maxCoC'),
+    },
+  };
+}
+
+// Depth in metres as the passes read it, and as a ray finds it, at some pixels, with both kinds of cameras, and in a
+// right-handed scene: [{ name, drawn: [...], met: [...] }]. The wall is gone: where no ray meets anything, it is maxZ.
+export async function depths(kind) {
+  const sample = await stopped(kind);
+  const { scene, camera } = sample;
+  const [orthoLeft, orthoRight, orthoTop, orthoBottom] = [-3.2, 3.2, 2.4, -2.4];
+  Object.assign(camera, { orthoLeft, orthoRight, orthoTop, orthoBottom });
+  scene.getMeshByName('wall').setEnabled(false);
+  for (const material of scene.materials) material.backFaceCulling = false; // which hand decides what is in front
+  const found = [];
+  for (const [name, mode, hand] of [['perspective', 0, false], ['orthographic', 1, false], ['right-handed', 0, true]]) {
+    camera.mode = mode;
+    scene.useRightHandedSystem = hand;
+    await draw(sample, {}, [WIDTH, HEIGHT]);
+    found.push({ name, maxZ: camera.maxZ, ...(await probed(sample)) });
+  }
+  return found;
+}
+
+async function probed({ engine, scene, camera, bokeh }) {
+  const depth = await pixels(engine, bokeh.textures.metres.getInternalTexture(), 1);
+  const [drawn, met] = [[], []];
+  for (let y = 5; y < HEIGHT; y += 10) {
+    for (let x = 5; x < WIDTH; x += 10) {
+      const { hit, pickedPoint } = scene.pick(x + 0.5, y + 0.5);
+      drawn.push(depth[(HEIGHT - 1 - y) * WIDTH + x]);
+      met.push(hit ? Math.abs(Vector3.TransformCoordinates(pickedPoint, camera.getViewMatrix()).z) : camera.maxZ);
+    }
+  }
+  return { drawn, met };
+}
+
+// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { depth, coc, focus: rgba } }
+export async function views(kind) {
+  const sample = await stopped(kind);
+  const found = { views: {} };
+  for (const view of [undefined, 'depth', 'coc', 'focus']) {
+    await draw(sample, { view, opaque: false }, [WIDTH, HEIGHT]);
+    const { depth, result } = await readFrame(sample);
+    const { focusDistance, maxCoC } = sample.bokeh.uniforms;
+    Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
+    if (view) found.views[view] = base64(result);
+    else found.coc = base64(result);
+  }
+  return found;
+}
+
+// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the passes left
+// after a key.
+export async function interaction(kind) {
+  const { sample } = await import(`./${kind}.js`);
+  const { engine, scene, camera, box } = sample;
+  await scene.whenReadyAsync();
+  const view = camera.getViewMatrix(true);
+  const { x, y } = Vector3.TransformCoordinates(box.position, view.multiply(camera.getProjectionMatrix(true)));
+  const canvas = engine.getRenderingCanvas();
+  const { left, top, width, height } = canvas.getBoundingClientRect();
+  const place = { clientX: left + ((1 + x) / 2) * width, clientY: top + ((1 - y) / 2) * height };
+  const before = sample.bokeh.uniforms.focusDistance;
+  canvas.dispatchEvent(new PointerEvent('pointerdown', { ...place, button: 0, pointerId: 1 }));
+  dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
+  const after = sample.bokeh.uniforms.focusDistance;
+  const depth = Vector3.TransformCoordinates(box.position, view).z;
+  return { before, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
+}

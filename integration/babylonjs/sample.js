@@ -1,0 +1,48 @@
+// The sample, on either engine of Babylon.js.
+
+import { Constants } from '@babylonjs/core/Engines/constants.js';
+import { ImageProcessingConfiguration } from '@babylonjs/core/Materials/imageProcessingConfiguration.js';
+import { ImageProcessingPostProcess } from '@babylonjs/core/PostProcesses/imageProcessingPostProcess.js';
+import { PolygonBokeh } from './PolygonBokeh.js';
+import { makeScene } from './scene.js';
+
+// Depth of field for what the camera sees. `options` are those of PolygonBokeh.
+export function addBokeh(library, camera, options) {
+  const bokeh = new PolygonBokeh(library, camera, options);
+  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  return bokeh;
+}
+
+// Tone mapping and sRGB, last; with it the scene is drawn linear and without an upper limit
+function addTone(camera) {
+  const { imageProcessingConfiguration: tone } = camera.getScene();
+  tone.toneMappingEnabled = true;
+  tone.toneMappingType = ImageProcessingConfiguration.TONEMAPPING_ACES;
+  const [bilinear, half] = [Constants.TEXTURE_BILINEAR_SAMPLINGMODE, Constants.TEXTURETYPE_HALF_FLOAT];
+  return new ImageProcessingPostProcess('tone', 1, camera, bilinear, undefined, false, half);
+}
+
+export async function start(engine, library) {
+  engine.setSize(640, 480);
+  const { scene, camera, subject, box } = makeScene(engine);
+  const sample = { engine, library, scene, camera, subject, box, bokeh: addBokeh(library, camera) };
+  sample.tone = addTone(camera);
+  sample.bokeh.focusOn(subject.position);
+
+  // A click focuses on what is there.
+  scene.onPointerDown = (_, { hit, pickedPoint }) => {
+    if (hit) sample.bokeh.focusOn(pickedPoint);
+  };
+
+  // Keys 1 to 3 choose a debug view, 0 the picture.
+  addEventListener('keydown', ({ key }) => {
+    if (!'0123'.includes(key)) return;
+    const { uniforms } = sample.bokeh;
+    sample.bokeh.dispose();
+    sample.bokeh = addBokeh(library, camera, { view: [undefined, 'depth', 'coc', 'focus'][key] });
+    Object.assign(sample.bokeh.uniforms, uniforms);
+  });
+
+  engine.runRenderLoop(() => scene.render());
+  return sample;
+}

@@ -1,0 +1,13 @@
+// The sample on WebGPU.
+
+import { WebGPUEngine } from '@babylonjs/core/Engines/webgpuEngine.js';
+import { start } from './sample.js';
+
+const text = async (name) => (await fetch(`../../wgsl/${name}`)).text();
+const library = (await text('bokeh.wgsl')) + (await text('bokeh_layers.wgsl'));
+
+const canvas = document.createElement('canvas');
+document.body.append(canvas);
+const engine = new WebGPUEngine(canvas);
+await engine.initAsync();
+export const sample = await start(engine, library);
