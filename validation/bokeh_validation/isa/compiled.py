@@ -84,16 +84,15 @@ class Program:
             return ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CUBIC")
         return ("BOKEH_LAYER_CELLS",) if self.item.spec.sides or self.item.spec.role == EDGE else ()
 
-    def source(self, files: dict[str, str]) -> str:
-        """Its GLSL for Vulkan; `files` are the shaders to take."""
+    def source(self, text: str, profile: str) -> str:
+        """Its GLSL; `text` is the library with the passes."""
         constants = self.item.constants
-        text = files["glsl"]
         if self.path:
             values = self.item.values()
             tiles = fetches.tiles_along(self.item)
             text = unrolled(text, {**constants, "sides": round(values["BokehSides"]), "tiles": tiles})
         head = {"BOKEH_PASS": shaders.glsl_pass(self.item.entry), **constants}
-        return shaders.GLSL_VERSIONS["450"] + "\n" + shaders.defines(head) + text
+        return shaders.GLSL_VERSIONS[profile] + "\n" + shaders.defines(head) + text
 
 
 def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, Program]:
@@ -107,24 +106,30 @@ def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, Progra
     return found
 
 
-def spirv(wanted: dict[str, Program], folder: Path | None = None) -> tuple[bytes, dict[str, tuple[bytes, int]]]:
-    """(vertex shader, name -> (SPIR-V, targets)). Raises Unavailable without glslc.
+def made(
+    wanted: dict[str, Program], profile: str, folder: Path | None = None
+) -> tuple[bytes, dict[str, tuple[bytes, int]]]:
+    """(vertex shader, name -> (code, targets)): SPIR-V in profile 450, else text. Raises Unavailable without glslc.
 
     folder  holds glsl/ of another release, whose entries need not be all of them; None: this one's
     """
     text = shaders.text("glsl") if folder is None else _other(folder)
-    files = {"glsl": text}
     known = {name: program for name, program in wanted.items() if shaders.glsl_pass(program.item.entry) in text}
     head = {"BOKEH_PASS": shaders.glsl_pass(VERTEX)}
-    vertex = shaders.GLSL_VERSIONS["450"] + "\n" + shaders.defines(head) + text
-    sources = [(vertex, "vert"), *((program.source(files), "frag") for program in known.values())]
-    made = glslang.glslc(sources)
-    for result, name in zip(made, ["the vertex shader", *known], strict=True):
-        if not result.ok:
-            raise UserError(f"{name}: {result.messages.splitlines()[0]}")
+    vertex = shaders.GLSL_VERSIONS[profile] + "\n" + shaders.defines(head) + text
+    sources = [vertex, *(program.source(text, profile) for program in known.values())]
+    codes = [source.encode("ascii") for source in sources] if profile != "450" else _spirv(sources, ["", *known])
     targets = [program.item.spec.targets for program in known.values()]
-    modules = [result.binary for result in made]
-    return modules[0], dict(zip(known, zip(modules[1:], targets, strict=True), strict=True))
+    return codes[0], dict(zip(known, zip(codes[1:], targets, strict=True), strict=True))
+
+
+def _spirv(sources: list[str], names: list[str]) -> list[bytes]:
+    """A vertex shader and fragment shaders for Vulkan."""
+    results = glslang.glslc([(source, "frag" if index else "vert") for index, source in enumerate(sources)])
+    for result, name in zip(results, names, strict=True):
+        if not result.ok:
+            raise UserError(f"{name or 'the vertex shader'}: {result.messages.splitlines()[0]}")
+    return [result.binary for result in results]
 
 
 def _other(folder: Path) -> str:

@@ -36,7 +36,10 @@ class Counts:
 
 def isa(
     every: Annotated[
-        bool, typer.Option("--all", help="Newer AMD, NVIDIA and Adreno too: 200 MB of packages, unpacked once.")
+        bool,
+        typer.Option(
+            "--all", help="Newer AMD, NVIDIA, Adreno, Mali and VideoCore too: 220 MB of packages, unpacked once."
+        ),
     ] = False,
     against: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder with glsl/ of another release: show ratios to it.")
@@ -71,16 +74,17 @@ def isa(
 
 
 def count(methods: Iterable[Method], names: Iterable[str], folder: Path | None = None) -> Counts:
-    """The programs of methods on targets; `folder` as in compiled.spirv. Raises UserError."""
-    counts, made = Counts(), {}
+    """The programs of methods on targets; `folder` as in compiled.made. Raises UserError."""
+    counts, compiled_for = Counts(), {}
     names = list(names)
     with terminal.progress("isa", len(names)) as step:
         for name in names:
             paths = name in ESTIMATED and folder is None
-            if paths not in made:
-                made[paths] = compiled.spirv(compiled.of_methods(methods, paths), folder)
+            kind = paths, TARGETS[name].profile
+            if kind not in compiled_for:
+                compiled_for[kind] = compiled.made(compiled.of_methods(methods, paths), kind[1], folder)
             try:
-                counts.mesa[name], counts.found[name] = TARGETS[name].counts(*made[paths])
+                counts.mesa[name], counts.found[name] = TARGETS[name].counts(*compiled_for[kind])
             except Unavailable as error:
                 counts.missing[name] = str(error)
             step(name)

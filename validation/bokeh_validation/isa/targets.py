@@ -14,7 +14,7 @@ from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.isa import trees
 
-PROGRAM = Path(__file__).with_name("pipelines.py")
+PIPELINES, GLES_PROGRAMS = (Path(__file__).with_name(name) for name in ("pipelines.py", "gles_programs.py"))
 TIMEOUT_S = 300
 STOCK_ICD = Path("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json")
 
@@ -90,16 +90,18 @@ class Count:
 class Target:
     """A GPU.
 
-    run  (the program's path, its input) -> its finished process; raises Unavailable
+    run       the input of PIPELINES or GLES_PROGRAMS -> its finished process; raises Unavailable
+    profile   of the GLSL that its compiler takes: 450 as SPIR-V, or 300es
     """
 
     name: str
     title: str
-    family: Family
+    family: Family | None
     run: Callable[[str], subprocess.CompletedProcess]
+    profile: str = "450"
 
     def counts(self, vertex: bytes, fragments: Mapping[str, tuple[bytes, int]]) -> tuple[str, dict[str, Count]]:
-        """(version of Mesa, what its compiler makes of programs): name -> (SPIR-V, number of targets).
+        """(version of Mesa, what its compiler makes of programs): name -> (SPIR-V or text, number of targets).
 
         Raises Unavailable.
         """
@@ -113,12 +115,31 @@ class Target:
                 done = self.run(json.dumps({"vertex": str(files[""]), "fragments": listed}))
             except (OSError, subprocess.TimeoutExpired) as error:
                 raise Unavailable(f"its compiler did not run: {error}") from error
+        if self.profile == "300es":
+            return trees.MESA, self._told(done.stderr)
         try:
             found = json.loads(done.stdout)
         except ValueError:
             said = done.stderr.strip().splitlines()
             raise Unavailable(f"its compiler told nothing: {said[-1] if said else 'no message'}") from None
         return found["version"], {name: self._count(*told) for name, told in found["pipelines"].items()}
+
+    def _told(self, text: str) -> dict[str, Count]:
+        """From the lines that a driver writes: those of a program come before its name."""
+        found = {}
+        for part in re.split(r"^(?=## )", text, flags=re.MULTILINE):
+            name = part.partition("\n")[0].removeprefix("## ")
+            found[name] = part
+        before, counts = next(iter(found.values()), ""), {}
+        for name, part in list(found.items())[1:]:
+            told = re.findall(r"MESA_SHADER_FRAGMENT shader: (.*)", before)
+            if not told:
+                raise Unavailable(f"its compiler told nothing of {name}")
+            counts[name] = _of_line(told[-1])
+            before = part
+        if not counts:
+            raise Unavailable(f"its compiler told nothing: {text.strip().splitlines()[-1:]}")
+        return counts
 
     def _count(self, statistics: Mapping[str, float], code: str) -> Count:
         found = {key: int(statistics[name]) for key, name in self.family.statistics.items()}
@@ -130,6 +151,15 @@ class Target:
             slow += times * bool(self.family.slow.search(line))
             slots += times * bool(self.family.slots.search(line))
         return Count(texture=texture, slots=max(slots, slow * self.family.slow_slots), **{"waves": 0, **found})
+
+
+def _of_line(line: str) -> Count:
+    """A line such as '637 inst, 4.75 t, 1 threads, 0 loops, 0:0 spills:fills'; what it does not tell is 0."""
+    told = {name: float(number) for number, name in re.findall(r"([\d.]+) ([a-z][\w-]*)", line)}
+    # a fetch takes a quarter of a cycle on Valhall, half of one on Bifrost
+    fetches = 4.0 * told.get("t", 0.0) + 2.0 * told.get("texture", 0.0)
+    spills = int(re.search(r"(\d+):\d+ spills", line)[1])
+    return Count(int(told["inst"]), round(fetches), 0, int(told.get("max-temps", 0)), int(told["threads"]), spills)
 
 
 def _run(command: list[str], given: str, **variables: str) -> subprocess.CompletedProcess:
@@ -145,7 +175,7 @@ def _stock(family: str) -> Callable[[str], subprocess.CompletedProcess]:
     def run(given: str) -> subprocess.CompletedProcess:
         if not STOCK_ICD.is_file():
             raise Unavailable("needs RADV: sudo apt-get install -y mesa-vulkan-drivers")
-        return _run([sys.executable, str(PROGRAM)], given, RADV_FORCE_FAMILY=family, VK_ICD_FILENAMES=str(STOCK_ICD))
+        return _run([sys.executable, str(PIPELINES)], given, RADV_FORCE_FAMILY=family, VK_ICD_FILENAMES=str(STOCK_ICD))
 
     return run
 
@@ -161,14 +191,16 @@ def _unpacked(driver: str, shim: str = "", **variables: str) -> Callable[[str], 
             "api_version": "1.1", "library_path": str(libraries / f"libvulkan_{driver}.so")}}))  # fmt: skip
         preload = ["--preload", str(libraries / f"lib{shim}_noop_drm_shim.so")] if shim else []
         loader = [str(root / "lib64/ld-linux-x86-64.so.2"), "--library-path", str(libraries), *preload]
-        python = [str(root / "usr/bin/python3"), str(PROGRAM)]
+        python = [str(root / "usr/bin/python3"), str(PIPELINES)]
         where = {"PYTHONHOME": str(root / "usr"), "PYTHONPATH": _binding(root), "VK_ICD_FILENAMES": str(icd)}
         return _run([*loader, *python], given, **where, **variables)
 
     return run
 
 
-def _emulated(driver: str, shim: str, **variables: str) -> Callable[[str], subprocess.CompletedProcess]:
+def _emulated(
+    driver: str, shim: str, program: Path = PIPELINES, **variables: str
+) -> Callable[[str], subprocess.CompletedProcess]:
     """A driver of the unpacked system for ARM, under qemu."""
 
     def run(given: str) -> subprocess.CompletedProcess:
@@ -176,8 +208,14 @@ def _emulated(driver: str, shim: str, **variables: str) -> Callable[[str], subpr
         libraries = "/" + trees.LIBRARIES["arm64"]
         qemu = [str(host / "usr/bin/qemu-aarch64"), "-L", str(root)]
         preload = ["-E", f"LD_PRELOAD={libraries}/lib{shim}_noop_drm_shim.so"]
-        where = {"PYTHONPATH": _binding(root), "VK_ICD_FILENAMES": f"/usr/share/vulkan/icd.d/{driver}_icd.json"}
-        return _run([*qemu, *preload, str(root / "usr/bin/python3"), str(PROGRAM)], given, **where, **variables)
+        where = {
+            "PYTHONPATH": _binding(root),
+            "VK_ICD_FILENAMES": f"/usr/share/vulkan/icd.d/{driver}_icd.json",
+            "GBM_BACKENDS_PATH": f"{libraries}/gbm",
+            "LIBGL_DRIVERS_PATH": f"{libraries}/dri",
+            "__EGL_VENDOR_LIBRARY_FILENAMES": "/usr/share/glvnd/egl_vendor.d/50_mesa.json",
+        }
+        return _run([*qemu, *preload, str(root / "usr/bin/python3"), str(program)], given, **where, **variables)
 
     return run
 
@@ -190,6 +228,12 @@ def _binding(root: Path) -> str:
     if not link.exists():
         link.symlink_to(Path(vulkan.__file__).parent)
     return str(link.parent)
+
+
+def _mali(name: str, title: str, number: str) -> Target:
+    told = {"PAN_MESA_DEBUG": "shaderdb", "BIFROST_MESA_DEBUG": "shaderdb"}
+    run = _emulated("panfrost", "panfrost", GLES_PROGRAMS, PAN_GPU_ID=number, **told)
+    return Target(name, title, None, run, "300es")
 
 
 # Part of every run: these three take a few seconds
@@ -205,12 +249,13 @@ OTHERS = (
     Target("ga102", "NVIDIA Ampere, RTX 3080", NVIDIA, _unpacked("nouveau", "nouveau", NOUVEAU_CHIPSET="172")),
     Target("a660", "Adreno 660", ADRENO, _emulated("freedreno", "freedreno", FD_GPU_ID="660")),
     Target("a740", "Adreno 740", ADRENO, _emulated("freedreno", "freedreno", FD_GPU_ID="740")),
+    _mali("g52", "Mali G52", "0x7212"),
+    _mali("g610", "Mali G610", "0xa867"),
+    Target("vc6", "VideoCore VI", None, _emulated("v3d", "v3d", GLES_PROGRAMS, V3D_DEBUG="shaderdb"), "300es"),
 )
 # What was looked for and is not to be had this way
 MISSING = {
     "NVIDIA Ada": f"the driver of Mesa {trees.MESA} does not start without the hardware",
     "Intel": "Debian does not ship the stand-in for the kernel's driver (libintel_noop_drm_shim)",
-    "Mali": "its Vulkan driver tells the size of the code only",
-    "VideoCore": "its Vulkan driver finds no device without the hardware",
 }
 TARGETS = {target.name: target for target in (*STOCK, *OTHERS)}

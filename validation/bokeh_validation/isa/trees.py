@@ -15,18 +15,23 @@ from bokeh_validation.errors import Unavailable
 # Debian's stable release of 2025, and the Mesa that it keeps
 RELEASE, MESA = "trixie", "25.0.7"
 DRIVERS = ("mesa-vulkan-drivers", "mesa-drm-shim", "libvulkan1", "python3-minimal", "python3-cffi")
-PACKAGES = {"amd64": (*DRIVERS, "qemu-user"), "arm64": DRIVERS}
+PACKAGES = {
+    "amd64": (*DRIVERS, "qemu-user"),
+    "arm64": (*DRIVERS, "libegl1", "libgles2", "libgbm1", "libgl1-mesa-dri"),
+}
 LIBRARIES = {"amd64": "usr/lib/x86_64-linux-gnu", "arm64": "usr/lib/aarch64-linux-gnu"}
 TIMEOUT_S = 540
-MEBIBYTES = {"amd64": 140, "arm64": 70}  # downloaded
 
 
 def tree(architecture: str) -> Path:
     """Folder of the unpacked system of a processor, made on first use. Raises Unavailable."""
     folder = paths.cache_folder() / f"isa-{RELEASE}" / architecture
     with locks.held(f"isa-{architecture}"):
-        if not (folder / "complete").exists():
+        # what it was made of: with other packages it is made again
+        complete, packages = folder / "complete", " ".join(PACKAGES[architecture])
+        if not complete.exists() or complete.read_text() != packages:
             _make(folder, architecture)
+            complete.write_text(packages)
     return folder / "root"
 
 
@@ -66,7 +71,6 @@ def _make(folder: Path, architecture: str) -> None:
         if (folder / "root/usr" / name).exists():
             (folder / "root" / name).symlink_to(f"usr/{name}")
     shutil.rmtree(folder / "apt")
-    (folder / "complete").touch()
 
 
 def _output(command: Sequence[str]) -> str:
