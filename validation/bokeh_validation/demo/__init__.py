@@ -17,10 +17,10 @@ import typer
 from bokeh_validation import browser, fetches, files, likeness, methods, paths, shaders, suite, terminal
 from bokeh_validation.entries import EXACT
 from bokeh_validation.errors import UserError
-from bokeh_validation.passes import PARAMETERS, Pass, is_linear
+from bokeh_validation.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
 
 PAGE = Path(__file__).parent / "page"
-MODULES = (browser.PAGE / "job.js", browser.PAGE / "webgl2.js", *sorted(PAGE.glob("*.js")))
+MODULES = (browser.PAGE / "job.js", browser.PAGE / "webgl2.js", browser.PAGE / "webgpu.js", *sorted(PAGE.glob("*.js")))
 IMPORT = re.compile(r'(from|import) "[./\w]*?(\w+\.js)"')
 
 SCENES = (suite.MARKET, suite.CANOPY)
@@ -57,6 +57,8 @@ def data() -> dict:
         "apertures": {sides: aperture for aperture, sides in EXACT.items()},
         "presets": PRESETS,
         "glsl": glsl,
+        "wgsl": shaders.wgsl(),
+        "slots": SAMPLE_TYPES,
         "vertex": shaders.glsl("BokehFullScreen", "300es"),
         "sensor": suite.MARKET.camera.sensor_height,
         "maxCoC": suite.MARKET.camera.max_coc,
@@ -75,6 +77,8 @@ def _plan(one: methods.Settings, glsl: str) -> dict:
 
 def _pass(item: Pass, glsl: str) -> dict:
     return {
+        "entry": item.entry + "_PS",
+        "constants": item.constants,
         "head": shaders.glsl(item.entry, "300es", item.constants).removesuffix(glsl),
         "inputs": [[slot, name, is_linear(item.entry, slot)] for slot, name in item.inputs.items()],
         "targets": item.outputs,

@@ -22,18 +22,10 @@ async function set(values) {
   return { state, ...Object.fromEntries(facts) };
 }
 
-// The pictures of these names on a side, 32-bit floats, as job.js has them.
+// The pictures of these names on a side, as job.js has them.
 async function pictures({ side, names }) {
-  const { textureOf } = await part("view");
-  const { onto, start } = await part("webgl2");
-  const { encode } = await part("job");
-  const gl = start();
-  return names.map((name) => {
-    const { handle, size } = textureOf(side, name);
-    const values = new Float32Array(size[0] * size[1] * 4);
-    onto([handle], () => gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, values));
-    return encode({ size, channels: 4, type: "float" }, values);
-  });
+  const { view } = await part("main");
+  return Promise.all(names.map((name) => view.picture(side, name)));
 }
 
 // The canvas: base64 of RGBA, first row on top.
@@ -61,7 +53,7 @@ async function point({ kind, place }) {
   const watch = setInterval(() => seen.push(state.focus), 1);
   await settled();
   clearInterval(watch);
-  return { state, under: under(), seen };
+  return { state, under: await under(), seen };
 }
 
 async function press({ key, code = "", shiftKey = false }) {

@@ -21,6 +21,7 @@ from support import called, load, needed, refused
 from bokeh_validation import browser, demo, exr, methods, pictures, shaders, suite
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.web import unpacked
+from bokeh_validation.engines.pages import CANVAS
 from bokeh_validation.passes import is_linear, target_size
 from bokeh_validation.patterns.model import Case, compared
 
@@ -35,19 +36,21 @@ class Page:
     first  seconds until its first picture of both sides
     """
 
-    def __init__(self, file: Path):
-        self.said, self.chromium, self.first = [], None, 0.0
-        self.session = browser.Session(open_page=lambda chromium: self._open(chromium, file))
+    def __init__(self, file: Path, kind: str = "webgl2"):
+        self.said, self.chromium, self.first, self.kind = [], None, 0.0, kind
+        address = f"{file.as_uri()}#{kind}"
+        flags = CANVAS if kind == "webgpu" else ()
+        self.session = browser.Session(open_page=lambda chromium: self._open(chromium, address), flags=flags)
         self.call = self.session.call
 
-    def _open(self, chromium, file: Path):
+    def _open(self, chromium, address: str):
         self.chromium = chromium
         self.tab = page = chromium.new_page(viewport={"width": 1280, "height": 800}, has_touch=True)
         page.on("console", lambda message: self.said.append(message.text))
         page.on("pageerror", lambda error: self.said.append(error.message))
         page.add_init_script(SCRIPT)
         began = self._clocks()
-        page.goto(file.as_uri())
+        page.goto(address)
         page.evaluate("async () => (await import('bokeh/main.js')).ready")
         self.first = min(self._clocks() - began)
         return page
@@ -79,11 +82,11 @@ def file(tmp_path_factory) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
-def page(file):
+@pytest.fixture(scope="module", params=["webgl2", "webgpu"])
+def page(file, request):
     """It, opened from disk. Nothing may have been said on the console at the end."""
     with needed("Chromium"):
-        opened = Page(file)
+        opened = Page(file, request.param)
     yield opened
     opened.session.close()
     assert opened.said == []
@@ -116,13 +119,20 @@ class Shown(Driver):
     name, software = "the page", False
 
     def __init__(self, page: Page, side: str):
-        self.page, self.side, device = page, side, load("webgl2")
+        self.page, self.side, device = page, side, load(page.kind)
         self.adapter, self.rounding = device.adapter, device.rounding
 
     def run(self, passes, textures, size, storage="half", keep=("result",)):
         """What it has drawn; the passes are only what it should have."""
         read = self.page.call("pictures", {"side": self.side, "names": list(keep)})
-        return {name: unpacked(image, storage) for name, image in zip(keep, read, strict=True)}
+        wide = [image | {"data": _of_four(image)} if image["channels"] == 1 else image for image in read]
+        return {name: unpacked(image, storage) for name, image in zip(keep, wide, strict=True)}
+
+
+def _of_four(image: dict) -> str:
+    """Data of one channel, as of four."""
+    values = np.frombuffer(base64.b64decode(image["data"]), np.float32)
+    return base64.b64encode(values.repeat(4).tobytes()).decode("ascii")
 
 
 def controls(settings: methods.Settings) -> dict:
@@ -166,7 +176,7 @@ def test_shows_the_reference(page, method, aperture, changes):
     assert abs(found.outputs["result"].astype(float) - color)[..., :3].max() > 1.0
     passes = case.plan.passes
     # and to the bit what the driver makes of the same passes
-    wanted = load("webgl2").run(passes, case.textures(), SIZE)["result"]
+    wanted = load(page.kind).run(passes, case.textures(), SIZE)["result"]
     np.testing.assert_array_equal(found.outputs["result"], wanted)
     assert said["rightFacts"].startswith(f"{len(passes)} passes, ")
     assert said["said"] == ""
@@ -177,7 +187,7 @@ def test_scene_as_the_driver_draws_it(page):
     page.call("scene", 0)
     page.call("set", {"left": "truth", "right": "layered", "preset": "medium"})
     case = suite.scene_case(suite.MARKET, "layered", "hexagon")
-    wanted = load("webgl2").run(case.plan.passes, case.textures(), case.size)["result"]
+    wanted = load(page.kind).run(case.plan.passes, case.textures(), case.size)["result"]
     shown = Shown(page, "right").run((), {}, ())["result"]
     np.testing.assert_array_equal(shown, wanted)
     lens = suite.truth(suite.MARKET, "hexagon")
@@ -342,9 +352,11 @@ def test_served(file):
 def test_time(file):
     """In software at 960 x 540: a first picture within 5 s of loading, a slider answered within 1 s at preset LOW."""
     with needed("Chromium"):
-        page = Page(file)
+        page = Page(file, "")
     try:
         assert page.first < 5.0
+        # in software, where nobody asked for the other
+        assert page.hand(lambda tab: tab.locator("#api").inner_text()) == "WebGL 2"
         # programs are made on the first draw
         page.call("set", {"left": "input", "right": "layered", "preset": "low"})
         assert max(page.timed("set", {"stop": stop}) for stop in (1, 0, -0.5)) < 1.0

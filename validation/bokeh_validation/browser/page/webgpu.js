@@ -10,7 +10,7 @@ const modules = new Map(); // source -> GPUShaderModule
 const pipelines = new Map(); // entry, constants, formats and source -> GPURenderPipeline
 
 // The device, made on first use and again after it was lost.
-function start() {
+export function start() {
   started ??= open();
   return started;
 }
@@ -57,7 +57,7 @@ export async function describe() {
 }
 
 // Run steps and throw what the device says of them: its errors come out of scopes, not as exceptions.
-async function checked(device, step) {
+export async function checked(device, step) {
   const kinds = ["validation", "out-of-memory", "internal"];
   for (const kind of kinds) device.pushErrorScope(kind);
   try {
@@ -125,9 +125,9 @@ async function pipeline(device, { code, vertex, slots }, pass, formats) {
   return pipelines.get(key);
 }
 
-function texture(device, image) {
+export function texture(device, image) {
   const { TEXTURE_BINDING, COPY_DST, COPY_SRC, RENDER_ATTACHMENT } = GPUTextureUsage;
-  const usage = TEXTURE_BINDING | (image.data ? COPY_DST : COPY_SRC | RENDER_ATTACHMENT);
+  const usage = TEXTURE_BINDING | COPY_SRC | (image.data ? COPY_DST : RENDER_ATTACHMENT);
   const made = device.createTexture({ size: image.size, format: format(image), usage });
   if (image.data) {
     // writeTexture() wants no alignment
@@ -157,7 +157,7 @@ function bind({ device, sampler, dummy }, slots, pass, buffer, textures) {
 }
 
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-function copy(device, encoder, image, texture) {
+export function copy(device, encoder, image, texture) {
   const bytesPerRow = Math.ceil(pitch(image) / 256) * 256;
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
   const buffer = device.createBuffer({ size: bytesPerRow * image.size[1], usage });
@@ -165,7 +165,7 @@ function copy(device, encoder, image, texture) {
   return { image, buffer, bytesPerRow };
 }
 
-async function read({ image, buffer, bytesPerRow }) {
+export async function read({ image, buffer, bytesPerRow }) {
   await buffer.mapAsync(GPUMapMode.READ);
   const padded = new Uint8Array(buffer.getMappedRange());
   const into = elements(image);
@@ -190,6 +190,16 @@ async function record(gpu, job, made) {
   const { device } = gpu;
   const textures = job.images.map((image) => made[made.push(texture(device, image)) - 1]);
   const encoder = device.createCommandEncoder();
+  await draw(gpu, encoder, job, textures, made);
+  const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
+  made.push(...copies.map(({ buffer }) => buffer));
+  device.queue.submit([encoder.finish()]);
+  return Promise.all(copies.map(read));
+}
+
+// Encode the passes of a job; what is to be destroyed when they are done goes into `made`.
+export async function draw(gpu, encoder, job, textures, made) {
+  const { device } = gpu;
   for (const pass of job.passes) {
     const formats = pass.targets.map((image) => format(job.images[image]));
     const chosen = await pipeline(device, job, pass, formats);
@@ -207,8 +217,4 @@ async function record(gpu, job, made) {
     render.draw(3);
     render.end();
   }
-  const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
-  made.push(...copies.map(({ buffer }) => buffer));
-  device.queue.submit([encoder.finish()]);
-  return Promise.all(copies.map(read));
 }

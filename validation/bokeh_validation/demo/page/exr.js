@@ -112,7 +112,8 @@ async function unzipped(packed) {
   return data;
 }
 
-function unhalf(bits) {
+// The number of the 16 bits of a half float.
+export function unhalf(bits) {
   const exponent = (bits >> 10) & 31;
   const fraction = bits & 1023;
   const sign = bits & 0x8000 ? -1 : 1;

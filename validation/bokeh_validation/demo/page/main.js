@@ -3,7 +3,8 @@
 import { controls, shown } from "./controls.js";
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
-import * as view from "./view.js";
+import * as webgl2 from "./view.js";
+import * as webgpu from "./view_webgpu.js";
 
 const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
 const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced" };
@@ -14,6 +15,8 @@ const data = JSON.parse(byId("data").textContent);
 const scenes = [...data.scenes];
 export const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
 const drawn = {}; // side -> { key, name, milliseconds, passes, fetches }
+export let view = webgl2;
+let work = Promise.resolve(); // what is drawn and loaded, one after the other
 let current = null; // the scene's pictures
 let pointer = null; // texel under it
 let pull = null; // { focus } where focus is on its way
@@ -37,23 +40,34 @@ export function change(changes) {
 function ask() {
   if (asked) return;
   asked = true;
-  requestAnimationFrame(step);
+  requestAnimationFrame(() => after(step));
 }
 
-function step(now) {
+// Do something when all that was begun is done: it may still use the pictures.
+function after(job) {
+  work = work.then(job, job);
+  return work;
+}
+
+async function step() {
   asked = false;
   if (!current) return;
+  const now = performance.now();
   if (pull) focusOn((now - last) / 1000);
   last = now;
+  const mine = waiting.splice(0); // those who come meanwhile have changed something
   try {
-    for (const side of SIDES) render(side);
+    for (const side of SIDES) await render(side);
     view.show(drawn.left.name, drawn.right.name, state.split, state.exposure);
     tell();
   } catch (error) {
     say(error);
   }
-  if (pull) return ask();
-  for (const resolve of waiting.splice(0)) resolve();
+  if (pull) {
+    waiting.unshift(...mine);
+    return ask();
+  }
+  for (const resolve of mine) resolve();
 }
 
 // A part of the way to where focus is pulled to; a slow device sees some of it too.
@@ -65,7 +79,7 @@ function focusOn(seconds) {
 }
 
 // Draw a side where its settings are others than those it has been drawn with.
-function render(side) {
+async function render(side) {
   const method = state[side];
   if (method === "input" || method === "truth") {
     drawn[side] = { name: method === "input" ? "color" : "truth" };
@@ -76,7 +90,7 @@ function render(side) {
   const key = JSON.stringify(settings);
   if (drawn[side]?.key === key) return;
   const passes = frame(data, settings, current.color.size);
-  const milliseconds = view.run(side, passes);
+  const milliseconds = await view.run(side, passes);
   drawn[side] = { key, name: "result", milliseconds, passes: passes.length, fetches: fetches(settings) };
 }
 
@@ -120,13 +134,15 @@ function atTruth() {
 }
 
 // Depth and circle of confusion under the pointer: alpha of the map that a method has drawn.
-export function under() {
+export async function under() {
   if (!pointer || !current) return null;
   const [x, y] = pointer;
   const [width, height] = current.color.size;
   const metres = current.depth.data[y * width + x];
   const side = SIDES.find((one) => drawn[one]?.passes);
-  const pixels = side ? Math.abs(view.read(side, "coc", x, y)[3]) * height : null;
+  const read = () => view.read(side, "coc", x, y);
+  const pixels = side ? Math.abs((await after(read))[3]) * height : null;
+  if (pointer?.[0] !== x || pointer[1] !== y) return null;
   const field = metres < state.focus ? "near" : "far";
   const circle = pixels === null ? "" : `, CoC ${pixels.toFixed(1)} pixels${pixels < 0.5 ? "" : ` ${field}`}`;
   byId("under").textContent = `${x}, ${y}: ${metres.toPrecision(3)} m${circle}`;
@@ -141,6 +157,11 @@ export async function choose(index) {
   say("");
   const pictures = scene.color ? scene : await embedded(scene.name);
   if (Math.max(...pictures.color.size) > view.largest()) throw new Error("this picture is larger than a texture here");
+  await after(() => take(index, pictures));
+  await settled();
+}
+
+function take(index, pictures) {
   view.load(pictures);
   current = pictures;
   pointer = null;
@@ -157,8 +178,7 @@ export async function choose(index) {
   reset();
   // something to look at while programs are compiled
   view.show("color", "color", state.split, state.exposure);
-  await new Promise(requestAnimationFrame);
-  await settled();
+  return new Promise(requestAnimationFrame);
 }
 
 function reset() {
@@ -259,8 +279,22 @@ function key(event) {
   event.preventDefault();
 }
 
+// WebGPU where a GPU has it, else WebGL 2; the address says otherwise by #webgpu or #webgl2.
+async function openView() {
+  const wanted = location.hash.slice(1);
+  const adapter = wanted === "webgl2" ? null : await navigator.gpu?.requestAdapter();
+  const software = adapter?.info?.isFallbackAdapter || adapter?.info?.architecture === "swiftshader";
+  view = adapter && (wanted === "webgpu" || !software) ? webgpu : webgl2;
+  await view.open(byId("canvas"), data);
+  byId("api").textContent = view === webgpu ? "WebGPU" : "WebGL 2";
+  byId("api").addEventListener("click", () => {
+    location.hash = view === webgpu ? "webgl2" : "webgpu";
+    location.reload();
+  });
+}
+
 async function begin() {
-  view.open(byId("canvas"), data.vertex);
+  await openView();
   controls(byId("controls"), data, change, (index) => choose(index).catch(say));
   for (const side of SIDES) {
     byId(side).replaceChildren(...Object.entries(METHODS).map(([value, text]) => new Option(text, value)));

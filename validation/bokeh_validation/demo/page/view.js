@@ -1,5 +1,6 @@
 // Draws the frames of both sides and shows them beside each other: WebGL 2, by the code that the validation draws with.
 
+import { elements, encode } from "../../browser/page/job.js";
 import { draw, linked, onto, start, texture } from "../../browser/page/webgl2.js";
 
 // Both pictures, exposed by a filmic curve (Narkowicz's fit of ACES) as in the documentation's. v = 0 is the first row
@@ -27,9 +28,9 @@ let size = [1, 1];
 const handed = {}; // color, depth, truth -> texture
 const pool = new Map(); // "side name" -> { size, handle }
 
-export function open(element, source) {
+export function open(element, data) {
   canvas = element;
-  vertex = source;
+  ({ vertex } = data);
   gl = start(canvas);
 }
 
@@ -83,8 +84,17 @@ export function read(side, name, x, y) {
   return texel(textureOf(side, name).handle, x, y);
 }
 
-// { handle, size } of what a side shows or has drawn: a picture that was handed in, or a target of its own.
-export function textureOf(side, name) {
+// An image as job.js has it, of what a side shows or has drawn; always of four 32-bit channels.
+export function picture(side, name) {
+  const { handle, size: whole } = textureOf(side, name);
+  const image = { size: whole, channels: 4, type: "float" };
+  const values = elements(image);
+  onto([handle], () => gl.readPixels(0, 0, ...whole, gl.RGBA, gl.FLOAT, values));
+  return encode(image, values);
+}
+
+// { handle, size } of it.
+function textureOf(side, name) {
   return handed[name] ? { handle: handed[name], size } : pool.get(`${side} ${name}`);
 }
 
