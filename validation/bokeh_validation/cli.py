@@ -27,6 +27,7 @@ COMMANDS = {
     "aperture": ("aperture_command", "aperture"),
     "shapes": ("quality", "shapes"),
     "truth": ("likeness", "truth"),
+    "gallery": ("gallery", "gallery"),
     "demo": ("demo", "demo"),
     "figures": ("figures.command", "figures"),
     "patterns": ("validate", "run_patterns"),

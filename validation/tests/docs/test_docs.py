@@ -95,6 +95,21 @@ def test_parameter_buffer(monkeypatch):
         run(needed - 4)
 
 
+def test_costs_of_the_readme():
+    """The README's fetches and times are those of docs/performance.md, which test_isa.py holds to the compilers."""
+    readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    page = (paths.ROOT / "docs/performance.md").read_text(encoding="utf-8")
+    presets = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (.*) \|$", readme, re.MULTILINE)
+    assert [name.lower() for name, _ in presets] == list(methods.QUALITIES)
+    for name, cells in presets:
+        wanted = []
+        for method in ("exact", "layered"):
+            row = rf"^\| {method} hexagon {name} \| \d+ \| (\d+) \| [^|]* \| ([\d.]+) [^|]* \| ([\d.]+) "
+            fetches, *times = re.search(row, page, re.MULTILINE).groups()
+            wanted += [fetches, *(f"{time} ms" for time in times)]
+        assert cells.split(" | ") == wanted, name
+
+
 def test_paper_names_exist():
     """Every function and struct that docs/paper.md names is in all three libraries."""
     text = (paths.ROOT / "docs/paper.md").read_text(encoding="utf-8")

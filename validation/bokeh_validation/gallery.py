@@ -1,0 +1,71 @@
+"""The README's gallery, shapes and focus on market_7: the work behind `validation/run gallery`."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from PIL import Image
+
+from bokeh_validation import pictures, suite, terminal
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import UserError
+from bokeh_validation.figures import panels
+
+# caption -> method, aperture, other settings
+SHAPES = {
+    "square": ("layered", "square", {}),
+    "hexagon": ("layered", "hexagon", {}),
+    "octagon": ("layered", "octagon", {}),
+    "decagon": ("layered", "decagon", {}),
+    "star (paper, 33 samples a line)": ("paper", "star", {"samples": 33}),
+    "anamorphic: hexagon, squeeze 0.5": ("layered", "hexagon", {"squeeze": 0.5}),
+}
+# left, top, width, height: far lights on the left, near ones among leaves on the right
+DETAIL = (626, 20, 320, 258)
+# metres -> caption, exposure
+FOCUS = {1.0: ("near: focus on the leaves, 1 m", 1.1), 8.0: ("far: focus on the street, 8 m", 2.2)}
+
+
+def drawn(driver: Driver, method: str, aperture: str, exposure: float = 1.6, **changes) -> np.ndarray:
+    """market_7 as a display shows it, 8-bit rgb."""
+    case = suite.scene_case(suite.MARKET, method, aperture)
+    case = replace(case, settings=replace(case.settings, **changes))
+    return pictures.filmic(driver.run(case.plan.passes, case.textures(), case.size)["result"], exposure)
+
+
+def shapes(driver: Driver) -> np.ndarray:
+    """A detail by every aperture, 8-bit rgb."""
+    found = [
+        panels.Panel(panels.crop(drawn(driver, method, aperture, **changes), *DETAIL), caption)
+        for caption, (method, aperture, changes) in SHAPES.items()
+    ]
+    return panels.grid([found[:3], found[3:]])
+
+
+def focus(driver: Driver) -> np.ndarray:
+    """The picture at half size, focused near and far, 8-bit rgb."""
+    found = []
+    for metres, (caption, exposure) in FOCUS.items():
+        camera = replace(suite.MARKET.camera, focus_distance=metres)
+        whole = drawn(driver, "layered", "hexagon", exposure, camera=camera)
+        found.append(panels.Panel(np.asarray(Image.fromarray(whole).reduce(2)), caption))
+    return panels.grid([found])
+
+
+PICTURES = {"gallery_shapes.png": shapes, "gallery_focus.png": focus}
+
+
+def gallery(
+    folder: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the pictures go.")],
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+) -> None:
+    """Draw the README's gallery: every aperture, and focus near and far."""
+    if not folder.is_dir():
+        raise UserError(f"--output {folder}: there is no such folder. Make it first.")
+    used = terminal.pick_driver(driver, adapter)
+    for name, make in PICTURES.items():
+        pictures.write_png(folder / name, pictures.coarse(make(used)))
+        terminal.console.print(f"{folder / name}, by {used.name} ({used.adapter})")
