@@ -5,6 +5,7 @@ The README's snippets are run by test_paste.py.
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,15 +23,28 @@ def library(language: str) -> str:
     return paths.library(language).read_text(encoding="ascii")
 
 
+def prose(document: Path) -> str:
+    """A document without its code."""
+    return re.sub(r"^ *```.*?^ *```", "", document.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+
+
+def anchors(document: Path) -> set[str]:
+    """What a link may name of its headings, as GitHub makes it of them."""
+    heads = re.findall(r"^#+ (.*)$", prose(document), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
 def test_links_exist():
-    """Every relative link leads somewhere; what looks like one in code is none."""
+    """Every relative link leads to a file, and to a heading in it; what looks like a link in code is none."""
     documents = [
         path for folder in ("docs", "integration", "validation") for path in (paths.ROOT / folder).rglob("*.md")
     ]
     for document in (paths.ROOT / "README.md", paths.ROOT / "CHANGELOG.md", *documents):
-        text = re.sub(r"^ *```.*?^ *```", "", document.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
-        for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
-            assert re.match(r"[a-z]+:", target) or (document.parent / target).exists(), f"{document.name}: {target}"
+        for target, anchor in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", prose(document)):
+            if not re.match(r"[a-z]+:", target):
+                file = document.parent / target if target else document
+                assert file.exists(), f"{document.name}: {target}"
+                assert not anchor or anchor in anchors(file), f"{document.name}: {target}#{anchor}"
 
 
 def test_parameter_table():
