@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bokeh_validation import paths
-from bokeh_validation.engines import bevy, direct3d, pages, scripts
+from bokeh_validation.engines import bevy, direct3d, love, pages, scripts
 from bokeh_validation.engines.capture import Broken, Capture, read
 
 __all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
@@ -34,6 +34,7 @@ ENGINES = {
     "opengl": Engine(scripts.run),
     "panda3d": Engine(scripts.run),
     "raylib": Engine(scripts.run),
+    "love": Engine(love.run),
     "threejs-webgl": Engine(pages.run),
     "threejs-webgpu": Engine(pages.run),
     "babylonjs-webgl": Engine(pages.run),

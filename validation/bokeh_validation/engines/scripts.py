@@ -22,14 +22,18 @@ def run(name: str, folder: Path) -> None:
 
 def command(name: str) -> list[str | Path]:
     """What runs a script of a sample. Raises errors.Unavailable, also where there is no OpenGL 3.3 without a window."""
+    if name == "raylib":
+        return [*display(), _environment(name)]
     gl.EGL().context.release()
-    if name == "opengl":
-        return [sys.executable]
-    # raylib has no OpenGL without a window
-    display = ["xvfb-run", "-a"] if name == "raylib" else []
-    if display and shutil.which(display[0]) is None:
+    return [sys.executable if name == "opengl" else _environment(name)]
+
+
+def display() -> list[str]:
+    """What runs a program that has no OpenGL without a window. Raises errors.Unavailable, also where 3.3 is missing."""
+    gl.EGL().context.release()
+    if shutil.which("xvfb-run") is None:
         raise Unavailable("no display; apt-get install -y xvfb xauth libgl1 libgl1-mesa-dri")
-    return [*display, _environment(name)]
+    return ["xvfb-run", "-a"]
 
 
 def requirements(name: str) -> Path:

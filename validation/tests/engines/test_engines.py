@@ -9,7 +9,7 @@ from bokeh_validation import engines
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
-WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu")
+WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love")
 # Their default is layered
 LAYERED = (
     "opengl", "raylib", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
@@ -20,6 +20,7 @@ LENSES = {
     "opengl": (16.071, 1.4),
     "panda3d": (16.071, 1.4),
     "raylib": (27.0, 0.2),
+    "love": (27.0, 0.2),
     "threejs-webgl": (45.0, 0.07),
     "threejs-webgpu": (45.0, 0.07),
     "playcanvas-webgl": (45.0, 0.07),

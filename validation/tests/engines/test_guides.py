@@ -11,7 +11,7 @@ from PIL import Image
 from support import needed
 
 from bokeh_validation import paths
-from bokeh_validation.engines import direct3d, process, scripts
+from bokeh_validation.engines import direct3d, love, process, scripts
 from bokeh_validation.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
@@ -97,13 +97,13 @@ def test_bevy_passes():
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
-@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib"])
+@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love"])
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide, but for what another device rounds: half a step of 255 on average."""
     with needed(name):
-        command = scripts.command(name)
+        command = love.command() if name == "love" else [*scripts.command(name), INTEGRATION / name / "sample.py"]
     drawn = tmp_path / "picture.png"
-    process.run([*command, INTEGRATION / name / "sample.py", drawn], scripts.SECONDS)
+    process.run([*command, drawn], scripts.SECONDS)
     with Image.open(drawn) as a, Image.open(INTEGRATION / name / "picture.png") as b:
         assert a.size == b.size
         off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()

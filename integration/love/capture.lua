@@ -1,0 +1,110 @@
+-- For validation/run engines, not for your game: what the shaders read and wrote, into the folder given.
+--
+-- color.f16, depth.f32, a .f16 for each shot and the canvases of the layered ones (.written) are raw rows, v = 0 first;
+-- capture.json says what they are, and what the focus did.
+
+local ffi = require("ffi")
+local Scene = require("scene")
+
+-- a size that 2, 4 and 8 do not divide
+local WIDTH, HEIGHT = 381, 253
+local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
+  { "exact", "octagon", 8 }, { "exact", "square", 4 }, { "exact", "decagon", 10 } }
+
+-- Text of a value as JSON; numbers are rounded to what a shader gets
+local function json(value)
+  if type(value) == "number" then
+    return ("%.17g"):format(tonumber(ffi.new("float", value)))
+  elseif type(value) == "string" then
+    return ("%q"):format(value)
+  end
+  local parts = {}
+  for _, part in ipairs(value) do
+    parts[#parts + 1] = json(part)
+  end
+  if #parts > 0 then
+    return "[" .. table.concat(parts, ", ") .. "]"
+  end
+  for name, part in pairs(value) do
+    parts[#parts + 1] = json(name) .. ": " .. json(part)
+  end
+  return "{" .. table.concat(parts, ", ") .. "}"
+end
+
+local function write(path, ...)
+  local file = assert(io.open(path, "wb"))
+  for _, part in ipairs({ ... }) do
+    file:write(type(part) == "string" and part or part:newImageData():getString())
+  end
+  file:close()
+end
+
+local function canvases(bokeh)
+  local found = {}
+  for i = 2, #bokeh.passes do
+    for _, canvas in ipairs(bokeh.passes[i].targets) do
+      found[#found + 1] = canvas
+    end
+  end
+  return unpack(found)
+end
+
+-- Depth of the subject, and what is read where it is on the screen. Then the focus distances of 30 frames of 20 ms, on
+-- their way to the nearest of three points.
+local function focused(scene, bokeh)
+  local place = { scene.subject[1], scene.subject[2], scene.subject[3], 1 }
+  for _, matrix in ipairs({ scene:camera() }) do
+    local moved = {}
+    for i, row in ipairs(matrix) do
+      moved[i] = row[1] * place[1] + row[2] * place[2] + row[3] * place[3] + row[4] * place[4]
+    end
+    place = moved
+  end
+  local x, y = (place[1] / place[4] + 1) * 0.5 * WIDTH, (place[2] / place[4] + 1) * 0.5 * HEIGHT
+  local found = { subject = scene:depthOf(scene.subject), read = bokeh:depthAt(x, y), pulled = {} }
+  for i = 1, 30 do
+    bokeh:pullFocus(0.02, { 7, 2, 1 / 0 }, 0.2)
+    found.pulled[i] = bokeh.uniforms.focusDistance
+  end
+  return found
+end
+
+return function(folder, addBokeh)
+  local scene = Scene.new(WIDTH, HEIGHT)
+  scene:draw()
+  local shots, bokeh = {}, nil
+  for i, shot in ipairs(SHOTS) do
+    local method, aperture, sides = unpack(shot)
+    local name = method .. "-" .. aperture
+    bokeh = addBokeh(scene, { method = method, sides = sides })
+    shots[i] = { name = name, method = method, aperture = aperture, result = name .. ".f16" }
+    write(folder .. "/" .. name .. ".f16", bokeh:draw(scene.color, scene.depth))
+    if method == "layered" then
+      shots[i].written = name .. ".written"
+      write(folder .. "/" .. name .. ".written", canvases(bokeh))
+    end
+  end
+  write(folder .. "/color.f16", scene.color)
+  write(folder .. "/depth.f32", bokeh.textures.metres)
+  local uniforms = bokeh.uniforms
+  local capture = {
+    engine = ("LOVE %d.%d"):format(love.getVersion()),
+    device = select(4, love.graphics.getRendererInfo()),
+    width = WIDTH,
+    height = HEIGHT,
+    color = "color.f16",
+    depth = "depth.f32",
+    camera = {
+      aperture_diameter = uniforms.apertureDiameter,
+      focal_length = uniforms.focalLength,
+      focus_distance = uniforms.focusDistance,
+      sensor_height = uniforms.sensorHeight,
+      max_coc = uniforms.maxCoC,
+    },
+    spacing = uniforms.spacing,
+    max_samples = 33,
+    shots = shots,
+    focus = focused(scene, bokeh),
+  }
+  write(folder .. "/capture.json", json(capture))
+end

@@ -1,0 +1,109 @@
+-- LOVE with depth of field: love . (a click focuses, keys 0 to 3 choose the view), or love . picture.png
+
+local PolygonBokeh = require("polygon_bokeh")
+local Scene = require("scene")
+
+local VIEWS = { ["1"] = "depth", ["2"] = "coc", ["3"] = "focus" }
+local scene, bokeh, tone, focus
+
+-- Tone mapping and the encoding of the screen, last
+local TONE_MAPPING = [[
+vec4 effect(vec4 color, Image image, vec2 uv, vec2 pixel)
+{
+    vec3 hdr = Texel(image, uv).rgb;
+    return vec4(pow(hdr / (1.0 + hdr), vec3(1.0 / 2.2)), 1.0);
+}
+]]
+
+-- Your game has the two files beside main.lua: love.filesystem.read("bokeh.glsl") is all it needs.
+local function read(name)
+  local file = assert(io.open(love.filesystem.getSource() .. "/../../glsl/" .. name))
+  local text = file:read("*a")
+  file:close()
+  return text
+end
+
+-- Depth of field for a scene. `options` are those of PolygonBokeh.
+local function addBokeh(scene, options)
+  local library = read("bokeh.glsl") .. read("bokeh_layers.glsl")
+  local made = PolygonBokeh.new(library, scene.color:getWidth(), scene.color:getHeight(), options)
+  made:setLens(scene.fieldOfView, 0.2) -- f/1 in a model of 1 : 5, for a strong blur
+  made.uniforms.zNear, made.uniforms.zFar = scene.near, scene.far
+  made.uniforms.focusDistance = scene:depthOf(scene.subject)
+  return made
+end
+
+-- Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere
+local function writePicture(path)
+  local width, height = scene.color:getDimensions()
+  local sheet = love.graphics.newCanvas(2 * width, 2 * height, { dpiscale = 1 })
+  local function show(canvas, x, y)
+    love.graphics.setCanvas(sheet)
+    love.graphics.draw(canvas, x * width, y * height)
+    love.graphics.setCanvas()
+  end
+  scene:draw()
+  love.graphics.setShader(tone)
+  show(scene.color, 0, 0)
+  show(bokeh:draw(scene.color, scene.depth), 1, 0)
+  local octagon = addBokeh(scene, { sides = 8 })
+  love.mousepressed(262, 125)
+  octagon:pullFocus(math.huge, focus, 0.2) -- where the pull ends
+  show(octagon:draw(scene.color, scene.depth), 1, 1)
+  love.keypressed("3")
+  show(bokeh:draw(scene.color, scene.depth), 0, 1)
+  local file = assert(io.open(path, "wb"))
+  file:write(sheet:newImageData():encode("png"):getString())
+  file:close()
+  print(("%s: focus on the pawn %.3f m, picked %.3f m"):format(path, scene:depthOf(scene.subject), math.min(unpack(focus))))
+end
+
+-- What the command line asks for, without a screen
+local function run(what, folder)
+  if what == "--capture" then
+    require("capture")(folder, addBokeh)
+  else
+    writePicture(what)
+  end
+  love.event.quit()
+end
+
+function love.load(arguments)
+  if arguments[1] then
+    -- in place of LOVE's screen for errors, which waits for a key
+    love.errorhandler = function(message)
+      print(debug.traceback(message))
+      return function() return 1 end
+    end
+  end
+  tone = love.graphics.newShader(TONE_MAPPING)
+  scene = Scene.new(love.graphics.getDimensions())
+  bokeh = addBokeh(scene)
+  focus = { scene:depthOf(scene.subject) }
+  if arguments[1] then
+    run(unpack(arguments))
+  end
+end
+
+function love.update(dt)
+  bokeh:pullFocus(dt, focus, 0.2)
+end
+
+function love.draw()
+  scene:draw()
+  local result = bokeh:draw(scene.color, scene.depth)
+  love.graphics.setShader(tone)
+  love.graphics.draw(result)
+  love.graphics.setShader()
+end
+
+-- A click focuses on the nearest of three points.
+function love.mousepressed(x, y)
+  focus = { bokeh:depthAt(x - 4, y), bokeh:depthAt(x, y), bokeh:depthAt(x + 4, y) }
+end
+
+function love.keypressed(key)
+  if key:match("^[0-3]$") then
+    bokeh = addBokeh(scene, { view = VIEWS[key] })
+  end
+end
