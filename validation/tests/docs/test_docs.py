@@ -63,10 +63,10 @@ def test_texture_table():
 @pytest.mark.parametrize(
     ("file", "start", "end"),
     [
-        ("docs/parameters.md", "```cpp", "float Unused[1];"),
-        ("docs/parameters.md", "```csharp", "\n}"),
-        ("docs/parameters.md", "```rust", "unused: [f32; 1]"),
-        ("docs/parameters.md", "const BOKEH_PARAMETERS", "]"),
+        ("integration/parameters/BokehParameters.h", "struct BokehParameters", "float Unused[1];"),
+        ("integration/parameters/BokehParameters.cs", "struct BokehParameters", "\n}"),
+        ("integration/parameters/bokeh_parameters.rs", "struct BokehParameters", "unused: [f32; 1]"),
+        ("integration/parameters/bokehParameters.js", "const BOKEH_PARAMETERS", "]"),
         ("integration/bevy/src/lib.rs", "struct BokehParameters {", "}"),
         ("integration/direct3d9/main.c", "    float apertureDiameter", "}"),
         ("integration/direct3d11/main.cpp", "    float apertureDiameter", "}"),
