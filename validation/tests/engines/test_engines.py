@@ -12,7 +12,7 @@ PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love")
 # Their default is layered
 LAYERED = (
-    "opengl", "raylib", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
+    "opengl", "raylib", "jmonkeyengine", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
     *WITHOUT_PAPER, "direct3d11",
 )  # fmt: skip
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
@@ -21,6 +21,7 @@ LENSES = {
     "panda3d": (16.071, 1.4),
     "raylib": (27.0, 0.2),
     "love": (27.0, 0.2),
+    "jmonkeyengine": (27.0, 0.2),
     "threejs-webgl": (45.0, 0.07),
     "threejs-webgpu": (45.0, 0.07),
     "playcanvas-webgl": (45.0, 0.07),

@@ -1,0 +1,141 @@
+import com.jme3.math.Vector2f;
+import com.jme3.system.JmeVersion;
+import com.jme3.texture.Image.Format;
+import com.jme3.texture.Texture2D;
+import java.io.ByteArrayOutputStream;
+import java.io.File;
+import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.file.Files;
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.List;
+import java.util.Locale;
+import java.util.StringJoiner;
+import org.lwjgl.opengl.GL11;
+
+/**
+ * For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+ *
+ * <p>color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0
+ * first; capture.json says what they are. pull.json: the autofocus, frame by frame.
+ */
+public class Capture extends Sample {
+    private static final List<Shot> SHOTS = List.of(
+            shot("layered-hexagon", BokehFilter.HEXAGON),
+            shot("layered-octagon", Apertures.OCTAGON),
+            shot("exact-hexagon", Apertures.EXACT_HEXAGON),
+            shot("exact-octagon", Apertures.EXACT_OCTAGON),
+            shot("paper-hexagon", Apertures.PAPER_HEXAGON),
+            shot("paper-octagon", Apertures.PAPER_OCTAGON));
+    private static final Vector2f SKY = new Vector2f(0.02f, 0.98f);
+    // frames of the pull: as many on the tower and the ball, then on the sky
+    private static final int PULLED = 12;
+
+    private final File folder;
+    private final StringJoiner told = new StringJoiner(",\n  ");
+    private final StringJoiner pulled = new StringJoiner(", ");
+    private float focusDistance;
+
+    Capture(File folder) {
+        super(folder);
+        this.folder = folder;
+    }
+
+    public static void main(String[] arguments) {
+        new Capture(new File(arguments[0])).begin();
+    }
+
+    private static Shot shot(String name, BokehFilter.Step[] table) {
+        return new Shot(name, table, Scene.TOWER, "result");
+    }
+
+    @Override
+    List<Shot> shots() {
+        List<Shot> all = new ArrayList<>(SHOTS);
+        all.addAll(Collections.nCopies(2 * PULLED, shot("pull", Apertures.EXACT_HEXAGON)));
+        return all;
+    }
+
+    /** The pull goes on with the effect of the shot before it. */
+    @Override
+    void show(Shot shot, int index) {
+        if (index < SHOTS.size()) {
+            super.show(shot, index);
+        } else if (index == SHOTS.size()) {
+            bokeh.setAutofocus(rootNode, PULL_SECONDS, Scene.TOWER, Scene.BALL);
+        } else if (index == SHOTS.size() + PULLED) {
+            bokeh.setAutofocus(rootNode, PULL_SECONDS, SKY);
+        }
+    }
+
+    @Override
+    void take(Shot shot, int index) throws IOException {
+        if (index >= SHOTS.size()) {
+            pulled.add(Float.toString(bokeh.getFocusDistance()));
+            return;
+        }
+        focusDistance = bokeh.getFocusDistance();
+        String name = shot.name();
+        String more = "";
+        write(name + ".f16", texture("result"), Format.RGBA16F);
+        if (name.startsWith("layered")) {
+            write(name + ".written", written(shot.table()));
+            more = ", \"written\": \"" + name + ".written\"";
+        }
+        String[] words = name.split("-");
+        told.add(String.format("{\"name\": \"%s\", \"method\": \"%s\", \"aperture\": \"%s\", \"result\": \"%s.f16\"%s}",
+                name, words[0], words[1], name, more));
+    }
+
+    /** All that the passes of a table wrote, in their order. */
+    private byte[] written(BokehFilter.Step[] table) throws IOException {
+        ByteArrayOutputStream all = new ByteArrayOutputStream();
+        for (BokehFilter.Step step : table) {
+            for (String target : step.writes().split(" ")) {
+                all.write(bytes(read(texture(target), Format.RGBA16F)));
+            }
+        }
+        return all.toByteArray();
+    }
+
+    @Override
+    void finish(File output) throws IOException {
+        write("color.f16", texture("scene"), Format.RGBA16F);
+        write("depth.f32", texture("metres"), Format.R32F);
+        float focalLength = 0.5f * 0.024f * cam.getProjectionMatrix().m11;
+        String capture = String.format(Locale.ROOT, """
+                {"engine": "%s, OpenGL %s", "device": "%s",
+                 "width": %d, "height": %d, "color": "color.f16", "depth": "depth.f32",
+                 "camera": {"aperture_diameter": %.9g, "focal_length": %.9g, "focus_distance": %.9g,
+                  "sensor_height": 0.024, "max_coc": 0.1},
+                 "spacing": 1.0, "max_samples": 33,
+                 "shots": [
+                  %s]}
+                """, JmeVersion.FULL_NAME, GL11.glGetString(GL11.GL_VERSION), GL11.glGetString(GL11.GL_RENDERER),
+                WIDTH, HEIGHT, focalLength / F_STOP, focalLength, focusDistance, told);
+        write("capture.json", capture.getBytes());
+        String pull = String.format(Locale.ROOT, """
+                {"frame": %.9g, "seconds": %.9g, "frames": %d,
+                 "tower": {"point": [%s, %s], "depth": %.9g}, "ball": {"point": [%s, %s], "depth": %.9g},
+                 "distances": [%s]}
+                """, SECONDS, PULL_SECONDS, PULLED,
+                Scene.TOWER.x, Scene.TOWER.y, bokeh.depthUnder(Scene.TOWER),
+                Scene.BALL.x, Scene.BALL.y, bokeh.depthUnder(Scene.BALL), pulled);
+        write("pull.json", pull.getBytes());
+    }
+
+    private static byte[] bytes(ByteBuffer buffer) {
+        byte[] all = new byte[buffer.capacity()];
+        buffer.get(0, all);
+        return all;
+    }
+
+    private void write(String name, Texture2D texture, Format format) throws IOException {
+        write(name, bytes(read(texture, format)));
+    }
+
+    private void write(String name, byte[] data) throws IOException {
+        Files.write(folder.toPath().resolve(name), data);
+    }
+}

@@ -1,0 +1,9 @@
+in vec4 inPosition;
+out vec2 BokehUV;
+
+// The quad of a Filter goes from 0 to 1. v = 0 is the first row in memory.
+void main()
+{
+    BokehUV = inPosition.xy;
+    gl_Position = vec4(inPosition.xy * 2.0 - 1.0, 0.0, 1.0);
+}
