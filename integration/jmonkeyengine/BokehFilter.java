@@ -62,7 +62,6 @@ public class BokehFilter extends Filter {
     private Spatial focusScene;
     private Vector2f[] focusPoints = {};
     private float focusTime = 0.2f;
-    private float pulled;
     private boolean cut = true;
 
     public BokehFilter() {
@@ -128,9 +127,9 @@ public class BokehFilter extends Filter {
             nearest = Math.max(nearest, 1f / depthUnder(point));
         }
         float k = cut ? 1f : 1f - (float) Math.exp(-seconds / focusTime);
-        pulled += k * (nearest - pulled);
+        float now = 1f / focusDistance;
+        focusDistance = 1f / (now + k * (nearest - now));
         cut = false;
-        focusDistance = 1f / pulled;
     }
 
     @Override

@@ -18,7 +18,7 @@ import org.lwjgl.opengl.GL11;
  * For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
  *
  * <p>color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0
- * first; capture.json says what they are. pull.json: the autofocus, frame by frame.
+ * first; capture.json says what they are, and how the autofocus went.
  */
 public class Capture extends Sample {
     private static final List<Shot> SHOTS = List.of(
@@ -28,8 +28,7 @@ public class Capture extends Sample {
             shot("exact-octagon", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon", Apertures.PAPER_HEXAGON),
             shot("paper-octagon", Apertures.PAPER_OCTAGON));
-    private static final Vector2f SKY = new Vector2f(0.02f, 0.98f);
-    // frames of the pull: as many on the tower and the ball, then on the sky
+    // frames of a pull to the ball, which is nearer than the tower
     private static final int PULLED = 12;
 
     private final File folder;
@@ -53,7 +52,7 @@ public class Capture extends Sample {
     @Override
     List<Shot> shots() {
         List<Shot> all = new ArrayList<>(SHOTS);
-        all.addAll(Collections.nCopies(2 * PULLED, shot("pull", Apertures.EXACT_HEXAGON)));
+        all.addAll(Collections.nCopies(PULLED, shot("pull", Apertures.EXACT_HEXAGON)));
         return all;
     }
 
@@ -64,8 +63,6 @@ public class Capture extends Sample {
             super.show(shot, index);
         } else if (index == SHOTS.size()) {
             bokeh.setAutofocus(rootNode, PULL_SECONDS, Scene.TOWER, Scene.BALL);
-        } else if (index == SHOTS.size() + PULLED) {
-            bokeh.setAutofocus(rootNode, PULL_SECONDS, SKY);
         }
     }
 
@@ -110,19 +107,17 @@ public class Capture extends Sample {
                  "camera": {"aperture_diameter": %.9g, "focal_length": %.9g, "focus_distance": %.9g,
                   "sensor_height": 0.024, "max_coc": 0.1},
                  "spacing": 1.0, "max_samples": 33,
+                 "pull": {"frame": %.9g, "seconds": %.9g, "points": [%s, %s], "distances": [%s]},
                  "shots": [
                   %s]}
                 """, JmeVersion.FULL_NAME, GL11.glGetString(GL11.GL_VERSION), GL11.glGetString(GL11.GL_RENDERER),
-                WIDTH, HEIGHT, focalLength / F_STOP, focalLength, focusDistance, told);
+                WIDTH, HEIGHT, focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
+                point(Scene.TOWER), point(Scene.BALL), pulled, told);
         write("capture.json", capture.getBytes());
-        String pull = String.format(Locale.ROOT, """
-                {"frame": %.9g, "seconds": %.9g, "frames": %d,
-                 "tower": {"point": [%s, %s], "depth": %.9g}, "ball": {"point": [%s, %s], "depth": %.9g},
-                 "distances": [%s]}
-                """, SECONDS, PULL_SECONDS, PULLED,
-                Scene.TOWER.x, Scene.TOWER.y, bokeh.depthUnder(Scene.TOWER),
-                Scene.BALL.x, Scene.BALL.y, bokeh.depthUnder(Scene.BALL), pulled);
-        write("pull.json", pull.getBytes());
+    }
+
+    private String point(Vector2f place) {
+        return String.format(Locale.ROOT, "[%.9g, %.9g, %.9g]", place.x, place.y, bokeh.depthUnder(place));
     }
 
     private static byte[] bytes(ByteBuffer buffer) {

@@ -13,6 +13,12 @@ capture.json beside raw little-endian files, rows from v = 0 (the first row in m
 Keys of a shot beside name and result are fields of methods.Settings; what is left out has its default there. Each shot
 may have a camera, color and depth of its own in place of the common ones.
 
+"pull" is the autofocus, for the tests:
+
+    "pull": {"frame": 0.0333, "seconds": 0.2, "points": [[u, v, metres], ...], "distances": [metres, ...]}
+
+its time constant, what it found under points of the screen, and the focus distance after each frame.
+
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
 each, in the order of docs/passes.md. It is compared pass by pass, each with what the device had in the pass's inputs,
 as in patterns.model.compared.

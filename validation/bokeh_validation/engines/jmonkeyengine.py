@@ -107,7 +107,18 @@ def _fetch(java: str, jars: list[Jar], folder: Path) -> None:
         description = Path(work) / "ivy.xml"
         description.write_text(text, encoding="ascii")
         pattern = folder / "[artifact]-[revision](-[classifier]).[ext]"
-        command = [java, "-jar", IVY, "-warn", "-ivy", description, "-cache", Path(work) / "cache", "-retrieve", pattern]
+        command = [
+            java,
+            "-jar",
+            IVY,
+            "-warn",
+            "-ivy",
+            description,
+            "-cache",
+            Path(work) / "cache",
+            "-retrieve",
+            pattern,
+        ]
         try:
             process.run(command, FETCH_S)
         except RuntimeError as error:

@@ -1,11 +1,13 @@
 """Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
-from math import radians, tan
+import json
+from math import exp, radians, tan
 
+import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation import engines
+from bokeh_validation import engines, paths
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
@@ -33,12 +35,42 @@ LENSES = {
     "bevy": (26.991, 0.2),
 }
 
+# Their autofocus is in the capture
+PULLS = ("jmonkeyengine",)
+
 
 def check_lens(camera, fovy, stop):
     """f from the field of view, A from the f-stop: docs/lens.md."""
     focal_length = camera.sensor_height / (2.0 * tan(0.5 * radians(fovy)))
     assert camera.focal_length == pytest.approx(focal_length, rel=1e-4)
     assert camera.aperture_diameter == pytest.approx(focal_length / stop, rel=1e-4)
+
+
+def check_pull(folder):
+    """Autofocus on points of the screen, frame by frame: "pull" of capture.json, by docs/lens.md.
+
+    points     (u, v, depth that the sample found there): within the depths of the 3 x 3 pixels around it, since a ray
+               does not go through a pixel's centre
+    distances  after each frame of `frame` seconds, from the camera's focus distance towards the nearest of the points,
+               with `seconds` as time constant; float32
+    """
+    data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
+    size = (data["height"], data["width"])
+    metres = np.fromfile(folder / data["depth"], np.float32).reshape(size)
+    pull, depths = data["pull"], []
+    for u, v, depth in pull["points"]:
+        row, column = int(v * size[0]), int(u * size[1])
+        around = metres[row - 1 : row + 2, column - 1 : column + 2]
+        assert around.min() * 0.9999 < depth < around.max() * 1.0001
+        depths.append(depth)
+    assert len(depths) > 1 and max(depths) > 1.2 * min(depths)
+    distance, wanted = data["camera"]["focus_distance"], []
+    for _ in pull["distances"]:
+        k = 1.0 - exp(-pull["frame"] / pull["seconds"])
+        distance = 1.0 / (1.0 / distance + k * (1.0 / min(depths) - 1.0 / distance))
+        wanted.append(distance)
+    assert len(wanted) >= 10 and abs(wanted[-1] / wanted[0] - 1.0) > 0.1
+    assert pull["distances"] == pytest.approx(wanted, rel=1e-5)
 
 
 # Bevy's first build takes a quarter of an hour
@@ -54,6 +86,8 @@ def test_sample(name, request):
         pytest.skip(f"{name}: not built here yet, or as it last passed; --all runs it")
     with needed(name):
         capture = engines.run(name)
+    if name in PULLS:
+        check_pull(paths.cache_folder() / "engines" / name / "capture")
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
     assert name not in LAYERED or shown[0] == ("layered", "hexagon")
