@@ -1,4 +1,4 @@
-"""integration/jmonkeyengine: compiled by the Java that runs it, off screen, with the jars that its jars.txt pins.
+"""integration/jmonkeyengine: compiled by the Java that runs it, off screen, with the jars of its jars.txt.
 
 Ivy fetches them once; it gets by with a fifteenth of what Maven brings along.
 """
@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bokeh_validation import locks, paths
-from bokeh_validation.engines import process
+from bokeh_validation.engines import process, scripts
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/jmonkeyengine"
 IVY = Path("/usr/share/java/ivy.jar")
-INSTALL = "apt-get install -y --no-install-recommends default-jre-headless ivy xvfb xauth libgl1 libgl1-mesa-dri"
+INSTALL = "apt-get install -y --no-install-recommends default-jre-headless ivy"
 # A runtime has the compiler as a module, though not as a command
 COMPILER = ("-m", "jdk.compiler/com.sun.tools.javac.Main", "-Xlint:all", "-Werror")
 FETCH_S, RUN_S = 300.0, 120.0  # take 10 and 5 on two cores
@@ -45,14 +45,14 @@ def run(name: str, folder: Path) -> None:
 def run_class(name: str, argument: Path) -> None:
     """Compile the sample, and run a class of it with a file or folder to write. Raises as run() does."""
     java = shutil.which("java")
-    if java is None or shutil.which("xvfb-run") is None:
-        raise Unavailable(f"Java or a display is missing; {INSTALL}")
+    if java is None:
+        raise Unavailable(f"Java is missing; {INSTALL}")
     jars = ":".join(str(path) for path in fetched(java))
     native = paths.ensured(paths.cache_folder() / "engines" / "jmonkeyengine" / "native")
     with tempfile.TemporaryDirectory(prefix="bokeh-") as classes:
         process.run([java, *COMPILER, "-d", classes, "-cp", jars, *sorted(SAMPLE.glob("*.java"))], RUN_S)
         options = ["-Djava.awt.headless=true", f"-Dorg.lwjgl.system.SharedLibraryExtractPath={native}"]
-        command = ["xvfb-run", "-a", java, *options, "-cp", f"{classes}:{jars}", name, argument]
+        command = [*scripts.display(), java, *options, "-cp", f"{classes}:{jars}", name, argument]
         process.run(command, RUN_S, SAMPLE)
 
 
