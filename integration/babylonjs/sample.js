@@ -3,7 +3,7 @@
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { ImageProcessingConfiguration } from '@babylonjs/core/Materials/imageProcessingConfiguration.js';
 import { ImageProcessingPostProcess } from '@babylonjs/core/PostProcesses/imageProcessingPostProcess.js';
-import { PolygonBokeh } from './PolygonBokeh.js';
+import { PolygonBokeh } from 'bokeh-babylonjs/PolygonBokeh.js';
 import { makeScene } from './scene.js';
 
 // Depth of field for what the camera sees. `options` are those of PolygonBokeh.

@@ -1,10 +1,8 @@
 // The sample on WebGPU.
 
 import { WebGPUEngine } from '@babylonjs/core/Engines/webgpuEngine.js';
+import { library } from 'bokeh-babylonjs/wgsl.js';
 import { start } from './sample.js';
-
-const text = async (name) => (await fetch(`../../wgsl/${name}`)).text();
-const library = (await text('bokeh.wgsl')) + (await text('bokeh_layers.wgsl'));
 
 const canvas = document.createElement('canvas');
 document.body.append(canvas);

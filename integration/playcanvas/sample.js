@@ -2,7 +2,7 @@
 
 import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
 import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
-import { PolygonBokehFrame } from './PolygonBokehFrame.js';
+import { PolygonBokehFrame } from 'bokeh-playcanvas/PolygonBokehFrame.js';
 import { makeScene } from './scene.js';
 
 const canvas = document.querySelector('canvas');
@@ -14,9 +14,8 @@ app.init(options);
 app.autoRender = false; // nothing moves: a frame is drawn when it is asked for
 app.start();
 
-const language = options.graphicsDevice.isWebGPU ? 'wgsl' : 'glsl';
-const text = async (name) => (await fetch(`../../${language}/${name}.${language}`)).text();
-const library = (await text('bokeh')) + (await text('bokeh_layers'));
+const { isWebGPU } = options.graphicsDevice;
+const { library } = await (isWebGPU ? import('bokeh-playcanvas/wgsl.js') : import('bokeh-playcanvas/glsl.js'));
 
 // The camera with depth of field. `options` are those of PolygonBokehFrame.
 export function addBokeh(app, camera, options) {

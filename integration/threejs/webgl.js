@@ -5,13 +5,12 @@ import { WebGLRenderer, WebGLRenderTarget } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
-import { PolygonBokehPass } from './PolygonBokehPass.js';
+import { PolygonBokehPass } from 'bokeh-threejs/PolygonBokehPass.js';
+import { library } from 'bokeh-threejs/glsl.js';
 import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
-const text = async (name) => (await fetch(`../../glsl/${name}`)).text();
-const library = (await text('bokeh.glsl')) + (await text('bokeh_layers.glsl'));
 
 // { composer, bokeh }: the scene with depth of field. `options` are those of PolygonBokehPass.
 export function addBokeh(renderer, scene, camera, options) {

@@ -2,13 +2,12 @@
 
 import { ACESFilmicToneMapping, Raycaster, RenderPipeline, Vector2, WebGPURenderer } from 'three/webgpu';
 import { pass } from 'three/tsl';
-import { PolygonBokehNode } from './PolygonBokehNode.js';
+import { PolygonBokehNode } from 'bokeh-threejs/PolygonBokehNode.js';
+import { library } from 'bokeh-threejs/wgsl.js';
 import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
-const text = async (name) => (await fetch(`../../wgsl/${name}`)).text();
-const library = (await text('bokeh.wgsl')) + (await text('bokeh_layers.wgsl'));
 
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {
