@@ -10,8 +10,8 @@ from pathlib import Path
 from struct import pack, unpack
 
 import scene
-from apertures import EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
-from depth_of_field import EXACT_HEXAGON, DepthOfField
+from bokeh_panda3d import EXACT_HEXAGON, DepthOfField
+from bokeh_panda3d.apertures import EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
 from panda3d.core import PandaSystem
 from sample import PARAMETERS, Frame, focus_on, start
 

@@ -3,8 +3,8 @@
 import sys
 
 import scene
-from apertures import DEBUG, EXACT_OCTAGON
-from depth_of_field import DepthOfField, float_target, texture
+from bokeh_panda3d import DepthOfField, float_target, texture
+from bokeh_panda3d.apertures import DEBUG, EXACT_OCTAGON
 from direct.filter.FilterManager import FilterManager
 from direct.showbase.ShowBase import ShowBase
 from panda3d.core import LVecBase4f, PNMImage, Shader, loadPrcFileData

@@ -25,6 +25,8 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         public View view = View.Result;
 
         [Header("Lens, metres")]
+        [Tooltip("F Stop, Focus Distance, Max CoC, Rotation and Squeeze are those of the BokehVolume overrides")]
+        public bool lensFromVolumes;
         [Tooltip("The focal length is that of the camera's field of view. Smaller than any real lens: more blur")]
         public float fStop = 0.2f;
         [Tooltip("Along the view axis. A BokehFocus on the camera overrides it.")]
@@ -40,6 +42,11 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         public float squeeze = 1.0f;
         [Range(0.5f, 4.0f), Tooltip("Pixels between samples")]
         public float spacing = 1.0f;
+
+        public Settings Copy()
+        {
+            return (Settings)MemberwiseClone();
+        }
     }
 
     // in the order of the shader's passes
@@ -53,6 +60,8 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
 
     Material material;
     BokehPass pass;
+    // the settings with the volumes' lens; made anew with the pass
+    Settings blended;
 
     public override void Create()
     {
@@ -67,6 +76,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             material = CoreUtils.CreateEngineMaterial(shader);
         }
         pass = new BokehPass { renderPassEvent = RenderPassEvent.BeforeRenderingPostProcessing };
+        blended = settings.Copy();
     }
 
     public override void AddRenderPasses(ScriptableRenderer renderer, ref RenderingData renderingData)
@@ -76,7 +86,19 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         {
             return;
         }
-        pass.Setup(material, settings);
+        Settings used = settings;
+        if (settings.lensFromVolumes)
+        {
+            // URP has blended the volumes for this camera before it asks for passes
+            BokehVolume volume = VolumeManager.instance.stack?.GetComponent<BokehVolume>();
+            if (volume == null || !volume.IsActive())
+            {
+                return;
+            }
+            used = blended;
+            volume.CopyTo(used);
+        }
+        pass.Setup(material, used);
         renderer.EnqueuePass(pass);
     }
 

@@ -37,6 +37,7 @@ COMMANDS = {
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
     "engines": ("validate", "run_engines"),
+    "release": ("release", "release"),
 }
 
 

@@ -25,19 +25,30 @@ VERSION_S = 60.0
 
 def run(name: str, folder: Path) -> None:
     """Leave the capture of the sample in `folder`. Raises errors.Unavailable, RuntimeError, capture.Broken."""
-    cargo = _cargo()
     extra = {"VK_ICD_FILENAMES": _vulkan_driver(), "BEVY_ASSET_ROOT": str(folder)}
-    stamp, target = _home() / "passed", _home() / "target"
+    stamp = _home() / "passed"
     stamp.unlink(missing_ok=True)
     seen = _state()
-    # everything that is built goes to the cache folder; downloads too, unless the user has a place for them
-    downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
-    downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
-    building = {"CARGO_TARGET_DIR": str(target), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
-    process.run([cargo, "build", "--quiet", "--example", EXAMPLE], BUILD_S, _copied(), building)
-    process.run([target / "debug/examples" / EXAMPLE, folder], RUN_S, folder, extra)
+    call_cargo(_copied(), "build", "--quiet", "--example", EXAMPLE)
+    process.run([_home() / "target/debug/examples" / EXAMPLE, folder], RUN_S, folder, extra)
     if capture.read(folder).ok:
         stamp.write_text(seen, encoding="ascii")
+
+
+def call_cargo(folder: Path, *command: str) -> str:
+    """Run Cargo in a folder; what it says. Raises errors.Unavailable, RuntimeError.
+
+    Everything that is built goes to the cache folder; downloads too, unless the user has a place for them.
+    """
+    downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
+    downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
+    building = {"CARGO_TARGET_DIR": str(_home() / "target"), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
+    return process.run([_cargo(), *command], BUILD_S, folder, building)
+
+
+def locked() -> Path:
+    """Cargo.lock of the last build, if there was one: what else is built with it finds its crates built."""
+    return _home() / "source" / SAMPLE.relative_to(paths.ROOT) / "Cargo.lock"
 
 
 def changed() -> bool:

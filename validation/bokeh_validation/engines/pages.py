@@ -34,12 +34,13 @@ window.bokeh = new Proxy({}, { get: (_, name) => asked(name) });
 """
 
 
-def run(name: str, folder: Path) -> None:
+def run(name: str, folder: Path, project: Path | None = None) -> None:
     """Run 'threejs-webgl', for one, and leave its capture and picture.png in `folder`.
 
+    project   see opened()
     Raises Unavailable where npm or Chromium is missing, RuntimeError with what the engine or the browser said.
     """
-    with opened(name) as sample:
+    with opened(name, project) as sample:
         captured = sample.call("capture", sample.kind)
     for file, data in captured["files"].items():
         (folder / file).write_bytes(base64.b64decode(data))
@@ -74,15 +75,18 @@ class Sample:
 
 
 @contextmanager
-def opened(name: str) -> Iterator[Sample]:
-    """The page of a sample, running. Raises Unavailable."""
+def opened(name: str, project: Path | None = None) -> Iterator[Sample]:
+    """The page of a sample, running. Raises Unavailable.
+
+    project   folder that has integration/, with node_modules in the sample; else the checkout, and the cache folder's
+    """
     engine, _, kind = name.partition("-")
-    modules = installed(engine)
+    modules = project / "integration" / engine / "node_modules" if project else installed(engine)
     said: list[str] = []
 
     def open_page(chromium):
         page = chromium.new_page()
-        page.route("**/*", lambda route: _serve(route, engine, modules))
+        page.route("**/*", lambda route: _serve(route, project or paths.ROOT, engine, modules))
         page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: said.append(error.message))
         page.add_init_script(SCRIPT % engine)
@@ -103,17 +107,12 @@ def installed(engine: str) -> Path:
     lock = (source / "package-lock.json").read_bytes()
     target = paths.cache_folder() / "engines" / engine / f"npm-{sha256(lock).hexdigest()[:16]}"
     if not target.exists():
-        npm = shutil.which("npm")
-        if npm is None:
-            raise Unavailable(f"npm is not on this machine; {INSTALL}")
         # in place only when complete
         folder = Path(tempfile.mkdtemp(dir=paths.ensured(target.parent)))
         try:
             for name in ("package.json", "package-lock.json"):
                 shutil.copy(source / name, folder)
-            options = ("--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", "--loglevel=error")
-            cache = str(paths.cache_folder() / "npm")
-            process.run([npm, "ci", *options], INSTALL_LIMIT, folder, {"npm_config_cache": cache})
+            call_npm(folder, "ci")
             if not target.exists():
                 folder.rename(target)
         finally:
@@ -121,11 +120,21 @@ def installed(engine: str) -> Path:
     return target / "node_modules"
 
 
-def _serve(route, engine: str, modules: Path) -> None:
-    """Answer a request: a file of the repository, or of `modules`."""
+def call_npm(folder: Path, *command: str | Path) -> None:
+    """Have npm install in a folder: its scripts are not run. Raises Unavailable, RuntimeError."""
+    npm = shutil.which("npm")
+    if npm is None:
+        raise Unavailable(f"npm is not on this machine; {INSTALL}")
+    options = ("--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", "--loglevel=error")
+    cache = str(paths.cache_folder() / "npm")
+    process.run([npm, *command, *options], INSTALL_LIMIT, folder, {"npm_config_cache": cache})
+
+
+def _serve(route, root: Path, engine: str, modules: Path) -> None:
+    """Answer a request: a file of `root`, or of `modules`."""
     name = browser.asked(route)
     local = name.removeprefix(f"integration/{engine}/node_modules/")
     if name == "favicon.ico":
         route.fulfill(status=204)
     else:
-        browser.answer(route, modules / local if local != name else paths.ROOT / name)
+        browser.answer(route, modules / local if local != name else root / name)

@@ -154,6 +154,52 @@ namespace UnityEngine.Rendering
         public static void Destroy(UnityEngine.Object obj) { }
     }
 
+    [AttributeUsage(AttributeTargets.Class)]
+    public class VolumeComponentMenu : Attribute
+    {
+        public VolumeComponentMenu(string menu) { }
+    }
+
+    public abstract class VolumeParameter { }
+
+    public class VolumeParameter<T> : VolumeParameter
+    {
+        public virtual T value { get; set; }
+    }
+
+    public class FloatParameter : VolumeParameter<float>
+    {
+        public FloatParameter(float value, bool overrideState = false) { }
+    }
+
+    public class MinFloatParameter : FloatParameter
+    {
+        public MinFloatParameter(float value, float min, bool overrideState = false) : base(value) { }
+    }
+
+    public class ClampedFloatParameter : FloatParameter
+    {
+        public ClampedFloatParameter(float value, float min, float max, bool overrideState = false) : base(value) { }
+    }
+
+    public class VolumeComponent : ScriptableObject { }
+
+    public interface IPostProcessComponent
+    {
+        bool IsActive();
+    }
+
+    public sealed class VolumeStack
+    {
+        public T GetComponent<T>() where T : VolumeComponent { return null; }
+    }
+
+    public sealed class VolumeManager
+    {
+        public static VolumeManager instance { get { return null; } }
+        public VolumeStack stack { get; set; }
+    }
+
     public class ContextContainer
     {
         public T Get<T>() where T : ContextItem, new() { return null; }

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from panda3d.core import FrameBufferProperties, SamplerState, Shader, Texture
 
-# where the two files are
-GLSL = Path(__file__).resolve().parents[2] / "glsl"
+# the two files are in a folder beside this file, or above it
+GLSL = next(path / "glsl" for path in Path(__file__).resolve().parents if (path / "glsl/bokeh_passes.glsl").exists())
 LIBRARY = (GLSL / "bokeh.glsl").read_text()
 PASSES = (GLSL / "bokeh_passes.glsl").read_text()
 HEAD = "#version 330\n#define BOKEH_NUM_SAMPLES 33\n"

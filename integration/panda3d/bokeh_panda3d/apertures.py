@@ -1,6 +1,6 @@
 """Other lists for DepthOfField, in place of EXACT_HEXAGON."""
 
-from depth_of_field import EXACT_INPUTS
+from bokeh_panda3d import EXACT_INPUTS
 
 EXACT_OCTAGON = [
     *EXACT_INPUTS,

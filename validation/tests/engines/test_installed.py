@@ -1,0 +1,197 @@
+"""The archives of validation/run release, installed into an empty project: what is installed does what the sample does.
+
+Unity, Unreal Engine and Godot cannot be installed here; for the first two, what is in the archive is compiled.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from support import needed
+from test_compile_only import PASSES, STUBS, compiled, csharp, inlined, stubs, text, unity_passes
+
+from bokeh_validation import __version__, engines, paths
+from bokeh_validation.engines import bevy, pages, process, scripts
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.release import archives, forms
+
+INTEGRATION = paths.ROOT / "integration"
+ENGINES = ("threejs", "babylonjs", "playcanvas")
+
+
+def unpacked(form: tuple[str, dict], folder: Path) -> Path:
+    """Write an archive's files below a folder, after they were packed."""
+    name, files = form
+    for path, content in archives.unpacked(name, archives.packed(name, files)).items():
+        target = folder / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+    return folder
+
+
+def within(capture: engines.Capture) -> None:
+    """Every shot within the interval of the reference."""
+    assert capture.shots
+    for shot in capture.shots:
+        assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}, {shot.outside}"
+
+
+# ---- npm ----
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def project(request, tmp_path_factory):
+    """(engine, folder with the sample's own files and its package from the archive, without the checkout's)."""
+    engine, root = request.param, tmp_path_factory.mktemp(request.param)
+    folder = root / "integration" / engine
+    name, files = forms.npm(engine)
+    (root / name).write_bytes(archives.packed(name, files))
+    manifest = json.loads(files["package/package.json"])
+    classes = set(manifest["files"])
+    folder.mkdir(parents=True)
+    for path in INTEGRATION.glob(f"{engine}/*"):
+        if path.suffix in (".js", ".html") and path.name not in classes:
+            page = path.read_text(encoding="utf-8")
+            # what the sample's page finds in the checkout
+            page = re.sub(rf'"({manifest["name"]}/[\w.]*)": "[^"]*"', r'"\1": "./node_modules/\1"', page)
+            (folder / path.name).write_text(page, encoding="utf-8")
+    (folder / "package.json").write_text("{}")
+    ((engine_package, version),) = manifest["devDependencies"].items()
+    with needed("npm"):
+        pages.call_npm(folder, "install", root / name, f"{engine_package}@{version}")
+    return engine, root
+
+
+def test_npm_exports(project):
+    """Node finds what the package exports and nothing else; its libraries are the repository's text."""
+    engine, root = project
+    folder = root / "integration" / engine
+    script = """
+const [name, ...files] = process.argv.slice(1);
+const found = {};
+for (const file of files) {
+  found[file] = await import(`${name}/${file}`).then((module) => module.library ?? Object.keys(module), (e) => e.code);
+}
+console.log(JSON.stringify(found));
+"""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("Node.js is not on this machine")
+    asked = [f"bokeh-{engine}", "glsl.js", "wgsl.js", "README.md"]
+    command = [node, "--input-type=module", "-e", script, *asked]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    for language in ("glsl", "wgsl"):
+        parts = [path(language).read_text(encoding="ascii") for path in (paths.library, paths.layers)]
+        assert found[f"{language}.js"] == "".join(parts)
+    assert found["README.md"] == "ERR_PACKAGE_PATH_NOT_EXPORTED"
+    installed = json.loads((folder / "node_modules" / asked[0] / "package.json").read_text(encoding="utf-8"))
+    assert set(installed["exports"].values()) == {f"./{name}" for name in installed["files"]}
+
+
+@pytest.mark.parametrize("kind", ["webgl", "webgpu"])
+def test_npm_page(project, kind, tmp_path):
+    """The sample's page on the installed package: every shot within the reference's interval."""
+    engine, root = project
+    with needed(engine):
+        pages.run(f"{engine}-{kind}", tmp_path, root)
+    within(engines.read(tmp_path))
+
+
+def test_npm_pack(tmp_path):
+    """npm pack of an archive that is unpacked makes an archive of the same files."""
+    for engine in ENGINES:
+        folder = unpacked(forms.npm(engine), tmp_path / engine) / "package"
+        with needed("npm"):
+            pages.call_npm(folder, "pack")
+        (made,) = folder.glob("*.tgz")
+        assert archives.unpacked(made.name, made.read_bytes()) == forms.npm(engine)[1]
+
+
+# ---- Python ----
+
+
+def test_wheel(tmp_path):
+    """pip installs it beside Panda3D, and the sample's own files run on it."""
+    with needed("Panda3D"):
+        (python,) = scripts.command("panda3d")
+    name, files = forms.wheel()
+    (tmp_path / name).write_bytes(archives.packed(name, files))
+    pip = [python, "-I", "-m", "pip", "install", "--no-index", "--prefix", tmp_path / "prefix"]
+    process.run([*pip, "--disable-pip-version-check", tmp_path / name], scripts.INSTALL_SECONDS)
+    (package,) = tmp_path.glob("prefix/lib/*/site-packages")
+    for path in INTEGRATION.glob("panda3d/*.py"):
+        shutil.copy(path, tmp_path)
+    (tmp_path / "out").mkdir()
+    command = [python, tmp_path / "capture.py", tmp_path / "out"]
+    process.run(command, scripts.SECONDS, tmp_path, {"PYTHONPATH": str(package)})
+    within(engines.read(tmp_path / "out"))
+    seen = [python, "-c", "import bokeh_panda3d, importlib.metadata as m; print(bokeh_panda3d.__file__, m.version('bokeh-panda3d'))"]
+    file, version = process.run(seen, scripts.SECONDS, tmp_path, {"PYTHONPATH": str(package)}).split()
+    assert Path(file).is_relative_to(package) and version == __version__
+
+
+# ---- Cargo ----
+
+
+@pytest.mark.timeout(4000)
+def test_crate(request, tmp_path):
+    """`cargo package` of what is in the archive; with --all Cargo compiles it as well, which takes minutes at first."""
+    name, files = forms.crate()
+    folder = unpacked((name, files), tmp_path) / name.removesuffix(".crate")
+    full = request.config.getoption("--all")
+    if full and bevy.locked().exists():
+        shutil.copy(bevy.locked(), folder)
+    options = ["--allow-dirty"] if full else ["--no-verify", "--exclude-lockfile", "--offline"]
+    try:
+        bevy.call_cargo(folder, "package", *options)
+        listed = bevy.call_cargo(folder, "package", "--list").split()
+    except Unavailable as error:
+        if full:
+            with needed("Cargo"):
+                raise
+        pytest.skip(str(error))
+    assert {path.removeprefix(f"{folder.name}/") for path in files} <= set(listed)
+
+
+# ---- Unity and Unreal Engine ----
+
+
+@pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
+def test_unity_shader(target, tmp_path):
+    """The shader in the package with the library beside it."""
+    folder = unpacked(forms.unity(), tmp_path) / "package"
+    (code,) = re.findall(r"HLSLINCLUDE\n(.*?)ENDHLSL", text(folder / "Shaders/BokehDepthOfField.shader"), re.DOTALL)
+    files = stubs("unity", "bokeh.hlsl") | {"bokeh.hlsl": folder / "Shaders/bokeh.hlsl"}
+    source = inlined(f"#define STUB_HALF float\n{code}", files)
+    for _, _, fragment in unity_passes():
+        result = compiled(source, target, fragment)
+        assert result.ok and not result.messages, f"{fragment}: {result.messages}"
+
+
+def test_unity_assembly(tmp_path):
+    """All C# files are in the folder of the assembly definition, which names what they use; they compile together."""
+    folder = unpacked(forms.unity(), tmp_path) / "package/Runtime"
+    (definition,) = folder.glob("*.asmdef")
+    using = {name for path in folder.glob("*.cs") for name in re.findall(r"^using (Unity[\w.]+);", text(path), re.MULTILINE)}
+    of_pipelines = {"UnityEngine.Rendering.Universal": "Unity.RenderPipelines.Universal.Runtime"}
+    wanted = {of_pipelines.get(name, "Unity.RenderPipelines.Core.Runtime") for name in using if "Rendering." in f"{name}."}
+    assert set(json.loads(text(definition))["references"]) == wanted
+    sources = [STUBS / "unity/Unity.cs", *sorted(folder.glob("*.cs"))]
+    done = csharp({path.name: text(path) for path in sources})
+    assert len(sources) == 4 and done.ok and not done.output, done.output
+
+
+@pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
+def test_unreal_shader(target, tmp_path):
+    """The shader file in the plug-in, with the library under the name that it includes."""
+    folder = unpacked(forms.unreal(), tmp_path) / "BokehDepthOfField/Shaders"
+    library = "/Plugin/BokehDepthOfField/bokeh.ush"
+    source = inlined(text(folder / "BokehDepthOfField.usf"), stubs("unreal", library) | {library: folder / "bokeh.ush"})
+    for name in PASSES:
+        result = compiled(source, target, f"{name}PS")
+        assert result.ok and not result.messages, f"{name}: {result.messages}"

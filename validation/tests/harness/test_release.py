@@ -1,0 +1,154 @@
+"""validation/run release: archives that are complete, the same each time, and of one version."""
+
+import json
+import posixpath
+import re
+import tomllib
+
+import pytest
+from support import called, refused
+
+from bokeh_validation import __version__, paths
+from bokeh_validation.release import archives, forms
+
+INTEGRATION = paths.ROOT / "integration"
+NAMES = (
+    "bokeh-babylonjs-{}.tgz", "bokeh-bevy-{}.crate", "bokeh-playcanvas-{}.tgz", "bokeh-threejs-{}.tgz",
+    "bokeh_panda3d-{}-py3-none-any.whl", "com.polygonal-bokeh.urp-{}.tgz", "polygonal-bokeh-shaders-{}.zip",
+    "unreal-BokehDepthOfField-{}.zip",
+)  # fmt: skip
+ADDONS = [f"godot-{path.name}-{{}}.zip" for path in INTEGRATION.glob("godot/addons/*")]
+
+
+@pytest.fixture(scope="module")
+def released(tmp_path_factory):
+    """What the command leaves."""
+    folder = tmp_path_factory.mktemp("release") / "made"
+    done = called("release", "-o", folder)
+    assert done.returncode == 0, done.stderr
+    assert all(path.name in done.stdout for path in folder.iterdir())
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def contents(released) -> dict[str, dict[str, bytes]]:
+    return {name: archives.unpacked(name, archive) for name, archive in released.items()}
+
+
+def test_names(released):
+    """One archive for each form."""
+    assert sorted(released) == sorted(name.format(__version__) for name in (*NAMES, *ADDONS))
+
+
+def test_reproducible(released, monkeypatch):
+    """At another time, with the files in another order: the same to the byte."""
+    monkeypatch.setattr("time.time", lambda: 2e9)
+    for name, files in forms.archives().items():
+        shuffled = dict(reversed(files.items()))
+        assert archives.packed(name, shuffled) == released[name], name
+
+
+def test_shaders_and_licence(released):
+    """Every archive has the licence, and its shaders are those of the repository."""
+    licence = (paths.ROOT / "LICENSE").read_bytes()
+    for name, files in contents(released).items():
+        assert licence in files.values(), name
+        found = {posixpath.basename(path): content for path, content in files.items()}
+        shaders = {base: content for base, content in found.items() if re.fullmatch(r"bokeh\w*\.(hlsl|glsl|wgsl|ush)", base)}
+        for base, content in shaders.items():
+            stem, _, suffix = base.partition(".")
+            language = suffix.replace("ush", "hlsl")
+            assert content == (paths.ROOT / language / f"{stem}.{language}").read_bytes(), f"{name}: {base}"
+        assert shaders or "glsl.js" in found, name
+
+
+def test_nothing_else_is_changed(released):
+    """All other files are the sample's, but for a guide's links, the crate's paths, and what only a package has."""
+    folders = [paths.ROOT / name for name in ("integration", "docs", *paths.LANGUAGES)]
+    sources = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    own = {path.read_bytes() for path in [*sources, paths.ROOT / "LICENSE"]}
+    made = r"glsl\.js|wgsl\.js|.*\.md|.*\.meta|METADATA|WHEEL|RECORD|lib\.rs"
+    for name, files in contents(released).items():
+        new = [path for path, content in files.items() if content not in own]
+        assert all(re.fullmatch(made, posixpath.basename(path)) for path in new), (name, new)
+    crate = contents(released)[f"bokeh-bevy-{__version__}.crate"][f"bokeh-bevy-{__version__}/src/lib.rs"].decode()
+    sample = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
+    assert crate.replace('"../wgsl/', '"../../../wgsl/') == sample and crate.count('"../wgsl/') == 3
+
+
+def test_links(released):
+    """Links of the documents lead to files of the archive."""
+    for name, files in contents(released).items():
+        for path, content in files.items():
+            if path.endswith(".md"):
+                text = re.sub(r"^ *```.*?^ *```", "", content.decode(), flags=re.MULTILINE | re.DOTALL)
+                for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+                    there = posixpath.normpath(posixpath.join(posixpath.dirname(path), target))
+                    assert ":" in target or there in files, f"{name}: {path}: {target}"
+
+
+def test_unity_metas(released):
+    """A .meta for every file and folder of the UPM package, no GUID twice; else Unity leaves the file out."""
+    files = contents(released)[f"com.polygonal-bokeh.urp-{__version__}.tgz"]
+    assets = {path for path in files if not path.endswith(".meta")}
+    assets |= {posixpath.dirname(path) for path in assets} - {"package"}
+    assert {path.removesuffix(".meta") for path in files if path.endswith(".meta")} == assets
+    guids = [re.search(r"^guid: ([0-9a-f]{32})$", files[f"{path}.meta"].decode(), re.MULTILINE)[1] for path in assets]
+    assert len(set(guids)) == len(guids)
+
+
+def test_version():
+    """One version: that of validation/run --version, in every manifest, lock file and shader."""
+    found = {"bevy": tomllib.loads((INTEGRATION / "bevy/Cargo.toml").read_text())["package"]["version"]}
+    for path in INTEGRATION.glob("*/package*.json"):
+        data = json.loads(path.read_text(encoding="utf-8"))
+        found[str(path)] = data["version"]
+        if path.name == "package-lock.json":
+            found[f"{path}, root"] = data["packages"][""]["version"]
+    for path in INTEGRATION.glob("*/*/*.uplugin"):
+        found[str(path)] = json.loads(path.read_text(encoding="utf-8"))["VersionName"]
+    for path in INTEGRATION.glob("*/addons/*/plugin.cfg"):
+        found[str(path)] = re.search(r'^version="(.*)"$', path.read_text(encoding="utf-8"), re.MULTILINE)[1]
+    for language in paths.LANGUAGES:
+        for path in (paths.ROOT / language).iterdir():
+            found[str(path)] = re.search(r"Version (\S+)\.( |$)", path.read_text(encoding="ascii"), re.MULTILINE)[1]
+    assert len(found) >= 9 + 2 + 1 + 3 * 3
+    assert set(found.values()) == {__version__}, found
+
+
+@pytest.mark.parametrize("there", ["file", "full", "link", "nowhere"])
+def test_refused(there, tmp_path):
+    """A place where something is, or where there is no folder: nothing is changed."""
+    target = tmp_path / "out"
+    words = {"file": "is a file", "full": "is not empty", "link": "is a file", "nowhere": "Make it first"}[there]
+    if there == "file":
+        target.write_text("precious")
+    elif there == "full":
+        target.mkdir()
+        (target / "one").write_text("precious")
+    elif there == "link":
+        target.symlink_to(tmp_path / "away")
+    else:
+        target = target / "below"
+    before = sorted(str(path) for path in tmp_path.rglob("*"))
+    refused(called("release", "-o", target), [f"--output {target}", words])
+    assert sorted(str(path) for path in tmp_path.rglob("*")) == before
+
+
+def test_stopped(tmp_path, monkeypatch):
+    """A disk that is full half-way: nothing is left; and an empty folder is taken."""
+    target = tmp_path / "out"
+    target.mkdir()
+    write, count = type(target).write_bytes, []
+
+    def full(path, content):
+        count.append(path)
+        if len(count) == 3:
+            raise OSError(28, "No space left on device")
+        return write(path, content)
+
+    monkeypatch.setattr(type(target), "write_bytes", full)
+    refused(called("release", "-o", target), ["No space left on device"])
+    assert list(tmp_path.rglob("*")) == [target]
+    monkeypatch.undo()
+    assert called("release", "-o", target).returncode == 0
+    assert len(list(target.iterdir())) == len(NAMES) + len(ADDONS)
