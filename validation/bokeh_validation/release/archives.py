@@ -12,18 +12,9 @@ MODE = 0o644
 
 
 def packed(name: str, files: Mapping[str, bytes]) -> bytes:
-    """The archive `name` (.zip, .whl: zip; .tgz, .crate: tar and gzip) of path -> content, in the order of the paths."""
+    """The archive `name` (.zip, .whl: zip; .tgz, .crate: tar and gzip) of path -> content, ordered by path."""
     ordered = dict(sorted(files.items()))
     return _zip(ordered) if name.endswith((".zip", ".whl")) else _tar(ordered)
-
-
-def unpacked(name: str, archive: bytes) -> dict[str, bytes]:
-    """Path -> content of what packed() made."""
-    if name.endswith((".zip", ".whl")):
-        with zipfile.ZipFile(io.BytesIO(archive)) as reader:
-            return {path: reader.read(path) for path in reader.namelist()}
-    with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as reader:
-        return {member.name: reader.extractfile(member).read() for member in reader}
 
 
 def _zip(files: Mapping[str, bytes]) -> bytes:

@@ -28,7 +28,7 @@ def archives() -> dict[str, Files]:
 
 
 def npm(engine: str) -> tuple[str, Files]:
-    """What `files` of the sample's package.json lists; glsl.js and wgsl.js have the text in them that the sample's fetch."""
+    """What `files` of package.json lists; glsl.js and wgsl.js have the text in them that the sample's fetch."""
     manifest = INTEGRATION / engine / "package.json"
     named = json.loads(manifest.read_bytes())
     files = {"package.json": manifest.read_bytes()}
@@ -158,7 +158,7 @@ def _module(language: str) -> bytes:
 
 
 def _guide(document: Path, inside: Container[str], place: str = "") -> bytes:
-    """A document for the folder `place` of an archive, whose links lead to files that are in it; of others the words."""
+    """A document for the folder `place` of an archive, with the links that lead to files in it; of others the words."""
 
     def link(match: re.Match) -> str:
         image, words, target, _ = match.groups()

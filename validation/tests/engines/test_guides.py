@@ -78,7 +78,7 @@ def test_locked_version(name):
 def test_npm_version(name):
     """The table of integration/README.md has the locked one."""
     lock = json.loads((INTEGRATION / name / "package-lock.json").read_text(encoding="utf-8"))
-    (package, version) = next(iter(lock["packages"][""]["dependencies"].items()))
+    (package, version) = next(iter(lock["packages"][""]["devDependencies"].items()))
     assert lock["packages"][f"node_modules/{package}"]["version"] == version
     rows = re.findall(
         rf"^\| \[.*\({name}/README.md\).*? \| ([\d.]+), ", (INTEGRATION / "README.md").read_text(), re.MULTILINE

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from support import needed
 from test_compile_only import PASSES, STUBS, compiled, csharp, inlined, stubs, text, unity_passes
+from test_release import unpacked
 
 from bokeh_validation import __version__, engines, paths
 from bokeh_validation.engines import bevy, pages, process, scripts
@@ -22,10 +23,10 @@ INTEGRATION = paths.ROOT / "integration"
 ENGINES = ("threejs", "babylonjs", "playcanvas")
 
 
-def unpacked(form: tuple[str, dict], folder: Path) -> Path:
+def written(form: tuple[str, dict], folder: Path) -> Path:
     """Write an archive's files below a folder, after they were packed."""
     name, files = form
-    for path, content in archives.unpacked(name, archives.packed(name, files)).items():
+    for path, content in unpacked(name, archives.packed(name, files)).items():
         target = folder / path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
@@ -105,11 +106,11 @@ def test_npm_page(project, kind, tmp_path):
 def test_npm_pack(tmp_path):
     """npm pack of an archive that is unpacked makes an archive of the same files."""
     for engine in ENGINES:
-        folder = unpacked(forms.npm(engine), tmp_path / engine) / "package"
+        folder = written(forms.npm(engine), tmp_path / engine) / "package"
         with needed("npm"):
             pages.call_npm(folder, "pack")
         (made,) = folder.glob("*.tgz")
-        assert archives.unpacked(made.name, made.read_bytes()) == forms.npm(engine)[1]
+        assert unpacked(made.name, made.read_bytes()) == forms.npm(engine)[1]
 
 
 # ---- Python ----
@@ -130,7 +131,11 @@ def test_wheel(tmp_path):
     command = [python, tmp_path / "capture.py", tmp_path / "out"]
     process.run(command, scripts.SECONDS, tmp_path, {"PYTHONPATH": str(package)})
     within(engines.read(tmp_path / "out"))
-    seen = [python, "-c", "import bokeh_panda3d, importlib.metadata as m; print(bokeh_panda3d.__file__, m.version('bokeh-panda3d'))"]
+    seen = [
+        python,
+        "-c",
+        "import bokeh_panda3d, importlib.metadata as m; print(bokeh_panda3d.__file__, m.version('bokeh-panda3d'))",
+    ]
     file, version = process.run(seen, scripts.SECONDS, tmp_path, {"PYTHONPATH": str(package)}).split()
     assert Path(file).is_relative_to(package) and version == __version__
 
@@ -142,7 +147,7 @@ def test_wheel(tmp_path):
 def test_crate(request, tmp_path):
     """`cargo package` of what is in the archive; with --all Cargo compiles it as well, which takes minutes at first."""
     name, files = forms.crate()
-    folder = unpacked((name, files), tmp_path) / name.removesuffix(".crate")
+    folder = written((name, files), tmp_path) / name.removesuffix(".crate")
     full = request.config.getoption("--all")
     if full and bevy.locked().exists():
         shutil.copy(bevy.locked(), folder)
@@ -164,7 +169,7 @@ def test_crate(request, tmp_path):
 @pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
 def test_unity_shader(target, tmp_path):
     """The shader in the package with the library beside it."""
-    folder = unpacked(forms.unity(), tmp_path) / "package"
+    folder = written(forms.unity(), tmp_path) / "package"
     (code,) = re.findall(r"HLSLINCLUDE\n(.*?)ENDHLSL", text(folder / "Shaders/BokehDepthOfField.shader"), re.DOTALL)
     files = stubs("unity", "bokeh.hlsl") | {"bokeh.hlsl": folder / "Shaders/bokeh.hlsl"}
     source = inlined(f"#define STUB_HALF float\n{code}", files)
@@ -175,11 +180,15 @@ def test_unity_shader(target, tmp_path):
 
 def test_unity_assembly(tmp_path):
     """All C# files are in the folder of the assembly definition, which names what they use; they compile together."""
-    folder = unpacked(forms.unity(), tmp_path) / "package/Runtime"
+    folder = written(forms.unity(), tmp_path) / "package/Runtime"
     (definition,) = folder.glob("*.asmdef")
-    using = {name for path in folder.glob("*.cs") for name in re.findall(r"^using (Unity[\w.]+);", text(path), re.MULTILINE)}
+    using = {
+        name for path in folder.glob("*.cs") for name in re.findall(r"^using (Unity[\w.]+);", text(path), re.MULTILINE)
+    }
     of_pipelines = {"UnityEngine.Rendering.Universal": "Unity.RenderPipelines.Universal.Runtime"}
-    wanted = {of_pipelines.get(name, "Unity.RenderPipelines.Core.Runtime") for name in using if "Rendering." in f"{name}."}
+    wanted = {
+        of_pipelines.get(name, "Unity.RenderPipelines.Core.Runtime") for name in using if "Rendering." in f"{name}."
+    }
     assert set(json.loads(text(definition))["references"]) == wanted
     sources = [STUBS / "unity/Unity.cs", *sorted(folder.glob("*.cs"))]
     done = csharp({path.name: text(path) for path in sources})
@@ -189,7 +198,7 @@ def test_unity_assembly(tmp_path):
 @pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
 def test_unreal_shader(target, tmp_path):
     """The shader file in the plug-in, with the library under the name that it includes."""
-    folder = unpacked(forms.unreal(), tmp_path) / "BokehDepthOfField/Shaders"
+    folder = written(forms.unreal(), tmp_path) / "BokehDepthOfField/Shaders"
     library = "/Plugin/BokehDepthOfField/bokeh.ush"
     source = inlined(text(folder / "BokehDepthOfField.usf"), stubs("unreal", library) | {library: folder / "bokeh.ush"})
     for name in PASSES:

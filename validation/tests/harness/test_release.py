@@ -1,9 +1,12 @@
 """validation/run release: archives that are complete, the same each time, and of one version."""
 
+import io
 import json
 import posixpath
 import re
+import tarfile
 import tomllib
+import zipfile
 
 import pytest
 from support import called, refused
@@ -30,8 +33,17 @@ def released(tmp_path_factory):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+def unpacked(name: str, archive: bytes) -> dict[str, bytes]:
+    """Path -> content of an archive."""
+    if name.endswith((".zip", ".whl")):
+        with zipfile.ZipFile(io.BytesIO(archive)) as reader:
+            return {path: reader.read(path) for path in reader.namelist()}
+    with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as reader:
+        return {member.name: reader.extractfile(member).read() for member in reader}
+
+
 def contents(released) -> dict[str, dict[str, bytes]]:
-    return {name: archives.unpacked(name, archive) for name, archive in released.items()}
+    return {name: unpacked(name, archive) for name, archive in released.items()}
 
 
 def test_names(released):
@@ -53,7 +65,9 @@ def test_shaders_and_licence(released):
     for name, files in contents(released).items():
         assert licence in files.values(), name
         found = {posixpath.basename(path): content for path, content in files.items()}
-        shaders = {base: content for base, content in found.items() if re.fullmatch(r"bokeh\w*\.(hlsl|glsl|wgsl|ush)", base)}
+        shaders = {
+            base: content for base, content in found.items() if re.fullmatch(r"bokeh\w*\.(hlsl|glsl|wgsl|ush)", base)
+        }
         for base, content in shaders.items():
             stem, _, suffix = base.partition(".")
             language = suffix.replace("ush", "hlsl")
