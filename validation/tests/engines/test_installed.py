@@ -95,9 +95,14 @@ console.log(JSON.stringify(found));
 
 
 @pytest.mark.parametrize("kind", ["webgl", "webgpu"])
-def test_npm_page(project, kind, tmp_path):
-    """The sample's page on the installed package: every shot within the reference's interval."""
+def test_npm_page(project, kind, tmp_path, request):
+    """The sample's page on the installed package: every shot within the reference's interval.
+
+    Of two engines with --all only: it is what test_engines.py does, with the same files from another place.
+    """
     engine, root = project
+    if engine != "threejs" and not request.config.getoption("--all"):
+        pytest.skip(f"{engine}: --all runs it")
     with needed(engine):
         pages.run(f"{engine}-{kind}", tmp_path, root)
     within(engines.read(tmp_path))
