@@ -117,11 +117,11 @@ def godot(addon: Path) -> tuple[str, Files]:
 
 
 def shaders() -> tuple[str, Files]:
-    """For those who copy: all three languages and the documents."""
+    """For those who copy: all three languages, the parameter block for theirs, and the documents."""
     files = {}
     for language in paths.LANGUAGES:
         files |= _shaders(language, f"{language}/")
-    files |= _tree(paths.ROOT, "docs")
+    files |= _tree(paths.ROOT, "docs") | _tree(paths.ROOT, "integration/parameters")
     documents = [*paths.ROOT.glob("*.md"), *(paths.ROOT / "docs").rglob("*.md")]
     texts = {path.relative_to(paths.ROOT).as_posix(): path for path in documents}
     inside = {*files, *texts}
