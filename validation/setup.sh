@@ -11,7 +11,7 @@ cache=${BOKEH_CACHE:-${XDG_CACHE_HOME:-${HOME:-~}/.cache}/bokeh-validation}
 [[ $cache == /* ]] || cache=$PWD/$cache
 packages=(python3-venv glslang-tools glslc libmojoshader-dev spirv-tools spirv-cross mesa-vulkan-drivers libvulkan1
     libosmesa6 libgl1-mesa-dri libegl1 libgl1 libatomic1 wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth mono-mcs love
-    default-jre-headless ivy)
+    default-jre-headless ivy g++ pkg-config libogre-1.12-dev)
 # Ubuntu has Chromium as a snap; there google-chrome will do, or what $BOKEH_CHROMIUM names
 if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then packages+=(chromium); fi
 # Node.js from elsewhere brings its own npm, which the system's would not go with

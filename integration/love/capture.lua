@@ -49,22 +49,17 @@ local function canvases(bokeh)
   return unpack(found)
 end
 
--- Depth of the subject, and what is read where it is on the screen. Then the focus distances of 30 frames of 20 ms, on
--- their way to the nearest of three points.
-local function focused(scene, bokeh)
-  local place = { scene.subject[1], scene.subject[2], scene.subject[3], 1 }
-  for _, matrix in ipairs({ scene:camera() }) do
-    local moved = {}
-    for i, row in ipairs(matrix) do
-      moved[i] = row[1] * place[1] + row[2] * place[2] + row[3] * place[3] + row[4] * place[4]
-    end
-    place = moved
+-- The focus of 12 frames of 20 ms, on its way to the nearest of the pawn before the white one, that, and the sky
+local function pulled(bokeh)
+  local found = { frame = 0.02, seconds = 0.2, points = {}, distances = {} }
+  local depths = {}
+  for i, point in ipairs({ { 0.25, 0.67 }, { 0.445, 0.7 }, { 0.1, 0.1 } }) do
+    depths[i] = bokeh:depthAt(point[1] * WIDTH, point[2] * HEIGHT)
+    found.points[i] = { point[1], point[2], depths[i] }
   end
-  local x, y = (place[1] / place[4] + 1) * 0.5 * WIDTH, (place[2] / place[4] + 1) * 0.5 * HEIGHT
-  local found = { subject = scene:depthOf(scene.subject), read = bokeh:depthAt(x, y), pulled = {} }
-  for i = 1, 30 do
-    bokeh:pullFocus(0.02, { 7, 2, 1 / 0 }, 0.2)
-    found.pulled[i] = bokeh.uniforms.focusDistance
+  for i = 1, 12 do
+    bokeh:pullFocus(found.frame, depths, found.seconds)
+    found.distances[i] = bokeh.uniforms.focusDistance
   end
   return found
 end
@@ -104,7 +99,7 @@ return function(folder, addBokeh)
     spacing = uniforms.spacing,
     max_samples = 33,
     shots = shots,
-    focus = focused(scene, bokeh),
+    pull = pulled(bokeh),
   }
   write(folder .. "/capture.json", json(capture))
 end

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bokeh_validation import paths
-from bokeh_validation.engines import bevy, direct3d, jmonkeyengine, love, pages, scripts
+from bokeh_validation.engines import bevy, direct3d, jmonkeyengine, love, ogre, pages, scripts
 from bokeh_validation.engines.capture import Broken, Capture, read
 
 __all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
@@ -35,6 +35,7 @@ ENGINES = {
     "panda3d": Engine(scripts.run),
     "raylib": Engine(scripts.run),
     "love": Engine(love.run),
+    "ogre": Engine(ogre.run),
     "jmonkeyengine": Engine(jmonkeyengine.run),
     "threejs-webgl": Engine(pages.run),
     "threejs-webgpu": Engine(pages.run),

@@ -11,7 +11,7 @@ from bokeh_validation import engines, paths
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
-WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love")
+WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
 # Their default is layered
 LAYERED = (
     "opengl", "raylib", "jmonkeyengine", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
@@ -23,6 +23,7 @@ LENSES = {
     "panda3d": (16.071, 1.4),
     "raylib": (27.0, 0.2),
     "love": (27.0, 0.2),
+    "ogre": (27.0, 0.2),
     "jmonkeyengine": (27.0, 0.2),
     "threejs-webgl": (45.0, 0.07),
     "threejs-webgpu": (45.0, 0.07),
@@ -36,7 +37,7 @@ LENSES = {
 }
 
 # Their autofocus is in the capture
-PULLS = ("jmonkeyengine",)
+PULLS = ("jmonkeyengine", "love", "ogre")
 
 
 def check_lens(camera, fovy, stop):

@@ -11,7 +11,7 @@ from PIL import Image
 from support import needed
 
 from bokeh_validation import paths
-from bokeh_validation.engines import direct3d, love, process, scripts
+from bokeh_validation.engines import direct3d, love, ogre, process, scripts
 from bokeh_validation.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
@@ -66,6 +66,11 @@ def test_build_command(name):
     assert any(f"{' '.join(direct3d.BUILDS[name])} -o {name}.exe" in text for _, text in blocks(name))
 
 
+def test_build_command_of_ogre():
+    """The guide builds as the tests do."""
+    assert any(f"{ogre.BUILD} -o sample\n" in text for _, text in blocks("ogre"))
+
+
 @pytest.mark.parametrize("name", ["panda3d", "raylib"])
 def test_locked_version(name):
     """The guide's is the locked one."""
@@ -97,13 +102,14 @@ def test_bevy_passes():
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
-@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love"])
+@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love", "ogre"])
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide, but for what another device rounds: half a step of 255 on average."""
     with needed(name):
-        command = love.command() if name == "love" else [*scripts.command(name), INTEGRATION / name / "sample.py"]
+        own = {"love": love.command, "ogre": ogre.command}.get(name)
+        command = own() if own else [*scripts.command(name), INTEGRATION / name / "sample.py"]
     drawn = tmp_path / "picture.png"
-    process.run([*command, drawn], scripts.SECONDS)
+    process.run([*command, drawn], scripts.SECONDS, INTEGRATION / name)
     with Image.open(drawn) as a, Image.open(INTEGRATION / name / "picture.png") as b:
         assert a.size == b.size
         off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()

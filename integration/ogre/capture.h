@@ -1,0 +1,116 @@
+// For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+//
+// color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
+// capture.json says what they are, and what a focus that is pulled did.
+
+#pragma once
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "PolygonBokeh.h"
+
+// The bytes of a texture, first row in memory first
+inline std::string bytesOf(const Ogre::TexturePtr& texture)
+{
+    const Ogre::PixelFormat format = texture->getFormat();
+    std::string bytes(Ogre::PixelUtil::getMemorySize(texture->getWidth(), texture->getHeight(), 1, format), '\0');
+    const Ogre::PixelBox box(texture->getWidth(), texture->getHeight(), 1, format, bytes.data());
+    texture->getBuffer()->blitToMemory(box);
+    return bytes;
+}
+
+inline void write(const std::string& path, const std::string& bytes)
+{
+    std::ofstream file(path, std::ios::binary);
+    file << bytes;
+    if (!file.flush())
+    {
+        throw std::runtime_error("cannot write " + path);
+    }
+}
+
+inline std::string number(float value)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", double(value));
+    return text;
+}
+
+// The focus of 12 frames of 20 ms, on its way to the nearest of the ball, the crates and the sky
+inline std::string pulled(PolygonBokeh& bokeh, const Ogre::Viewport* viewport)
+{
+    std::vector<float> depths;
+    std::string points, distances;
+    for (const auto& [u, v] : std::vector<std::pair<float, float>>{{0.32f, 0.2f}, {0.4f, 0.65f}, {0.9f, 0.1f}})
+    {
+        const auto x = unsigned(u * float(viewport->getActualWidth()));
+        depths.push_back(bokeh.depthAt(x, unsigned(v * float(viewport->getActualHeight()))));
+        points += points.empty() ? "[" : ", [";
+        points += number(u) + ", " + number(v) + ", " + number(depths.back()) + "]";
+    }
+    for (int i = 0; i < 12; ++i)
+    {
+        bokeh.pullFocus(0.02f, depths, 0.2f);
+        distances += (i ? ", " : "") + number(bokeh.uniforms["BokehFocusDistance"]);
+    }
+    return "\"frame\": 0.02, \"seconds\": 0.2, \"points\": [" + points + "], \"distances\": [" + distances + "]";
+}
+
+inline void capture(const std::string& folder, Ogre::Viewport* viewport,
+    const std::function<std::unique_ptr<PolygonBokeh>(const PolygonBokeh::Frame&)>& make,
+    Ogre::CompositorInstance* tone)
+{
+    std::string shots, camera, pull;
+    for (const auto& [method, aperture, sides] : std::vector<std::tuple<std::string, std::string, int>>{
+             {"layered", "hexagon", 6}, {"layered", "octagon", 8}, {"exact", "hexagon", 6}, {"exact", "octagon", 8},
+             {"exact", "square", 4}, {"exact", "decagon", 10}})
+    {
+        const std::string name = method + "-" + aperture;
+        const bool layered = method == "layered";
+        const auto bokeh = make(layered ? PolygonBokeh::layered(sides) : PolygonBokeh::exact(sides));
+        viewport->getTarget()->update();
+        const std::string result = bytesOf(tone->getTextureInstance("picture", 0));
+        write(folder + "/" + name + ".f16", result);
+        shots += (shots.empty() ? "" : ", ") + ("{\"name\": \"" + name + "\", \"method\": \"" + method);
+        shots += "\", \"aperture\": \"" + aperture + "\", \"result\": \"" + name + ".f16\"";
+        if (layered)
+        {
+            std::string written;
+            const auto& frame = bokeh->frame();
+            for (size_t i = 1; i + 1 < frame.size(); ++i)
+            {
+                for (const std::string& target : PolygonBokeh::words(frame[i].writes))
+                {
+                    written += bytesOf(bokeh->texture(target));
+                }
+            }
+            write(folder + "/" + name + ".written", written + result);
+            shots += ", \"written\": \"" + name + ".written\"";
+        }
+        shots += "}";
+        write(folder + "/color.f16", bytesOf(bokeh->texture("color")));
+        write(folder + "/depth.f32", bytesOf(bokeh->texture("metres")));
+        auto& uniforms = bokeh->uniforms;
+        camera = "\"aperture_diameter\": " + number(uniforms["BokehApertureDiameter"]) +
+            ", \"focal_length\": " + number(uniforms["BokehFocalLength"]) +
+            ", \"focus_distance\": " + number(uniforms["BokehFocusDistance"]) +
+            ", \"sensor_height\": " + number(uniforms["BokehSensorHeight"]) +
+            ", \"max_coc\": " + number(uniforms["BokehMaxCoC"]);
+        pull = pulled(*bokeh, viewport);
+    }
+    const auto& device = *Ogre::Root::getSingleton().getRenderSystem()->getCapabilities();
+    write(folder + "/capture.json",
+        "{\"engine\": \"Ogre " + std::to_string(OGRE_VERSION_MAJOR) + "." + std::to_string(OGRE_VERSION_MINOR) + "." +
+            std::to_string(OGRE_VERSION_PATCH) + ", " + device.getRenderSystemName() + "\", \"device\": \"" +
+            device.getDeviceName() + "\", \"width\": " + std::to_string(viewport->getActualWidth()) +
+            ", \"height\": " + std::to_string(viewport->getActualHeight()) +
+            ", \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"spacing\": 1.0, \"max_samples\": 33" +
+            ", \"camera\": {" + camera + "}, \"shots\": [" + shots + "], \"pull\": {" + pull + "}}");
+}
