@@ -1,10 +1,34 @@
-"""Which line passes make a convex polygon: the rule that section 4.5 looks for. docs/apertures.md has the proofs.
+"""Which line passes make a convex polygon: the rule that section 4.5 looks for, as docs/apertures.md states it.
 
 A convex polygon is the intersection of strips, one for each direction of its edges; two strips have a parallelogram in
 common, which is two line passes. Parallelograms (j, i) and (j, k) can begin with the same line along j where the chords
 that i and k cut out of it are equal, or can be made so at no cost of light. So they are stars that share out the
 directions: a hub, whose line comes first, and its leaves, m parallelograms in m + 1 passes. Light is lost by the
 largest parallelogram; a direction's smallest one is with another edge's, and the largest of those bounds the light.
+
+The shape. Every strip contains the polygon, and each side lies on the border of a strip. So the strips have exactly the
+polygon in common, and so have the parallelograms, as every strip is in one. Widened strips still have their side.
+
+Passes. Each side of the polygon needs a piece of a parallelogram's side, so each direction is a line pass: p directions
+take at least p passes, and half as many parallelograms, rounded up. A group of m leaves takes m + 1 passes for its
+m + 1 directions, so any division into groups takes p. Where p is odd, one group must have two leaves; if no such group
+is possible (a square with one corner cut off unevenly), one direction is used twice, for p + 1.
+
+Widening costs no light. A group's areas are the hub's width times the chords. The longest chord is there anyway; the
+others grow up to it.
+
+The most light. Keep side i and rotate the other side of a parallelogram around the polygon. Its area is w_i times the
+length of the polygon's shadow on a line along i, cast along the other side. As the slope of the rays changes, that
+length is convex and piecewise linear, with bends only where a ray runs along a side. So it is smallest along a side,
+and no other direction helps. Let A be the area of the smallest parallelogram of i, for the i where that is largest.
+Any set of parallelograms has one with i, so area / A is the most that can be kept: `bound`, the command's 'at most'.
+
+Without parallel sides, p passes reach it. Join each direction with the partner of its smallest parallelogram. Remove,
+one after the other, joins whose ends both have another. What is left are groups of a hub and its leaves, with all
+directions in them and no parallelogram larger than A. The fewest are found by search: the cheapest division into groups
+under a limit, in a bisection over the p (p - 1) / 2 areas. That takes at most 4^(p - 1) steps for each limit, 0.1 s for
+twelve directions. Regular polygons reach it too: n directions, n / 2 for even n, each with the partner nearest to a
+right angle, all parallelograms of equal area.
 
 Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as the picture of a highlight shows
 them. Angles are in degrees, from +x towards +y.

@@ -250,13 +250,13 @@ def _section(found: dict) -> Iterator[str]:
     yield "| | entry | reads | writes | size | sets | fetches |"
     yield "|---|---|---|---|---|---|---|"
     for step in found["passes"]:
-        counts, size = step["fetches"], _size(step["size"])
+        counts = step["fetches"]
         yield _row(
             step["pass"],
             step["entry"],
             ", ".join(_sources(step["inputs"])),
             ", ".join(step["targets"]),
-            size if step["scale"] == 1 else f"1/{step['scale']}: {size}",
+            "full" if step["scale"] == 1 else f"1/{step['scale']}",
             _values(step["changes"]),
             f"{counts['color']}" + (f", depth {counts['depth']}" if counts["depth"] else ""),
         )

@@ -86,7 +86,7 @@ def assert_same_shape(shape: Decomposition, polygon: np.ndarray, tolerance: floa
 def test_every_polygon(name):
     """The parallelograms have the polygon in common: exactly, or within the tolerance where sides are made equal.
 
-    Their lines make them; passes, parallelograms and light are within what docs/apertures.md proves. Up to four
+    Their lines make them; passes, parallelograms and light are within what decomposition.py proves. Up to four
     directions, the search finds the best of all sets of pairs.
     """
     polygon = shapes()[name]
