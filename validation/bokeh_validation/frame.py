@@ -260,9 +260,7 @@ def _section(found: dict) -> Iterator[str]:
             _values(step["changes"]),
             f"{counts['color']}" + (f", depth {counts['depth']}" if counts["depth"] else ""),
         )
-    memory = f"{_megabytes(found['bytes'])} MB, {_megabytes(found['bytes_shared'])} MB where those that are free"
-    fetched = f"Fetches a pixel of the full size, at most: {_counts(found['fetches'])}."
-    yield from ("", f"Targets: {memory} are used again. {fetched}", "")
+    yield ""
 
 
 def _sources(inputs: list[dict]) -> Iterator[str]:
