@@ -7,7 +7,7 @@ local ffi = require("ffi")
 local Scene = require("scene")
 
 -- a size that 2, 4 and 8 do not divide
-local WIDTH, HEIGHT = 381, 253
+local WIDTH, HEIGHT = 285, 189
 local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
   { "exact", "octagon", 8 }, { "exact", "square", 4 }, { "exact", "decagon", 10 } }
 

@@ -142,7 +142,7 @@ int main(int count, char** arguments)
         if (count == 3 && arguments[1] == std::string("--capture"))
         {
             // a size that 2, 4 and 8 do not divide
-            Ogre::Viewport* viewport = addScreen(scene.camera, 381, 253);
+            Ogre::Viewport* viewport = addScreen(scene.camera, 285, 189);
             auto* tone = addTone(viewport);
             const auto make = [&](const PolygonBokeh::Frame& frame) { return addBokeh(viewport, scene, frame); };
             capture(arguments[2], viewport, make, tone);
