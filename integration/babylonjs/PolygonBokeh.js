@@ -234,7 +234,18 @@ export class PolygonBokeh extends PostProcess {
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
   focusOn(point) {
-    this.uniforms.focusDistance = Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
+    this.uniforms.focusDistance = this.depthOf(point);
+  }
+
+  depthOf(point) {
+    return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
+  }
+
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
+  // time constant (docs/lens.md).
+  pullFocus(dt, depths, tau = 0.2) {
+    const k = 1 - Math.exp(-dt / tau);
+    this.uniforms.focusDistance = 1 / ((1 - k) / this.uniforms.focusDistance + k / Math.min(...depths));
   }
 
   // Whether all shaders are compiled

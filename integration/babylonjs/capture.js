@@ -4,7 +4,7 @@ import { AbstractEngine } from '@babylonjs/core/Engines/abstractEngine.js';
 import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import '@babylonjs/core/Engines/Extensions/engine.readTexture.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.readTexture.js';
-import { addBokeh } from './sample.js';
+import { addBokeh, depthsUnder } from './sample.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
@@ -90,7 +90,22 @@ export async function capture(kind) {
       data.shots.push(shot);
     }
   }
+  data.pull = pulled(sample);
   return { data, files };
+}
+
+// The autofocus, frame by frame, on the floor and the wall
+function pulled(sample) {
+  const { bokeh } = sample;
+  const points = [[304.5, 157.5], [190.5, 111.5]];
+  const depths = depthsUnder(points, sample);
+  const [frame, seconds, from, distances] = [1 / 30, 0.2, bokeh.uniforms.focusDistance, []];
+  for (let i = 0; i < 12; i++) {
+    bokeh.pullFocus(frame, depths, seconds);
+    distances.push(bokeh.uniforms.focusDistance);
+  }
+  // v = 0 is the lowest row
+  return { frame, seconds, from, points: points.map(([x, y], i) => [x / WIDTH, 1 - y / HEIGHT, depths[i]]), distances };
 }
 
 // What the shaders got, which is float32.
@@ -169,7 +184,12 @@ export async function interaction(kind) {
   const before = sample.bokeh.uniforms.focusDistance;
   canvas.dispatchEvent(new PointerEvent('pointerdown', { ...place, button: 0, pointerId: 1 }));
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
-  const after = sample.bokeh.uniforms.focusDistance;
+  let [last, after] = [0, before];
+  while (last !== after) {
+    // until a frame is pulled no further than a tenth of a millimetre
+    await new Promise((done) => scene.onAfterRenderObservable.addOnce(done));
+    [last, after] = [after, Math.round(sample.bokeh.uniforms.focusDistance * 1e4) / 1e4];
+  }
   const depth = Vector3.TransformCoordinates(box.position, view).z;
   return { before, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
 }

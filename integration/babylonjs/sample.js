@@ -22,6 +22,14 @@ function addTone(camera) {
   return new ImageProcessingPostProcess('tone', 1, camera, bilinear, undefined, false, half);
 }
 
+// Depths under points of the canvas, pixels; Infinity where nothing is
+export function depthsUnder(points, { scene, bokeh }) {
+  return points.map((point) => {
+    const { hit, pickedPoint } = scene.pick(...point);
+    return hit ? bokeh.depthOf(pickedPoint) : Infinity;
+  });
+}
+
 export async function start(engine, library) {
   engine.setSize(640, 480);
   const { scene, camera, subject, box } = makeScene(engine);
@@ -29,9 +37,11 @@ export async function start(engine, library) {
   sample.tone = addTone(camera);
   sample.bokeh.focusOn(subject.position);
 
-  // A click focuses on what is there.
-  scene.onPointerDown = (_, { hit, pickedPoint }) => {
-    if (hit) sample.bokeh.focusOn(pickedPoint);
+  // A click focuses on what is there, on the nearest of some points around it.
+  let aims = [sample.bokeh.uniforms.focusDistance];
+  scene.onPointerDown = () => {
+    const { pointerX: x, pointerY: y } = scene;
+    aims = depthsUnder([[x, y], [x - 6, y], [x + 6, y], [x, y - 6], [x, y + 6]], sample);
   };
 
   // Keys 1 to 3 choose a debug view, 0 the picture.
@@ -43,6 +53,9 @@ export async function start(engine, library) {
     Object.assign(sample.bokeh.uniforms, uniforms);
   });
 
-  engine.runRenderLoop(() => scene.render());
+  engine.runRenderLoop(() => {
+    sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, aims);
+    scene.render();
+  });
   return sample;
 }

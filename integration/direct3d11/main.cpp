@@ -444,18 +444,33 @@ static void read_back(const Target &target, int texel_bytes, void *pixels)
     copy->Release();
 }
 
+// The depths that the focus goes to.
+static float aimed[NUM_AIMS];
+
 // On a place in the world.
 static void focus_on_place(const float place[3])
 {
     parameters.focusDistance = view_depth(&camera, place);
+    for (int i = 0; i < NUM_AIMS; i++)
+        aimed[i] = parameters.focusDistance;
 }
 
-// On what is seen at a pixel of the last frame.
-static void focus_on_pixel(int x, int y)
+// At what is seen at a pixel of the last frame and around it.
+static void aim_at(int x, int y)
 {
     static float metres[HEIGHT][WIDTH];
     read_back(depth, sizeof(float), metres);
-    parameters.focusDistance = metres[y][x];
+    for (int i = 0; i < NUM_AIMS; i++) {
+        const int column = x + AIMS[i][0], row = y + AIMS[i][1];
+        const int inside = column >= 0 && column < WIDTH && row >= 0 && row < HEIGHT;
+        aimed[i] = inside ? metres[row][column] : metres[y][x];
+    }
+}
+
+// Each frame, with the seconds that it took. INFINITY: there at once.
+static void pull_focus(float seconds)
+{
+    parameters.focusDistance = pulled_focus(parameters.focusDistance, aimed, seconds, PULL_SECONDS);
 }
 
 // ---- the program ----
@@ -463,7 +478,7 @@ static void focus_on_pixel(int x, int y)
 static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
 {
     if (message == WM_LBUTTONDOWN)
-        focus_on_pixel(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
+        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
     else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
         shot = &SHOTS[w - '1'];
     else if (message == WM_KEYDOWN && w == 'D')
@@ -497,8 +512,12 @@ static void make_window()
 static void run()
 {
     MSG message = {};
+    ULONGLONG last = GetTickCount64();
     ShowWindow(window, SW_SHOW);
     while (message.message != WM_QUIT) {
+        const ULONGLONG now = GetTickCount64();
+        pull_focus((now - last) * 0.001f);
+        last = now;
         draw_frame();
         CHECK(swap_chain->Present(1, 0));
         while (message.message != WM_QUIT && PeekMessageA(&message, nullptr, 0, 0, PM_REMOVE))
@@ -556,7 +575,8 @@ static void capture(const char *folder)
             show(DISPLAY, result, picture.target, WIDTH * 2, WIDTH, HEIGHT);
         }
         // the shots after the first are focused on the subject as one that clicks on it does
-        focus_on_pixel(WIDTH * 9 / 20, HEIGHT / 2);
+        aim_at(WIDTH * 9 / 20, HEIGHT / 2);
+        pull_focus(INFINITY);
     }
     read_back(picture, 4, pixels);
     write_bmp(folder, "picture.bmp", pixels, WIDTH * 3, HEIGHT);
@@ -566,7 +586,14 @@ static void capture(const char *folder)
     write_file(folder, "depth.f32", pixels, WIDTH * HEIGHT * 4);
     char name[256];
     adapter_name(name, sizeof name);
-    write_capture(folder, "Direct3D 11", name, shots, NUM_SHOTS);
+    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.focusDistance, {}, {}};
+    aim_at(pulled.x, pulled.y);
+    memcpy(pulled.depths, aimed, sizeof aimed);
+    for (int i = 0; i < NUM_PULLED; i++) {
+        pull_focus(pulled.frame);
+        pulled.distances[i] = parameters.focusDistance;
+    }
+    write_capture(folder, "Direct3D 11", name, shots, NUM_SHOTS, &pulled);
 }
 
 int main(int argc, char **argv)

@@ -19,6 +19,13 @@ typedef struct {
     float focus_distance;
 } CapturedShot;
 
+/* The autofocus at a pixel: depths, then the focus distance after each frame. */
+enum { NUM_PULLED = 12 };
+typedef struct {
+    int x, y;
+    float frame, tau, from, depths[NUM_AIMS], distances[NUM_PULLED];
+} CapturedPull;
+
 static FILE *open_file(const char *folder, const char *name)
 {
     char path[1024];
@@ -60,7 +67,7 @@ static void write_bmp(const char *folder, const char *name, const void *bytes, i
 }
 
 static void write_capture(const char *folder, const char *engine, const char *adapter, const CapturedShot *shots,
-                          int num_shots)
+                          int num_shots, const CapturedPull *pull)
 {
     char device[512];
     device_name(adapter, device, sizeof device);
@@ -80,7 +87,15 @@ static void write_capture(const char *folder, const char *engine, const char *ad
                 " \"sensor_height\": %.9g, \"max_coc\": %.9g}}", focal_length() / F_STOP, focal_length(),
                 shot->focus_distance, SENSOR_HEIGHT, MAX_COC);
     }
-    fprintf(file, "]}\n");
+    fprintf(file, "],\n \"pull\": {\"frame\": %.9g, \"seconds\": %.9g, \"from\": %.9g, \"points\": [", pull->frame,
+            pull->tau, pull->from);
+    for (int i = 0; i < NUM_AIMS; i++)
+        fprintf(file, "%s[%.9g, %.9g, %.9g]", i ? ", " : "", (pull->x + AIMS[i][0] + 0.5) / WIDTH,
+                (pull->y + AIMS[i][1] + 0.5) / HEIGHT, pull->depths[i]);
+    fprintf(file, "], \"distances\": [");
+    for (int i = 0; i < NUM_PULLED; i++)
+        fprintf(file, "%s%.9g", i ? ", " : "", pull->distances[i]);
+    fprintf(file, "]}}\n");
     close_file(file, folder, "capture.json");
 }
 

@@ -342,18 +342,33 @@ static void read_back(const Target *target, int width, int height, int texel_byt
     IDirect3DSurface9_Release(copy);
 }
 
+/* The depths that the focus goes to. */
+static float aimed[NUM_AIMS];
+
 /* On a place in the world. */
 static void focus_on_place(const float place[3])
 {
     parameters.focusDistance = view_depth(&camera, place);
+    for (int i = 0; i < NUM_AIMS; i++)
+        aimed[i] = parameters.focusDistance;
 }
 
-/* On what is seen at a pixel of the last frame. */
-static void focus_on_pixel(int x, int y)
+/* At what is seen at a pixel of the last frame and around it. */
+static void aim_at(int x, int y)
 {
     static float metres[HEIGHT][WIDTH];
     read_back(&depth, WIDTH, HEIGHT, sizeof(float), metres);
-    parameters.focusDistance = metres[y][x];
+    for (int i = 0; i < NUM_AIMS; i++) {
+        const int column = x + AIMS[i][0], row = y + AIMS[i][1];
+        const int inside = column >= 0 && column < WIDTH && row >= 0 && row < HEIGHT;
+        aimed[i] = inside ? metres[row][column] : metres[y][x];
+    }
+}
+
+/* Each frame, with the seconds that it took. INFINITY: there at once. */
+static void pull_focus(float seconds)
+{
+    parameters.focusDistance = pulled_focus(parameters.focusDistance, aimed, seconds, PULL_SECONDS);
 }
 
 /* ---- the program ---- */
@@ -361,7 +376,7 @@ static void focus_on_pixel(int x, int y)
 static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
 {
     if (message == WM_LBUTTONDOWN)
-        focus_on_pixel(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
+        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
     else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
         shot = &SHOTS[w - '1'];
     else if (message == WM_KEYDOWN && w == 'D')
@@ -392,8 +407,12 @@ static void make_window(void)
 static void run(void)
 {
     MSG message = {0};
+    ULONGLONG last = GetTickCount64();
     ShowWindow(window, SW_SHOW);
     while (message.message != WM_QUIT) {
+        const ULONGLONG now = GetTickCount64();
+        pull_focus((now - last) * 0.001f);
+        last = now;
         draw_frame();
         /* a lost device is not restored here: the sample ends */
         CHECK(IDirect3DDevice9_Present(device, NULL, NULL, NULL, NULL));
@@ -426,7 +445,8 @@ static void capture(const char *folder)
             CHECK(IDirect3DDevice9_EndScene(device));
         }
         /* the shots after the first are focused on the subject as one that clicks on it does */
-        focus_on_pixel(WIDTH * 9 / 20, HEIGHT / 2);
+        aim_at(WIDTH * 9 / 20, HEIGHT / 2);
+        pull_focus(INFINITY);
     }
     read_back(&picture, WIDTH * 3, HEIGHT, 4, pixels);
     write_bmp(folder, "picture.bmp", pixels, WIDTH * 3, HEIGHT);
@@ -435,7 +455,14 @@ static void capture(const char *folder)
     read_back(&depth, WIDTH, HEIGHT, 4, pixels);
     write_file(folder, "depth.f32", pixels, WIDTH * HEIGHT * 4);
     CHECK(IDirect3D9_GetAdapterIdentifier(direct3d, D3DADAPTER_DEFAULT, 0, &adapter));
-    write_capture(folder, "Direct3D 9", adapter.Description, shots, NUM_SHOTS);
+    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.focusDistance, {0}, {0}};
+    aim_at(pulled.x, pulled.y);
+    memcpy(pulled.depths, aimed, sizeof aimed);
+    for (int i = 0; i < NUM_PULLED; i++) {
+        pull_focus(pulled.frame);
+        pulled.distances[i] = parameters.focusDistance;
+    }
+    write_capture(folder, "Direct3D 9", adapter.Description, shots, NUM_SHOTS, &pulled);
 }
 
 int main(int argc, char **argv)

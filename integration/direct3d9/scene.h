@@ -20,6 +20,7 @@ enum { MAX_BALLS = 18, MAX_VERTICES = MAX_BALLS * RINGS * SEGMENTS * 6 + 12 };
 static const float PI = 3.14159265f;
 /* vertical, that of a lens of 85 mm */
 static const float FIELD_OF_VIEW = 0.2805f, F_STOP = 1.0f, SENSOR_HEIGHT = 0.024f, MAX_COC = 0.1f;
+static const float PULL_SECONDS = 0.2f; /* time constant of the autofocus */
 static const float Z_NEAR = 0.5f, Z_FAR = 50.0f;
 static const float SUBJECT[3] = {-0.06f, 0.19f, 3.0f}; /* middle of the ball that is in focus */
 
@@ -61,6 +62,20 @@ static Camera make_camera(void)
         {y * HEIGHT / WIDTH, y, Z_FAR / (Z_FAR - Z_NEAR), -Z_NEAR * Z_FAR / (Z_FAR - Z_NEAR)},
     };
     return camera;
+}
+
+/* Pixels around that of a click: the nearest of what they show wins. */
+enum { NUM_AIMS = 5 };
+static const int AIMS[NUM_AIMS][2] = {{0, 0}, {-6, 0}, {6, 0}, {0, -6}, {0, 6}};
+
+/* The focus distance after so many seconds more on its way to the nearest of these depths: docs/lens.md. */
+static float pulled_focus(float distance, const float depths[NUM_AIMS], float seconds, float tau)
+{
+    const float k = 1.0f - expf(-seconds / tau);
+    float nearest = 0.0f;
+    for (int i = 0; i < NUM_AIMS; i++)
+        nearest = fmaxf(nearest, 1.0f / depths[i]);
+    return 1.0f / ((1.0f - k) / distance + k * nearest);
 }
 
 /* Depth of a place along the view axis, metres: what BokehFocusDistance is to be when that place is to be in focus. */

@@ -107,12 +107,12 @@ public class Capture extends Sample {
                  "camera": {"aperture_diameter": %.9g, "focal_length": %.9g, "focus_distance": %.9g,
                   "sensor_height": 0.024, "max_coc": 0.1},
                  "spacing": 1.0, "max_samples": 33,
-                 "pull": {"frame": %.9g, "seconds": %.9g, "points": [%s, %s], "distances": [%s]},
+                 "pull": {"frame": %.9g, "seconds": %.9g, "from": %.9g, "points": [%s, %s], "distances": [%s]},
                  "shots": [
                   %s]}
                 """, JmeVersion.FULL_NAME, GL11.glGetString(GL11.GL_VERSION), GL11.glGetString(GL11.GL_RENDERER),
                 WIDTH, HEIGHT, focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
-                point(Scene.TOWER), point(Scene.BALL), pulled, told);
+                focusDistance, point(Scene.TOWER), point(Scene.BALL), pulled, told);
         write("capture.json", capture.getBytes());
     }
 

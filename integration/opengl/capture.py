@@ -12,7 +12,7 @@ import moderngl
 from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
 from depth_of_field import HEXAGON, depth_of_field
 from renderer import BALL, SIZE, Renderer
-from sample import BLUR, DEPTH, IMAGE, LENS, PAPER, focus_on, start
+from sample import BLUR, DEPTH, IMAGE, LENS, PAPER, focus_at, focus_on, pull_focus, start
 
 SHOTS = {
     "layered-hexagon": HEXAGON,
@@ -22,6 +22,18 @@ SHOTS = {
     "paper-hexagon": PAPER_HEXAGON,
     "paper-octagon": PAPER_OCTAGON,
 }
+# under which the autofocus looks
+POINTS = ((304, 82), (190, 128))
+
+
+def pull(focus, depths):
+    """The autofocus, frame by frame."""
+    found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
+    found["points"] = [[(x + 0.5) / SIZE[0], (y + 0.5) / SIZE[1], depth] for (x, y), depth in depths.items()]
+    for _ in range(12):
+        focus = pull_focus(focus, depths.values(), found["frame"], found["seconds"])
+        found["distances"].append(focus)
+    return found
 
 
 def main(folder):
@@ -61,6 +73,7 @@ def main(folder):
         },
         "spacing": BLUR["BokehSpacing"],
         "max_samples": 33,
+        "pull": pull(focus, {(x, y): focus_at(passes, x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

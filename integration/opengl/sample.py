@@ -1,7 +1,7 @@
 """A renderer with depth of field, without a window: python sample.py picture.png"""
 
 import sys
-from math import tan
+from math import exp, inf, tan
 
 import moderngl
 import numpy as np
@@ -31,6 +31,12 @@ def focus_at(passes, x, y):
     return float(np.frombuffer(texel, "f4")[0])
 
 
+def pull_focus(distance, depths, seconds, tau=0.2):
+    """Autofocus: the distance after so many seconds more on its way to the nearest of the depths: docs/lens.md."""
+    k = 1.0 - exp(-seconds / tau)
+    return 1.0 / ((1.0 - k) / distance + k / min(depths))
+
+
 def start():
     """An OpenGL context without a window."""
     return moderngl.create_context(standalone=True, require=330, backend="egl")
@@ -47,7 +53,8 @@ def main(path):
         step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **DEPTH, **BLUR)
     hexagon = renderer.picture(result)
 
-    picked = focus_at(passes, 304, 82)
+    # several points, and no pull: where it ends
+    picked = pull_focus(focus_on(BALL), [focus_at(passes, 304, 82), focus_at(passes, 190, 200)], inf)
     passes, result = depth_of_field(context, renderer.color, renderer.depth, OCTAGON)
     for step in passes:
         step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **DEPTH, **BLUR)

@@ -13,7 +13,7 @@ import scene
 from bokeh_panda3d import EXACT_HEXAGON, DepthOfField
 from bokeh_panda3d.apertures import EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
 from panda3d.core import PandaSystem
-from sample import PARAMETERS, Frame, focus_on, start
+from sample import PARAMETERS, Frame, focus_at, focus_on, pull_focus, start
 
 SHOTS = {
     "exact-hexagon": EXACT_HEXAGON,
@@ -21,6 +21,8 @@ SHOTS = {
     "paper-hexagon": PAPER_HEXAGON,
     "paper-octagon": PAPER_OCTAGON,
 }
+# under which the autofocus looks
+POINTS = ((304, 82), (190, 128))
 
 
 def save(base, texture, path, kind):
@@ -36,6 +38,16 @@ def save(base, texture, path, kind):
     if array("f", unpack(f"<{len(pixels)}{kind}", packed)) != pixels:
         raise ValueError(f"{texture}: not what was asked for, its values do not fit {kind!r}")
     path.write_bytes(packed)
+
+
+def pull(focus, depths):
+    """The autofocus, frame by frame."""
+    found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
+    found["points"] = [[(x + 0.5) / scene.SIZE[0], (y + 0.5) / scene.SIZE[1], depth] for (x, y), depth in depths.items()]
+    for _ in range(12):
+        focus = pull_focus(focus, depths.values(), found["frame"], found["seconds"])
+        found["distances"].append(focus)
+    return found
 
 
 def main(folder):
@@ -73,6 +85,7 @@ def main(folder):
         },
         "spacing": PARAMETERS["BokehSpacing"],
         "max_samples": 33,
+        "pull": pull(focus, {(x, y): focus_at(base, effect.textures["metres"], x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -1,6 +1,7 @@
 """Panda3D with depth of field: python sample.py picture.png"""
 
 import sys
+from math import exp, inf
 
 import scene
 from bokeh_panda3d import DepthOfField, float_target, texture
@@ -106,6 +107,12 @@ def focus_at(base, metres, x, y):
     return found.x
 
 
+def pull_focus(distance, depths, seconds, tau=0.2):
+    """Autofocus: the distance after so many seconds more on its way to the nearest of the depths: docs/lens.md."""
+    k = 1.0 - exp(-seconds / tau)
+    return 1.0 / ((1.0 - k) / distance + k / min(depths))
+
+
 def main(path):
     """Four pictures in one: the input, exact hexagon, near and far field, exact octagon with the focus elsewhere."""
     base = start()
@@ -122,7 +129,9 @@ def main(path):
     octagon = DepthOfField(frame.manager, frame.color, frame.depth, EXACT_OCTAGON)
     octagon.set(BokehFocusDistance=focus, **PARAMETERS)
     base.graphicsEngine.renderFrame()
-    picked = focus_at(base, octagon.textures["metres"], 304, 82)
+    metres = octagon.textures["metres"]
+    # several points, and no pull: where it ends
+    picked = pull_focus(focus, [focus_at(base, metres, 304, 82), focus_at(base, metres, 5, 250)], inf)
     octagon.set(BokehFocusDistance=picked)
 
     width, height = scene.SIZE

@@ -365,4 +365,11 @@ export class PolygonBokehFrame extends CameraFrame {
   focusOn(point) {
     this.uniforms.focusDistance = -this.cameraComponent.viewMatrix.transformPoint(point).z;
   }
+
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
+  // time constant (docs/lens.md).
+  pullFocus(dt, depths, tau = 0.2) {
+    const k = 1 - Math.exp(-dt / tau);
+    this.uniforms.focusDistance = 1 / ((1 - k) / this.uniforms.focusDistance + k / Math.min(...depths));
+  }
 }

@@ -2,7 +2,7 @@
 
 import { FILLMODE_NONE, PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
 import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
-import { addBokeh, app, box, camera, frame as shown, subject } from './sample.js';
+import { addBokeh, app, box, camera, depthsUnder, frame as shown, subject } from './sample.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
@@ -77,7 +77,20 @@ export async function capture() {
       data.shots.push(shot);
     }
   }
+  data.pull = await pulled(Boolean(gl));
   return { data, files };
+}
+
+// The autofocus, frame by frame, on the floor and the wall
+async function pulled(bottomUp) {
+  const points = [[0.951, 0.656], [0.595, 0.464]];
+  const depths = await depthsUnder(points);
+  const [frame, seconds, from, distances] = [1 / 30, 0.2, last.uniforms.focusDistance, []];
+  for (let i = 0; i < 12; i++) {
+    last.pullFocus(frame, depths, seconds);
+    distances.push(last.uniforms.focusDistance);
+  }
+  return { frame, seconds, from, points: points.map(([x, y], i) => [x, bottomUp ? 1 - y : y, depths[i]]), distances };
 }
 
 const names = (gl) => gl.getExtension('WEBGL_debug_renderer_info');
@@ -174,6 +187,8 @@ export async function interaction() {
   canvas.dispatchEvent(new MouseEvent('click', { clientX: left + x, clientY: top + y }));
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   while (shown.uniforms.focusDistance === before) await drawn();
+  // until the pull is over
+  for (let then; then !== shown.uniforms.focusDistance; await drawn()) then = shown.uniforms.focusDistance;
   const depth = -camera.viewMatrix.transformPoint(new Vec3().copy(box.getPosition())).z;
   return { before, after: shown.uniforms.focusDistance, box: depth, mode: shown.debugMode };
 }

@@ -31,12 +31,29 @@ export const frame = addBokeh(app, camera);
 frame.focusOn(subject.getPosition());
 app.renderNextFrame = true;
 
-// A click focuses on what is there.
+// Depths under points of the view, from the upper left, 0 to 1; Infinity where nothing is
 const picker = new Picker(app, canvas.width, canvas.height, true);
-canvas.addEventListener('click', async (event) => {
+export async function depthsUnder(points) {
+  const depths = [];
   picker.prepare(camera, app.scene);
-  const point = await picker.getWorldPointAsync(event.offsetX, event.offsetY);
-  if (point) frame.focusOn(point);
+  for (const [x, y] of points) {
+    const point = await picker.getWorldPointAsync(x * picker.width, y * picker.height);
+    depths.push(point ? -camera.viewMatrix.transformPoint(point).z : Infinity);
+  }
+  return depths;
+}
+
+// A click focuses on what is there, on the nearest of some points around it, within five time constants.
+let [aims, left] = [[], 0];
+canvas.addEventListener('click', async ({ offsetX, offsetY }) => {
+  const [x, y, d] = [offsetX / canvas.clientWidth, offsetY / canvas.clientHeight, 0.01];
+  aims = await depthsUnder([[x, y], [x - d, y], [x + d, y], [x, y - d], [x, y + d]]);
+  left = 1;
+});
+app.on('update', (dt) => {
+  if (left <= 0) return;
+  left -= dt;
+  frame.pullFocus(left > 0 ? dt : Infinity, aims);
   app.renderNextFrame = true;
 });
 

@@ -12,7 +12,7 @@ import raylib as rl
 from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
 from depth_of_field import HEXAGON, depth_of_field
 from raylib import ffi
-from sample import PAPER, PARAMETERS, focus_on, read, start
+from sample import PAPER, PARAMETERS, focus_at, focus_on, pull_focus, read, start
 from scene import DRUM, SIZE, Scene
 
 SHOTS = {
@@ -24,12 +24,24 @@ SHOTS = {
     "paper-octagon": PAPER_OCTAGON,
 }
 RENDERER, GL_VERSION = 0x1F01, 0x1F02
+# under which the autofocus looks
+POINTS = ((150, 215), (5, 250))
 
 
 def gl_string(name):
     """What glGetString says."""
     function = ffi.cast("const char *(*)(unsigned int)", rl.rlGetProcAddress(b"glGetString"))
     return ffi.string(function(name)).decode()
+
+
+def pull(focus, depths):
+    """The autofocus, frame by frame."""
+    found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
+    found["points"] = [[(x + 0.5) / SIZE[0], (y + 0.5) / SIZE[1], depth] for (x, y), depth in depths.items()]
+    for _ in range(12):
+        focus = pull_focus(focus, depths.values(), found["frame"], found["seconds"])
+        found["distances"].append(focus)
+    return found
 
 
 def main(folder):
@@ -69,6 +81,7 @@ def main(folder):
         },
         "spacing": PARAMETERS["BokehSpacing"],
         "max_samples": 33,
+        "pull": pull(focus, {(x, y): focus_at(passes[0].targets[0], x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -1,7 +1,7 @@
 """raylib with depth of field: python sample.py picture.png"""
 
 import sys
-from math import radians, tan
+from math import exp, inf, radians, tan
 from struct import unpack_from
 
 import raylib as rl
@@ -71,6 +71,12 @@ def focus_at(metres, x, y):
     return unpack_from("f", read(metres, 4), 4 * (y * metres.width + x))[0]
 
 
+def pull_focus(distance, depths, seconds, tau=0.2):
+    """Autofocus: the distance after so many seconds more on its way to the nearest of the depths: docs/lens.md."""
+    k = 1.0 - exp(-seconds / tau)
+    return 1.0 / ((1.0 - k) / distance + k / min(depths))
+
+
 def picture(image):
     """Rows of bytes of a texture, tone-mapped, first row on top."""
     shown = texture(*SIZE, rl.PIXELFORMAT_UNCOMPRESSED_R8G8B8A8)
@@ -93,7 +99,9 @@ def main(path):
     for step in fields:
         step.draw(BokehFocusDistance=focus_on(DRUM), BokehDebugMode=3.0, **PARAMETERS)
 
-    picked = focus_at(passes[0].targets[0], 150, 215)
+    metres = passes[0].targets[0]
+    # several points, and no pull: where it ends
+    picked = pull_focus(focus_on(DRUM), [focus_at(metres, 150, 215), focus_at(metres, 5, 250)], inf)
     octagon, other = depth_of_field(scene.color, scene.depth, OCTAGON)
     for step in octagon:
         step.draw(BokehFocusDistance=picked, **PARAMETERS)

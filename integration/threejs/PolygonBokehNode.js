@@ -180,6 +180,14 @@ export class PolygonBokehNode extends Node {
     this.uniforms.focusDistance.value = -this.camera.worldToLocal(point.clone()).z;
   }
 
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
+  // time constant (docs/lens.md).
+  pullFocus(dt, depths, tau = 0.2) {
+    const { focusDistance } = this.uniforms;
+    const k = 1 - Math.exp(-dt / tau);
+    focusDistance.value = 1 / ((1 - k) / focusDistance.value + k / Math.min(...depths));
+  }
+
   // Makes the materials, once. three.js calls it when the node is first used.
   setup(builder) {
     if (!builder.renderer.backend.isWebGPUBackend) throw new Error('PolygonBokehNode needs WebGPU: it is WGSL');

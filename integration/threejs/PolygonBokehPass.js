@@ -200,6 +200,14 @@ export class PolygonBokehPass extends Pass {
     this.uniforms.focusDistance.value = -this.camera.worldToLocal(point.clone()).z;
   }
 
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
+  // time constant (docs/lens.md).
+  pullFocus(dt, depths, tau = 0.2) {
+    const { focusDistance } = this.uniforms;
+    const k = 1 - Math.exp(-dt / tau);
+    focusDistance.value = 1 / ((1 - k) / focusDistance.value + k / Math.min(...depths));
+  }
+
   setSize(width, height) {
     for (const { target, scale } of this.passes) target?.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
     this.uniforms.imageSize.value.set(width, height);

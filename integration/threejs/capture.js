@@ -1,6 +1,7 @@
 // For the validation suite only: every method and shape, and what went into it, as raw pixels.
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
+import { depthsUnder } from './scene.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
@@ -132,9 +133,24 @@ export async function capture(kind) {
         files[shot.written] = base64(await sample.readPasses(frame));
       }
       data.shots.push(shot);
+      data.pull = pulled(frame.bokeh, sample, kind === 'webgl');
     }
   }
   return { data, files };
+}
+
+// The autofocus, frame by frame, on the floor and the wall
+function pulled(bokeh, { scene, camera }, bottomUp) {
+  const { focusDistance } = bokeh.uniforms;
+  const points = [[0.9, -0.31], [0.19, 0.07]];
+  const depths = depthsUnder(points, scene, camera);
+  const [frame, seconds, from, distances] = [1 / 30, 0.2, focusDistance.value, []];
+  for (let i = 0; i < 12; i++) {
+    bokeh.pullFocus(frame, depths, seconds);
+    distances.push(focusDistance.value);
+  }
+  const rows = ([x, y], i) => [(x + 1) / 2, bottomUp ? (1 + y) / 2 : (1 - y) / 2, depths[i]];
+  return { frame, seconds, from, points: points.map(rows), distances };
 }
 
 // What the shaders got, which is float32.
@@ -232,13 +248,14 @@ export async function views(kind) {
 // What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode
 // after a key.
 export async function interaction(kind) {
-  const { renderer, camera, scene, bokeh } = await samples[kind]();
+  const { renderer, camera, scene, bokeh, focus } = await samples[kind]();
   const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');
   const [x, y] = box.position.clone().project(camera).toArray();
   const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
   const before = bokeh.uniforms.focusDistance.value;
   const place = { clientX: left + ((1 + x) / 2) * width, clientY: top + ((1 - y) / 2) * height };
   renderer.domElement.dispatchEvent(new MouseEvent('click', place));
+  while (focus.pulling) await new Promise(requestAnimationFrame);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   const { focusDistance, debugMode } = bokeh.uniforms;
   const depth = -camera.worldToLocal(box.position.clone()).z;

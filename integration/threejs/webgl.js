@@ -1,13 +1,13 @@
 // The sample for WebGLRenderer.
 
-import { ACESFilmicToneMapping, DepthTexture, FloatType, HalfFloatType, Raycaster, Vector2 } from 'three';
+import { ACESFilmicToneMapping, DepthTexture, FloatType, HalfFloatType } from 'three';
 import { WebGLRenderer, WebGLRenderTarget } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { PolygonBokehPass } from 'bokeh-threejs/PolygonBokehPass.js';
 import { library } from 'bokeh-threejs/glsl.js';
-import { makeScene } from './scene.js';
+import { focusByClicks, makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
@@ -38,12 +38,8 @@ bokeh.focusOn(subject.position);
 composer.render();
 
 // A click focuses on what is there.
-renderer.domElement.addEventListener('click', (event) => {
-  const pixel = new Vector2((2 * event.offsetX) / WIDTH - 1, 1 - (2 * event.offsetY) / HEIGHT);
-  const caster = new Raycaster();
-  caster.setFromCamera(pixel, camera);
-  const [hit] = caster.intersectObjects(scene.children);
-  if (hit) bokeh.focusOn(hit.point);
+export const focus = focusByClicks(renderer.domElement, scene, camera, (dt, depths) => {
+  bokeh.pullFocus(dt, depths);
   composer.render();
 });
 

@@ -1,10 +1,10 @@
 // The sample for WebGPURenderer.
 
-import { ACESFilmicToneMapping, Raycaster, RenderPipeline, Vector2, WebGPURenderer } from 'three/webgpu';
+import { ACESFilmicToneMapping, RenderPipeline, WebGPURenderer } from 'three/webgpu';
 import { pass } from 'three/tsl';
 import { PolygonBokehNode } from 'bokeh-threejs/PolygonBokehNode.js';
 import { library } from 'bokeh-threejs/wgsl.js';
-import { makeScene } from './scene.js';
+import { focusByClicks, makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
@@ -30,12 +30,8 @@ bokeh.focusOn(subject.position);
 pipeline.render();
 
 // A click focuses on what is there.
-renderer.domElement.addEventListener('click', (event) => {
-  const pixel = new Vector2((2 * event.offsetX) / WIDTH - 1, 1 - (2 * event.offsetY) / HEIGHT);
-  const caster = new Raycaster();
-  caster.setFromCamera(pixel, camera);
-  const [hit] = caster.intersectObjects(scene.children);
-  if (hit) bokeh.focusOn(hit.point);
+export const focus = focusByClicks(renderer.domElement, scene, camera, (dt, depths) => {
+  bokeh.pullFocus(dt, depths);
   pipeline.render();
 });
 

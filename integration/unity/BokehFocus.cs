@@ -12,6 +12,12 @@ public sealed class BokehFocus : MonoBehaviour
     [Tooltip("Metres along the view axis")]
     public float distance = 5.0f;
 
+    [Tooltip("Autofocus: points of the view, (0, 0) lower left to (1, 1); the nearest of what lies under them wins")]
+    public Vector2[] points = new Vector2[0];
+
+    [Tooltip("Time constant of the autofocus, seconds")]
+    public float pullTime = 0.2f;
+
     // Depth along the view axis, not the length of the ray
     public static float PlanarDepth(Camera camera, Vector3 position)
     {
@@ -31,11 +37,37 @@ public sealed class BokehFocus : MonoBehaviour
         return true;
     }
 
+    // Under points of the view; infinite where nothing with a collider is
+    public float NearestDepth(Camera camera)
+    {
+        float nearest = float.PositiveInfinity;
+        foreach (Vector2 point in points)
+        {
+            if (Physics.Raycast(camera.ViewportPointToRay(point), out RaycastHit hit))
+            {
+                nearest = Mathf.Min(nearest, PlanarDepth(camera, hit.point));
+            }
+        }
+        return nearest;
+    }
+
+    // 1 / distance goes the way: docs/lens.md
+    public void Pull(float nearest, float seconds)
+    {
+        float k = 1.0f - Mathf.Exp(-seconds / pullTime);
+        distance = 1.0f / ((1.0f - k) / distance + k / nearest);
+    }
+
     void LateUpdate()
     {
+        Camera camera = GetComponent<Camera>();
         if (target != null)
         {
-            distance = PlanarDepth(GetComponent<Camera>(), target.position);
+            distance = PlanarDepth(camera, target.position);
+        }
+        else if (points.Length > 0)
+        {
+            Pull(NearestDepth(camera), Time.deltaTime);
         }
     }
 }

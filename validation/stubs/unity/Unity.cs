@@ -42,6 +42,7 @@ namespace UnityEngine
     {
         public float fieldOfView { get; set; }
         public Ray ScreenPointToRay(Vector3 pos) { return default(Ray); }
+        public Ray ViewportPointToRay(Vector3 pos) { return default(Ray); }
     }
 
     public struct Ray { }
@@ -79,10 +80,17 @@ namespace UnityEngine
         public static Matrix4x4 identity { get { return default(Matrix4x4); } }
     }
 
+    public class Time
+    {
+        public static float deltaTime { get { return 0.0f; } }
+    }
+
     public struct Mathf
     {
         public const float Deg2Rad = 0.0174532924f;
         public static float Tan(float f) { return 0.0f; }
+        public static float Exp(float power) { return 0.0f; }
+        public static float Min(float a, float b) { return 0.0f; }
     }
 
     public class Texture : Object { }

@@ -41,9 +41,17 @@ template <typename T, ESPMode Mode = ESPMode::ThreadSafe> struct TSharedPtr
     void Reset() {}
 };
 
+template <typename T> struct TArray
+{
+    const T* begin() const { return nullptr; }
+    const T* end() const { return nullptr; }
+};
+
 struct FMath
 {
     template <typename T> static T DegreesToRadians(T Degrees) { return Degrees; }
+    template <typename T> static T Max(T A, T B) { return A; }
+    static float Exp(float Value) { return Value; }
 };
 
 struct FVector
@@ -93,6 +101,7 @@ enum EConsoleVariableFlags { ECVF_Default = 0, ECVF_RenderThreadSafe = 0x20, ECV
 struct IConsoleVariable
 {
     void Set(float, EConsoleVariableFlags) {}
+    float GetFloat() const { return 0; }
 };
 
 struct IConsoleManager

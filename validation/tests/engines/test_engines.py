@@ -37,7 +37,10 @@ LENSES = {
 }
 
 # Their autofocus is in the capture
-PULLS = ("jmonkeyengine", "love", "ogre")
+PULLS = (
+    "opengl", "panda3d", "raylib", "jmonkeyengine", "love", "ogre", "direct3d9", "direct3d11", "threejs-webgl",
+    "threejs-webgpu", "babylonjs-webgl", "babylonjs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
+)  # fmt: skip
 
 
 def check_lens(camera, fovy, stop):
@@ -50,22 +53,24 @@ def check_lens(camera, fovy, stop):
 def check_pull(folder):
     """Autofocus on points of the screen, frame by frame: "pull" of capture.json, by docs/lens.md.
 
+    depths     of places in the world, or
     points     (u, v, depth that the sample found there): within the depths of the 3 x 3 pixels around it, since a ray
                does not go through a pixel's centre
-    distances  after each frame of `frame` seconds, from the camera's focus distance towards the nearest of the points,
-               with `seconds` as time constant; float32
+    distances  after each frame of `frame` seconds, from `from` (else the camera's) towards the
+               nearest of the points, with `seconds` as time constant; float32
     """
     data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
     size = (data["height"], data["width"])
-    metres = np.fromfile(folder / data["depth"], np.float32).reshape(size)
-    pull, depths = data["pull"], []
-    for u, v, depth in pull["points"]:
+    metres = np.fromfile(folder / data.get("depth", data["shots"][-1].get("depth")), np.float32).reshape(size)
+    pull = data["pull"]
+    depths = pull.get("depths", [])
+    for u, v, depth in pull.get("points", []):
         row, column = int(v * size[0]), int(u * size[1])
         around = metres[row - 1 : row + 2, column - 1 : column + 2]
         assert around.min() * 0.9999 < depth < around.max() * 1.0001
         depths.append(depth)
     assert len(depths) > 1 and max(depths) > 1.2 * min(depths)
-    distance, wanted = data["camera"]["focus_distance"], []
+    distance, wanted = pull["from"] if "from" in pull else data["camera"]["focus_distance"], []
     for _ in pull["distances"]:
         k = 1.0 - exp(-pull["frame"] / pull["seconds"])
         distance = 1.0 / (1.0 / distance + k * (1.0 / min(depths) - 1.0 / distance))

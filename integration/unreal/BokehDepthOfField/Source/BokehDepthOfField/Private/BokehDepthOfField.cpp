@@ -42,15 +42,27 @@ private:
 
 IMPLEMENT_MODULE(FBokehDepthOfFieldModule, BokehDepthOfField)
 
+namespace
+{
+    IConsoleVariable& FocusDistance()
+    {
+        return *IConsoleManager::Get().FindConsoleVariable(TEXT("r.Bokeh.FocusDistance"));
+    }
+
+    float Metres(const APlayerController& Player, const FVector& WorldPosition)
+    {
+        FVector Location;
+        FRotator Rotation;
+        Player.GetPlayerViewPoint(Location, Rotation);
+        // depth along the view axis, not the length of the ray; the engine has centimetres
+        const double Centimetres = FVector::DotProduct(WorldPosition - Location, Rotation.Vector());
+        return static_cast<float>(Centimetres * 0.01);
+    }
+}
+
 void Bokeh::FocusOn(const APlayerController& Player, const FVector& WorldPosition)
 {
-    FVector Location;
-    FRotator Rotation;
-    Player.GetPlayerViewPoint(Location, Rotation);
-    // depth along the view axis, not the length of the ray; the engine has centimetres
-    const double Centimetres = FVector::DotProduct(WorldPosition - Location, Rotation.Vector());
-    IConsoleVariable* Distance = IConsoleManager::Get().FindConsoleVariable(TEXT("r.Bokeh.FocusDistance"));
-    Distance->Set(static_cast<float>(Centimetres * 0.01), ECVF_SetByCode);
+    FocusDistance().Set(Metres(Player, WorldPosition), ECVF_SetByCode);
 }
 
 bool Bokeh::FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel)
@@ -62,4 +74,20 @@ bool Bokeh::FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel
     }
     FocusOn(Player, Hit.ImpactPoint);
     return true;
+}
+
+void Bokeh::PullFocus(const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau)
+{
+    // 1 / distance goes the way: docs/lens.md. Where nothing is hit, 1000 km
+    float Nearest = 1e-6f;
+    for (const FVector2D& Pixel : Pixels)
+    {
+        FHitResult Hit;
+        if (Player.GetHitResultAtScreenPosition(Pixel, ECC_Visibility, false, Hit))
+        {
+            Nearest = FMath::Max(Nearest, 1.0f / Metres(Player, Hit.ImpactPoint));
+        }
+    }
+    const float K = 1.0f - FMath::Exp(-DeltaSeconds / Tau);
+    FocusDistance().Set(1.0f / ((1.0f - K) / FocusDistance().GetFloat() + K * Nearest), ECVF_SetByCode);
 }

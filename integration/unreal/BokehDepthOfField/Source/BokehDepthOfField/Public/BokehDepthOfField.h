@@ -14,4 +14,8 @@ namespace Bokeh
 
     // Focus on what is seen at a pixel of the viewport. False where nothing is that blocks the Visibility channel.
     BOKEHDEPTHOFFIELD_API bool FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel);
+
+    // Autofocus, each frame: towards the nearest of what is seen at these pixels, with Tau seconds as time constant
+    BOKEHDEPTHOFFIELD_API void PullFocus(
+        const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau = 0.2f);
 }
