@@ -92,7 +92,7 @@
 //   [6] combine: BokehCombine, BokehDepthOfFieldFinal
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
 //   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
-//       time: BokehExactEdge
+//       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
 //   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // -------------------------------------------------------------------------------------------------
@@ -107,6 +107,8 @@
 //                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
+//   BOKEH_CHARACTER         0          0, 1    1: the ready-made passes have the character of a
+//                                              lens, see BokehWithCatsEye
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
@@ -157,6 +159,9 @@
 #ifndef BOKEH_VIEWPORT
 #define BOKEH_VIEWPORT 0
 #endif
+#ifndef BOKEH_CHARACTER
+#define BOKEH_CHARACTER 0
+#endif
 #ifndef BOKEH_SENSOR_HEIGHT
 #define BOKEH_SENSOR_HEIGHT 0.024
 #endif
@@ -181,6 +186,9 @@
 
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
+#endif
+#if BOKEH_CHARACTER < 0 || BOKEH_CHARACTER > 1
+#error BOKEH_CHARACTER must be 0 or 1
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -830,11 +838,15 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
 //   sides         4, 6, 8 or 10, a literal: what it does not need is then compiled away
 //   rotation      radians
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+//   lengths       of edges 1 to 4, units of the CoC, before the squeeze; fifth: of edge 5. They
+//                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
 struct BokehPolygon
 {
     int sides;
     float rotation;
     float squeeze;
+    vec4 lengths;
+    float fifth;
 };
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -853,6 +865,13 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
     polygon.sides = sides;
     polygon.rotation = rotation;
     polygon.squeeze = squeeze;
+    polygon.lengths = vec4(0.0, 0.0, 0.0, 0.0);
+    polygon.fifth = 0.0;
+    if (BOKEH_CHARACTER > 0)
+    {
+        polygon.fifth = sin(3.14159265 / float(sides));
+        polygon.lengths = vec4(polygon.fifth, polygon.fifth, polygon.fifth, polygon.fifth);
+    }
     return polygon;
 }
 
@@ -862,6 +881,71 @@ vec2 BokehRotated(vec2 direction, vec2 axis)
 {
     return vec2(direction.x * axis.x - direction.y * axis.y,
         direction.x * axis.y + direction.y * axis.x);
+}
+
+// Exact: length of edge k of a polygon that is cut
+//   k             1 .. sides / 2
+float BokehEdgeLength(int k, BokehPolygon polygon)
+{
+    float edgeLength = polygon.lengths.x;
+    if (k == 2)
+    {
+        edgeLength = polygon.lengths.y;
+    }
+    else if (k == 3)
+    {
+        edgeLength = polygon.lengths.z;
+    }
+    else if (k == 4)
+    {
+        edgeLength = polygon.lengths.w;
+    }
+    else if (k == 5)
+    {
+        edgeLength = polygon.fifth;
+    }
+    return edgeLength;
+}
+
+// Exact: edge k of a polygon that is cut, from its beginning to its end; not rotated, not squeezed
+vec2 BokehEdgeVector(int k, BokehPolygon polygon)
+{
+    float angle = 6.28318531 / float(polygon.sides) * float(k);
+    return vec2(-sin(angle), cos(angle)) * BokehEdgeLength(k, polygon);
+}
+
+// Exact: the line of edge k of a polygon that is cut, as in BokehPolygonEdge; not rotated, not
+//   squeezed
+//   The polygon is the sum of its edges: it begins at minus half of all of them.
+vec4 BokehCutEdge(int k, BokehPolygon polygon, bool secondPass)
+{
+    vec2 corner = vec2(0.0, 0.0);
+    for (int i = 1; i <= polygon.sides / 2; i++)
+    {
+        corner -= BokehEdgeVector(i, polygon) * 0.5;
+    }
+    vec2 begin = corner;
+    vec2 middle = vec2(0.0, 0.0);
+    vec2 meanOfFirst = vec2(0.0, 0.0);
+    for (int j = 1; j <= polygon.sides / 2; j++)
+    {
+        vec2 edge = BokehEdgeVector(j, polygon);
+        if (j == k)
+        {
+            middle = begin + edge * 0.5;
+        }
+        if (j < polygon.sides / 2)
+        {
+            meanOfFirst += (begin + edge * 0.5) / (0.5 * float(polygon.sides) - 1.0);
+        }
+        begin += edge;
+    }
+    middle -= meanOfFirst;
+    if (secondPass)
+    {
+        middle = -middle - corner;
+    }
+    return vec4(middle, BokehEdgeVector(k, polygon) * 0.5);
 }
 
 // Exact: the line of edge k in one of the two passes
@@ -884,16 +968,86 @@ vec4 BokehPolygonEdge(int k, BokehPolygon polygon, bool secondPass)
         middle = -middle - vec2(0.5 * cos(halfStep), 0.5 * sin(halfStep));
     }
     vec2 halfEdge = vec2(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
+    if (BOKEH_CHARACTER > 0)
+    {
+        vec4 edge = BokehCutEdge(k, polygon, secondPass);
+        middle = edge.xy;
+        halfEdge = edge.zw;
+    }
     vec2 axis = vec2(cos(polygon.rotation), sin(polygon.rotation));
     vec4 segment = vec4(BokehRotated(middle, axis), BokehRotated(halfEdge, axis));
     return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of the parallelograms of edge k with edges 1 .. k - 1, for edges of length 1
-float BokehExactWeight(int k, int sides)
+// Exact: area of the parallelograms of edge k with edges 1 .. k - 1; of a polygon that is not cut,
+//   for edges of length 1
+float BokehExactWeight(int k, BokehPolygon polygon)
+{
+    float halfStep = 3.14159265 / float(polygon.sides);
+    float area = sin(float(k) * halfStep) * sin((float(k) - 1.0) * halfStep) / sin(halfStep);
+    if (BOKEH_CHARACTER > 0)
+    {
+        area = 0.0;
+        for (int i = 1; i < k; i++)
+        {
+            area += sin(2.0 * halfStep * float(k - i)) * BokehEdgeLength(i, polygon);
+        }
+        area *= BokehEdgeLength(k, polygon);
+    }
+    return area;
+}
+
+// Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
+float BokehHalfWidth(int k, int sides, vec2 cut)
 {
     float halfStep = 3.14159265 / float(sides);
-    return sin(float(k) * halfStep) * sin((float(k) - 1.0) * halfStep) / sin(halfStep);
+    float angle = 2.0 * halfStep * float(k);
+    return 0.5 * cos(halfStep) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+}
+
+// Exact: length of edge k between the lines of all other edges
+//
+//      before after
+//      ,---+---,   edge k is on a line half a width from the middle; on both sides it ends where
+//     /    |    '  the nearest of the other lines crosses that one
+//
+//   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
+float BokehCutLength(int k, int sides, vec2 cut)
+{
+    float halfWidth = BokehHalfWidth(k, sides, cut);
+    float before = 1.0;
+    float after = 1.0;
+    for (int i = 1; i < sides / 2; i++)
+    {
+        float angle = 6.28318531 / float(sides) * float(i);
+        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
+            sin(angle));
+        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
+            sin(angle));
+    }
+    return max(before + after, 0.001);
+}
+
+// Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
+//   The front rim of the barrel cuts one side of the bokeh, the rear rim the other. Both are taken
+//   for the polygon itself, moved: so the middle stays where it is, near and far are alike, and
+//   what is left has the same edges, some of them shorter.
+//   uv            of this pixel
+//   imageSize     width, height; pixels
+//   amount        0 .. 0.9: share of the width, from the middle of the image outwards, that is gone
+//                 in its corners; half-way to them half as much
+BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, float amount)
+{
+    vec2 place = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
+    vec2 axis = vec2(cos(polygon.rotation), -sin(polygon.rotation));
+    vec2 cut = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
+    int sides = clamp(polygon.sides, 4, 10);
+    BokehPolygon result = polygon;
+    result.sides = sides;
+    result.lengths = vec4(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
+        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
+    result.fifth = BokehCutLength(5, sides, cut);
+    return result;
 }
 
 // Exact: the samples along one line, as many as it needs
@@ -932,13 +1086,21 @@ vec4 BokehLineSum(sampler2D MapSamp, vec2 uv, vec4 segment, float CoC, float cen
 //   their parallelograms and divided once, by the sum of all weights
 //   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
-vec4 BokehExactTarget(int k, int sides, vec4 L1, vec4 L2, vec4 L3, vec4 L4, vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4,
+    vec4 centerPixel)
 {
-    float angle = 6.28318531 / float(sides);
+    float angle = 6.28318531 / float(polygon.sides);
     float w1 = sin((float(k) - 1.0) * angle);
     float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
     float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
     float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    if (BOKEH_CHARACTER > 0)
+    {
+        w1 *= polygon.lengths.x;
+        w2 *= polygon.lengths.y;
+        w3 *= polygon.lengths.z;
+        w4 *= polygon.lengths.w;
+    }
     vec4 sum = L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4;
     return BokehResolve(sum, sum.a, centerPixel, false);
 }
@@ -978,18 +1140,18 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
             L4 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerPixel.a, settings);
         }
-        targets.T2 = BokehExactTarget(2, polygon.sides, L1, L2, L3, L4, centerPixel);
+        targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
         {
-            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 6)
         {
-            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
         }
     }
     return targets;
@@ -1007,21 +1169,21 @@ vec4 BokehExactSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
     float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        vec4 sum = BokehExactWeight(2, polygon.sides) * BokehLineSum(T2Samp, uv,
+        vec4 sum = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, uv,
             BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
         if (polygon.sides > 4)
         {
-            sum += BokehExactWeight(3, polygon.sides) * BokehLineSum(T3Samp, uv,
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, uv,
                 BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
         }
         if (polygon.sides > 6)
         {
-            sum += BokehExactWeight(4, polygon.sides) * BokehLineSum(T4Samp, uv,
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, uv,
                 BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
         }
         if (polygon.sides > 8)
         {
-            sum += BokehExactWeight(5, polygon.sides) * BokehLineSum(T5Samp, uv,
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, uv,
                 BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
@@ -1044,6 +1206,10 @@ vec4 BokehExactEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon, Bok
         for (int i = 1; i < min(k, 5); i++)
         {
             float area = max(sin(float(k - i) * angle), 0.0);
+            if (BOKEH_CHARACTER > 0)
+            {
+                area *= BokehEdgeLength(i, polygon);
+            }
             sum += area * BokehLineSum(MapSamp, uv, BokehPolygonEdge(i, polygon, false), CoC,
                 centerPixel.a, settings);
         }

@@ -523,7 +523,18 @@ BokehTargets BokehLayerHoles(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
 vec2 BokehFirstCorner(BokehPolygon polygon)
 {
     float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
-    return vec2(cos(angle), sin(angle));
+    vec2 corner = vec2(cos(angle), sin(angle));
+    if (BOKEH_CHARACTER > 0)
+    {
+        // the last edge, less the others
+        vec2 sum = BokehEdgeVector(polygon.sides / 2, polygon);
+        for (int i = 1; i < polygon.sides / 2; i++)
+        {
+            sum -= BokehEdgeVector(i, polygon);
+        }
+        corner = BokehRotated(sum, vec2(cos(polygon.rotation), sin(polygon.rotation)));
+    }
+    return corner;
 }
 
 // Layers: (cos, sin) of the angle from one corner to the next
@@ -531,6 +542,53 @@ vec2 BokehCornerStep(BokehPolygon polygon)
 {
     float angle = 6.28318531 / float(polygon.sides);
     return vec2(cos(angle), sin(angle));
+}
+
+// Layers: the corner that follows on another one, both as in BokehFirstCorner
+//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
+//   cornerStep    from BokehCornerStep
+vec2 BokehNextCorner(vec2 corner, int k, vec2 cornerStep, BokehPolygon polygon)
+{
+    vec2 nextCorner = BokehRotated(corner, cornerStep);
+    if (BOKEH_CHARACTER > 0)
+    {
+        int edges = polygon.sides / 2;
+        int edge = k;
+        if (k >= edges)
+        {
+            edge = k - edges;
+        }
+        if (edge == 0)
+        {
+            edge = edges;
+        }
+        vec2 axis = vec2(cos(polygon.rotation), sin(polygon.rotation));
+        vec2 along = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
+        // the outline runs around the middle one way
+        if (corner.x * along.y < corner.y * along.x)
+        {
+            along = -along;
+        }
+        nextCorner = corner + along;
+    }
+    return nextCorner;
+}
+
+// Layers: area of the triangle from the middle to an edge, in units of their mean
+float BokehEdgeShare(vec2 corner, vec2 nextCorner, BokehPolygon polygon)
+{
+    float share = 1.0;
+    if (BOKEH_CHARACTER > 0)
+    {
+        float area = 0.0;
+        for (int k = 2; k <= polygon.sides / 2; k++)
+        {
+            area += BokehExactWeight(k, polygon);
+        }
+        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * float(polygon.sides) /
+            (8.0 * area);
+    }
+    return share;
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
@@ -568,7 +626,8 @@ BokehTargets BokehLayerFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D S
         int onEdge = BokehOnEdge(ring, layers.polygon);
         for (int edge = 0; edge < layers.polygon.sides; edge++)
         {
-            vec2 nextCorner = BokehRotated(corner, cornerStep);
+            vec2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
+                layers.polygon);
             vec2 along = (nextCorner - corner) / float(onEdge);
             for (int i = 0; i < onEdge; i++)
             {
@@ -644,13 +703,20 @@ float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers la
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
 //   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
-vec4 BokehLayerTarget(int k, int sides, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
+vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
 {
-    float angle = 6.28318531 / float(sides);
+    float angle = 6.28318531 / float(polygon.sides);
     float w1 = sin((float(k) - 1.0) * angle);
     float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
     float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
     float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    if (BOKEH_CHARACTER > 0)
+    {
+        w1 *= polygon.lengths.x;
+        w2 *= polygon.lengths.y;
+        w3 *= polygon.lengths.z;
+        w4 *= polygon.lengths.w;
+    }
     return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
 }
 
@@ -682,19 +748,19 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
         {
             L2 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(2, polygon, false), CoC,
                 layers);
-            targets.T3 = BokehLayerTarget(3, polygon.sides, L1, L2, none, none);
+            targets.T3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(3, polygon, false), CoC,
                 layers);
-            targets.T4 = BokehLayerTarget(4, polygon.sides, L1, L2, L3, none);
+            targets.T4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
         }
         if (polygon.sides > 8)
         {
             vec4 L4 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(4, polygon, false), CoC,
                 layers);
-            targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
+            targets.T5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
         }
     }
     else
@@ -722,26 +788,26 @@ vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
-        float total = BokehExactWeight(2, polygon.sides);
+        float total = BokehExactWeight(2, polygon);
         vec4 sum = total * BokehLayerLine(T2Samp, center, BokehPolygonEdge(2, polygon, true), CoC,
             layers);
         if (polygon.sides > 4)
         {
-            float weight = BokehExactWeight(3, polygon.sides);
+            float weight = BokehExactWeight(3, polygon);
             sum += weight * BokehLayerLine(T3Samp, center, BokehPolygonEdge(3, polygon, true), CoC,
                 layers);
             total += weight;
         }
         if (polygon.sides > 6)
         {
-            float weight = BokehExactWeight(4, polygon.sides);
+            float weight = BokehExactWeight(4, polygon);
             sum += weight * BokehLayerLine(T4Samp, center, BokehPolygonEdge(4, polygon, true), CoC,
                 layers);
             total += weight;
         }
         if (polygon.sides > 8)
         {
-            float weight = BokehExactWeight(5, polygon.sides);
+            float weight = BokehExactWeight(5, polygon);
             sum += weight * BokehLayerLine(T5Samp, center, BokehPolygonEdge(5, polygon, true), CoC,
                 layers);
             total += weight;
@@ -772,6 +838,10 @@ vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFa
         for (int i = 1; i < min(k, 5); i++)
         {
             float area = max(sin(float(k - i) * angle), 0.0);
+            if (BOKEH_CHARACTER > 0)
+            {
+                area *= BokehEdgeLength(i, polygon);
+            }
             sum += area * BokehLayerLine(LayerSamp, center, BokehPolygonEdge(i, polygon, false),
                 CoC, layers);
             total += area;
@@ -943,7 +1013,9 @@ vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sa
             // half of the edges: the others are opposite to them, sample by sample
             for (int edge = 0; edge < layers.polygon.sides / 2; edge++)
             {
-                vec2 nextCorner = BokehRotated(corner, cornerStep);
+                vec2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
+                    layers.polygon);
+                float edgeCell = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
                 vec2 along = (nextCorner - corner) * scale / float(onEdge);
                 vec2 first = corner * scale + along * phase;
                 for (int i = 0; i < onEdge; i++)
@@ -961,7 +1033,7 @@ vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sa
                         spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
                         float kept = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
                             BokehLayerShare(pixel.a, farSlope * height) * addFar;
-                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * cell /
+                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * edgeCell /
                             (spread * spread);
                         sum += vec4(pixel.rgb, 1.0) * weight;
                         offset = -offset;

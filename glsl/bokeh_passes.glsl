@@ -211,6 +211,7 @@ BOKEH_PARAMETER(float, BokehTextureHeight)
 BOKEH_PARAMETER(float, BokehPassIndex)
 BOKEH_PARAMETER(float, BokehAxis)
 BOKEH_PARAMETER(float, BokehLayer)
+BOKEH_PARAMETER(float, BokehCatsEye)
 
 #ifdef VULKAN
 };
@@ -282,11 +283,25 @@ vec4 BokehAdaptiveLine(vec2 uv)
         BokehBlurCoC > 0.5);
 }
 
+// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
+BokehPolygon BokehAperture(vec2 uv, int sides)
+{
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    if (BOKEH_CHARACTER > 0)
+    {
+        vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+        BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
+        polygon.lengths = cut.lengths;
+        polygon.fifth = cut.fifth;
+    }
+    return polygon;
+}
+
 // exact, first pass
 BokehTargets BokehFirst(vec2 uv, int sides)
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, sides);
     return BokehExactFirst(BokehColorSamp, uv, polygon, settings);
 }
 
@@ -295,7 +310,7 @@ vec4 BokehSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D
     int sides)
 {
     BokehFilter settings = BokehBegin(uv, 1.0);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, sides);
     return BokehExactSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
 
@@ -308,7 +323,7 @@ BokehLayers BokehBeginLayers(vec2 uv, int sides, float scale, float passIndex)
 {
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehMakePolygon(clamp(sides, 4, 10), BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, clamp(sides, 4, 10));
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
     layers.full = BokehMakeGrid(vec4(BokehViewportX, BokehViewportY, imageSize),
         vec2(BokehTextureWidth, BokehTextureHeight));
@@ -499,7 +514,7 @@ void main()
 void main()
 {
     BokehFilter settings = BokehBegin(BokehUV, 0.0);
-    BokehPolygon polygon = BokehMakePolygon(int(BokehSides + 0.5), BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(BokehUV, int(BokehSides + 0.5));
     BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, int(BokehEdge + 0.5), polygon, settings);
 }
 

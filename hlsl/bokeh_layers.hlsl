@@ -530,7 +530,18 @@ BokehTargets BokehLayerHoles(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
 float2 BokehFirstCorner(BokehPolygon polygon)
 {
     float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
-    return float2(cos(angle), sin(angle));
+    float2 corner = float2(cos(angle), sin(angle));
+    if (BOKEH_CHARACTER > 0)
+    {
+        // the last edge, less the others
+        float2 sum = BokehEdgeVector(polygon.sides / 2, polygon);
+        BOKEH_LOOP for (int i = 1; i < polygon.sides / 2; i++)
+        {
+            sum -= BokehEdgeVector(i, polygon);
+        }
+        corner = BokehRotated(sum, float2(cos(polygon.rotation), sin(polygon.rotation)));
+    }
+    return corner;
 }
 
 // Layers: (cos, sin) of the angle from one corner to the next
@@ -538,6 +549,53 @@ float2 BokehCornerStep(BokehPolygon polygon)
 {
     float angle = 6.28318531 / float(polygon.sides);
     return float2(cos(angle), sin(angle));
+}
+
+// Layers: the corner that follows on another one, both as in BokehFirstCorner
+//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
+//   cornerStep    from BokehCornerStep
+float2 BokehNextCorner(float2 corner, int k, float2 cornerStep, BokehPolygon polygon)
+{
+    float2 nextCorner = BokehRotated(corner, cornerStep);
+    if (BOKEH_CHARACTER > 0)
+    {
+        int edges = polygon.sides / 2;
+        int edge = k;
+        if (k >= edges)
+        {
+            edge = k - edges;
+        }
+        if (edge == 0)
+        {
+            edge = edges;
+        }
+        float2 axis = float2(cos(polygon.rotation), sin(polygon.rotation));
+        float2 along = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
+        // the outline runs around the middle one way
+        if (corner.x * along.y < corner.y * along.x)
+        {
+            along = -along;
+        }
+        nextCorner = corner + along;
+    }
+    return nextCorner;
+}
+
+// Layers: area of the triangle from the middle to an edge, in units of their mean
+float BokehEdgeShare(float2 corner, float2 nextCorner, BokehPolygon polygon)
+{
+    float share = 1.0;
+    if (BOKEH_CHARACTER > 0)
+    {
+        float area = 0.0;
+        BOKEH_LOOP for (int k = 2; k <= polygon.sides / 2; k++)
+        {
+            area += BokehExactWeight(k, polygon);
+        }
+        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * float(polygon.sides) /
+            (8.0 * area);
+    }
+    return share;
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
@@ -576,7 +634,8 @@ BokehTargets BokehLayerFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
         int onEdge = BokehOnEdge(ring, layers.polygon);
         BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides; edge++)
         {
-            float2 nextCorner = BokehRotated(corner, cornerStep);
+            float2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
+                layers.polygon);
             float2 along = (nextCorner - corner) / float(onEdge);
             BOKEH_LOOP for (int i = 0; i < onEdge; i++)
             {
@@ -655,13 +714,20 @@ float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLa
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
 //   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
-float4 BokehLayerTarget(int k, int sides, float4 L1, float4 L2, float4 L3, float4 L4)
+float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float4 L3, float4 L4)
 {
-    float angle = 6.28318531 / float(sides);
+    float angle = 6.28318531 / float(polygon.sides);
     float w1 = sin((float(k) - 1.0) * angle);
     float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
     float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
     float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
+    if (BOKEH_CHARACTER > 0)
+    {
+        w1 *= polygon.lengths.x;
+        w2 *= polygon.lengths.y;
+        w3 *= polygon.lengths.z;
+        w4 *= polygon.lengths.w;
+    }
     return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
 }
 
@@ -693,19 +759,19 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
         {
             L2 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(2, polygon, false), CoC, layers);
-            targets.T3 = BokehLayerTarget(3, polygon.sides, L1, L2, none, none);
+            targets.T3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(3, polygon, false), CoC, layers);
-            targets.T4 = BokehLayerTarget(4, polygon.sides, L1, L2, L3, none);
+            targets.T4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
         }
         if (polygon.sides > 8)
         {
             float4 L4 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(4, polygon, false), CoC, layers);
-            targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
+            targets.T5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
         }
     }
     else
@@ -734,26 +800,26 @@ float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXEL
     float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, T2Samp), center, isFar, layers);
     if (CoC > 0.5)
     {
-        float total = BokehExactWeight(2, polygon.sides);
+        float total = BokehExactWeight(2, polygon);
         float4 sum = total * BokehLayerLine(BOKEH_ARGUMENT(T2Samp), center,
             BokehPolygonEdge(2, polygon, true), CoC, layers);
         if (polygon.sides > 4)
         {
-            float weight = BokehExactWeight(3, polygon.sides);
+            float weight = BokehExactWeight(3, polygon);
             sum += weight * BokehLayerLine(BOKEH_SHARED(T3Samp, T2Samp), center,
                 BokehPolygonEdge(3, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 6)
         {
-            float weight = BokehExactWeight(4, polygon.sides);
+            float weight = BokehExactWeight(4, polygon);
             sum += weight * BokehLayerLine(BOKEH_SHARED(T4Samp, T2Samp), center,
                 BokehPolygonEdge(4, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 8)
         {
-            float weight = BokehExactWeight(5, polygon.sides);
+            float weight = BokehExactWeight(5, polygon);
             sum += weight * BokehLayerLine(BOKEH_SHARED(T5Samp, T2Samp), center,
                 BokehPolygonEdge(5, polygon, true), CoC, layers);
             total += weight;
@@ -784,6 +850,10 @@ float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 
         BOKEH_LOOP for (int i = 1; i < min(k, 5); i++)
         {
             float area = max(sin(float(k - i) * angle), 0.0);
+            if (BOKEH_CHARACTER > 0)
+            {
+                area *= BokehEdgeLength(i, polygon);
+            }
             sum += area * BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(i, polygon, false), CoC, layers);
             total += area;
@@ -964,7 +1034,9 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
             // half of the edges: the others are opposite to them, sample by sample
             BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides / 2; edge++)
             {
-                float2 nextCorner = BokehRotated(corner, cornerStep);
+                float2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
+                    layers.polygon);
+                float edgeCell = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
                 float2 along = (nextCorner - corner) * scale / float(onEdge);
                 float2 first = corner * scale + along * phase;
                 BOKEH_LOOP for (int i = 0; i < onEdge; i++)
@@ -982,7 +1054,7 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
                         spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
                         float kept = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
                             BokehLayerShare(pixel.a, farSlope * height) * addFar;
-                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * cell /
+                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * edgeCell /
                             (spread * spread);
                         sum += float4(pixel.rgb, 1.0) * weight;
                         offset = -offset;

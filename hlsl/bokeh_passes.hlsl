@@ -142,6 +142,7 @@ BOKEH_PARAMETER(float, BokehTextureHeight, 31)
 BOKEH_PARAMETER(float, BokehPassIndex, 32)
 BOKEH_PARAMETER(float, BokehAxis, 33)
 BOKEH_PARAMETER(float, BokehLayer, 34)
+BOKEH_PARAMETER(float, BokehCatsEye, 35)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -227,11 +228,25 @@ float4 BokehAdaptiveLine(float2 uv)
         settings, BokehBlurCoC > 0.5);
 }
 
+// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
+BokehPolygon BokehAperture(float2 uv, int sides)
+{
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    if (BOKEH_CHARACTER > 0)
+    {
+        float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
+        BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
+        polygon.lengths = cut.lengths;
+        polygon.fifth = cut.fifth;
+    }
+    return polygon;
+}
+
 // exact, first pass
 BokehTargets BokehFirst(float2 uv, int sides)
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, sides);
     return BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), uv, polygon, settings);
 }
 
@@ -240,7 +255,7 @@ float4 BokehSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4S
     BOKEH_TEXELS(T5Samp), float2 uv, int sides)
 {
     BokehFilter settings = BokehBegin(uv, 1.0);
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, sides);
     return BokehExactSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
 
@@ -253,7 +268,7 @@ BokehLayers BokehBeginLayers(float2 uv, int sides, float scale, float passIndex)
 {
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehMakePolygon(clamp(sides, 4, 10), BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, clamp(sides, 4, 10));
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
     layers.full = BokehMakeGrid(float4(BokehViewportX, BokehViewportY, imageSize),
         float2(BokehTextureWidth, BokehTextureHeight));
@@ -411,7 +426,7 @@ float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehMakePolygon(int(BokehSides + 0.5), BokehAngle, BokehSqueeze);
+    BokehPolygon polygon = BokehAperture(uv, int(BokehSides + 0.5));
     return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, int(BokehEdge + 0.5), polygon,
         settings);
 }

@@ -91,7 +91,7 @@
 //   [6] combine: BokehCombine, BokehDepthOfFieldFinal
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
 //   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
-//       time: BokehExactEdge
+//       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
 //   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // -------------------------------------------------------------------------------------------------
@@ -106,6 +106,8 @@
 //                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
+//   BOKEH_CHARACTER         0          0, 1    1: the ready-made passes have the character of a
+//                                              lens, see BokehWithCatsEye
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
@@ -131,6 +133,7 @@ override BOKEH_NUM_SAMPLES: i32 = 13;
 override BOKEH_SPACING: f32 = 1.0;
 override BOKEH_ADAPTIVE_SAMPLES: i32 = 1;
 override BOKEH_VIEWPORT: i32 = 0;
+override BOKEH_CHARACTER: i32 = 0;
 const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
 const BOKEH_MAX_COC: f32 = 0.1;
 const BOKEH_BLEEDING_BIAS: f32 = 0.02;
@@ -778,11 +781,15 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
 //   sides         4, 6, 8 or 10, a literal: what it does not need is then compiled away
 //   rotation      radians
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
+//   lengths       of edges 1 to 4, units of the CoC, before the squeeze; fifth: of edge 5. They
+//                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
 struct BokehPolygon
 {
     sides: i32,
     rotation: f32,
     squeeze: f32,
+    lengths: vec4f,
+    fifth: f32,
 }
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -801,6 +808,13 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
     polygon.sides = sides;
     polygon.rotation = rotation;
     polygon.squeeze = squeeze;
+    polygon.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
+    polygon.fifth = 0.0;
+    if (BOKEH_CHARACTER > 0)
+    {
+        polygon.fifth = sin(3.14159265 / f32(sides));
+        polygon.lengths = vec4f(polygon.fifth, polygon.fifth, polygon.fifth, polygon.fifth);
+    }
     return polygon;
 }
 
@@ -810,6 +824,71 @@ fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
 {
     return vec2f(direction.x * axis.x - direction.y * axis.y,
         direction.x * axis.y + direction.y * axis.x);
+}
+
+// Exact: length of edge k of a polygon that is cut
+//   k             1 .. sides / 2
+fn BokehEdgeLength(k: i32, polygon: BokehPolygon) -> f32
+{
+    var edgeLength: f32 = polygon.lengths.x;
+    if (k == 2)
+    {
+        edgeLength = polygon.lengths.y;
+    }
+    else if (k == 3)
+    {
+        edgeLength = polygon.lengths.z;
+    }
+    else if (k == 4)
+    {
+        edgeLength = polygon.lengths.w;
+    }
+    else if (k == 5)
+    {
+        edgeLength = polygon.fifth;
+    }
+    return edgeLength;
+}
+
+// Exact: edge k of a polygon that is cut, from its beginning to its end; not rotated, not squeezed
+fn BokehEdgeVector(k: i32, polygon: BokehPolygon) -> vec2f
+{
+    let angle: f32 = 6.28318531 / f32(polygon.sides) * f32(k);
+    return vec2f(-sin(angle), cos(angle)) * BokehEdgeLength(k, polygon);
+}
+
+// Exact: the line of edge k of a polygon that is cut, as in BokehPolygonEdge; not rotated, not
+//   squeezed
+//   The polygon is the sum of its edges: it begins at minus half of all of them.
+fn BokehCutEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+{
+    var corner: vec2f = vec2f(0.0, 0.0);
+    for (var i: i32 = 1; i <= polygon.sides / 2; i++)
+    {
+        corner -= BokehEdgeVector(i, polygon) * 0.5;
+    }
+    var begin: vec2f = corner;
+    var middle: vec2f = vec2f(0.0, 0.0);
+    var meanOfFirst: vec2f = vec2f(0.0, 0.0);
+    for (var j: i32 = 1; j <= polygon.sides / 2; j++)
+    {
+        let edge: vec2f = BokehEdgeVector(j, polygon);
+        if (j == k)
+        {
+            middle = begin + edge * 0.5;
+        }
+        if (j < polygon.sides / 2)
+        {
+            meanOfFirst += (begin + edge * 0.5) / (0.5 * f32(polygon.sides) - 1.0);
+        }
+        begin += edge;
+    }
+    middle -= meanOfFirst;
+    if (secondPass)
+    {
+        middle = -middle - corner;
+    }
+    return vec4f(middle, BokehEdgeVector(k, polygon) * 0.5);
 }
 
 // Exact: the line of edge k in one of the two passes
@@ -831,17 +910,87 @@ fn BokehPolygonEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
     {
         middle = -middle - vec2f(0.5 * cos(halfStep), 0.5 * sin(halfStep));
     }
-    let halfEdge: vec2f = vec2f(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
+    var halfEdge: vec2f = vec2f(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
+    if (BOKEH_CHARACTER > 0)
+    {
+        let edge: vec4f = BokehCutEdge(k, polygon, secondPass);
+        middle = edge.xy;
+        halfEdge = edge.zw;
+    }
     let axis: vec2f = vec2f(cos(polygon.rotation), sin(polygon.rotation));
     let segment: vec4f = vec4f(BokehRotated(middle, axis), BokehRotated(halfEdge, axis));
     return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of the parallelograms of edge k with edges 1 .. k - 1, for edges of length 1
-fn BokehExactWeight(k: i32, sides: i32) -> f32
+// Exact: area of the parallelograms of edge k with edges 1 .. k - 1; of a polygon that is not cut,
+//   for edges of length 1
+fn BokehExactWeight(k: i32, polygon: BokehPolygon) -> f32
+{
+    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
+    var area: f32 = sin(f32(k) * halfStep) * sin((f32(k) - 1.0) * halfStep) / sin(halfStep);
+    if (BOKEH_CHARACTER > 0)
+    {
+        area = 0.0;
+        for (var i: i32 = 1; i < k; i++)
+        {
+            area += sin(2.0 * halfStep * f32(k - i)) * BokehEdgeLength(i, polygon);
+        }
+        area *= BokehEdgeLength(k, polygon);
+    }
+    return area;
+}
+
+// Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
+fn BokehHalfWidth(k: i32, sides: i32, cut: vec2f) -> f32
 {
     let halfStep: f32 = 3.14159265 / f32(sides);
-    return sin(f32(k) * halfStep) * sin((f32(k) - 1.0) * halfStep) / sin(halfStep);
+    let angle: f32 = 2.0 * halfStep * f32(k);
+    return 0.5 * cos(halfStep) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+}
+
+// Exact: length of edge k between the lines of all other edges
+//
+//      before after
+//      ,---+---,   edge k is on a line half a width from the middle; on both sides it ends where
+//     /    |    '  the nearest of the other lines crosses that one
+//
+//   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
+fn BokehCutLength(k: i32, sides: i32, cut: vec2f) -> f32
+{
+    let halfWidth: f32 = BokehHalfWidth(k, sides, cut);
+    var before: f32 = 1.0;
+    var after: f32 = 1.0;
+    for (var i: i32 = 1; i < sides / 2; i++)
+    {
+        let angle: f32 = 6.28318531 / f32(sides) * f32(i);
+        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
+            sin(angle));
+        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
+            sin(angle));
+    }
+    return max(before + after, 0.001);
+}
+
+// Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
+//   The front rim of the barrel cuts one side of the bokeh, the rear rim the other. Both are taken
+//   for the polygon itself, moved: so the middle stays where it is, near and far are alike, and
+//   what is left has the same edges, some of them shorter.
+//   uv            of this pixel
+//   imageSize     width, height; pixels
+//   amount        0 .. 0.9: share of the width, from the middle of the image outwards, that is gone
+//                 in its corners; half-way to them half as much
+fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: f32) -> BokehPolygon
+{
+    let place: vec2f = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
+    let axis: vec2f = vec2f(cos(polygon.rotation), -sin(polygon.rotation));
+    let cut: vec2f = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
+    let sides: i32 = clamp(polygon.sides, 4, 10);
+    var result: BokehPolygon = polygon;
+    result.sides = sides;
+    result.lengths = vec4f(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
+        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
+    result.fifth = BokehCutLength(5, sides, cut);
+    return result;
 }
 
 // Exact: the samples along one line, as many as it needs
@@ -881,14 +1030,21 @@ fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, se
 //   their parallelograms and divided once, by the sum of all weights
 //   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
-fn BokehExactTarget(k: i32, sides: i32, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
     centerPixel: vec4f) -> vec4f
 {
-    let angle: f32 = 6.28318531 / f32(sides);
-    let w1: f32 = sin((f32(k) - 1.0) * angle);
-    let w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
-    let w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
-    let w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
+    let angle: f32 = 6.28318531 / f32(polygon.sides);
+    var w1: f32 = sin((f32(k) - 1.0) * angle);
+    var w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
+    var w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
+    var w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
+    if (BOKEH_CHARACTER > 0)
+    {
+        w1 *= polygon.lengths.x;
+        w2 *= polygon.lengths.y;
+        w3 *= polygon.lengths.z;
+        w4 *= polygon.lengths.w;
+    }
     let sum: vec4f = L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4;
     return BokehResolve(sum, sum.a, centerPixel, false);
 }
@@ -929,18 +1085,18 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
             L4 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerPixel.a, settings);
         }
-        targets.T2 = BokehExactTarget(2, polygon.sides, L1, L2, L3, L4, centerPixel);
+        targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
         {
-            targets.T3 = BokehExactTarget(3, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 6)
         {
-            targets.T4 = BokehExactTarget(4, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            targets.T5 = BokehExactTarget(5, polygon.sides, L1, L2, L3, L4, centerPixel);
+            targets.T5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
         }
     }
     return targets;
@@ -959,21 +1115,21 @@ fn BokehExactSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
     let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        var sum: vec4f = BokehExactWeight(2, polygon.sides) * BokehLineSum(T2Samp, T2SampSampler,
+        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, T2SampSampler,
             uv, BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
         if (polygon.sides > 4)
         {
-            sum += BokehExactWeight(3, polygon.sides) * BokehLineSum(T3Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, T2SampSampler, uv,
                 BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
         }
         if (polygon.sides > 6)
         {
-            sum += BokehExactWeight(4, polygon.sides) * BokehLineSum(T4Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, T2SampSampler, uv,
                 BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
         }
         if (polygon.sides > 8)
         {
-            sum += BokehExactWeight(5, polygon.sides) * BokehLineSum(T5Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, T2SampSampler, uv,
                 BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
@@ -996,7 +1152,11 @@ fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, 
         var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var i: i32 = 1; i < min(k, 5); i++)
         {
-            let area: f32 = max(sin(f32(k - i) * angle), 0.0);
+            var area: f32 = max(sin(f32(k - i) * angle), 0.0);
+            if (BOKEH_CHARACTER > 0)
+            {
+                area *= BokehEdgeLength(i, polygon);
+            }
             sum += area * BokehLineSum(MapSamp, MapSampSampler, uv,
                 BokehPolygonEdge(i, polygon, false), CoC, centerPixel.a, settings);
         }

@@ -504,7 +504,18 @@ fn BokehLayerHoles(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp:
 fn BokehFirstCorner(polygon: BokehPolygon) -> vec2f
 {
     let angle: f32 = polygon.rotation - 3.14159265 / f32(polygon.sides);
-    return vec2f(cos(angle), sin(angle));
+    var corner: vec2f = vec2f(cos(angle), sin(angle));
+    if (BOKEH_CHARACTER > 0)
+    {
+        // the last edge, less the others
+        var sum: vec2f = BokehEdgeVector(polygon.sides / 2, polygon);
+        for (var i: i32 = 1; i < polygon.sides / 2; i++)
+        {
+            sum -= BokehEdgeVector(i, polygon);
+        }
+        corner = BokehRotated(sum, vec2f(cos(polygon.rotation), sin(polygon.rotation)));
+    }
+    return corner;
 }
 
 // Layers: (cos, sin) of the angle from one corner to the next
@@ -512,6 +523,53 @@ fn BokehCornerStep(polygon: BokehPolygon) -> vec2f
 {
     let angle: f32 = 6.28318531 / f32(polygon.sides);
     return vec2f(cos(angle), sin(angle));
+}
+
+// Layers: the corner that follows on another one, both as in BokehFirstCorner
+//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
+//   cornerStep    from BokehCornerStep
+fn BokehNextCorner(corner: vec2f, k: i32, cornerStep: vec2f, polygon: BokehPolygon) -> vec2f
+{
+    var nextCorner: vec2f = BokehRotated(corner, cornerStep);
+    if (BOKEH_CHARACTER > 0)
+    {
+        let edges: i32 = polygon.sides / 2;
+        var edge: i32 = k;
+        if (k >= edges)
+        {
+            edge = k - edges;
+        }
+        if (edge == 0)
+        {
+            edge = edges;
+        }
+        let axis: vec2f = vec2f(cos(polygon.rotation), sin(polygon.rotation));
+        var along: vec2f = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
+        // the outline runs around the middle one way
+        if (corner.x * along.y < corner.y * along.x)
+        {
+            along = -along;
+        }
+        nextCorner = corner + along;
+    }
+    return nextCorner;
+}
+
+// Layers: area of the triangle from the middle to an edge, in units of their mean
+fn BokehEdgeShare(corner: vec2f, nextCorner: vec2f, polygon: BokehPolygon) -> f32
+{
+    var share: f32 = 1.0;
+    if (BOKEH_CHARACTER > 0)
+    {
+        var area: f32 = 0.0;
+        for (var k: i32 = 2; k <= polygon.sides / 2; k++)
+        {
+            area += BokehExactWeight(k, polygon);
+        }
+        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * f32(polygon.sides) /
+            (8.0 * area);
+    }
+    return share;
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
@@ -551,7 +609,8 @@ fn BokehLayerFill(MiddleSamp: texture_2d<f32>, MiddleSampSampler: sampler, FarSa
         let onEdge: i32 = BokehOnEdge(ring, layers.polygon);
         for (var edge: i32 = 0; edge < layers.polygon.sides; edge++)
         {
-            let nextCorner: vec2f = BokehRotated(corner, cornerStep);
+            let nextCorner: vec2f = BokehNextCorner(corner, edge, cornerStep,
+                layers.polygon);
             let along: vec2f = (nextCorner - corner) / f32(onEdge);
             for (var i: i32 = 0; i < onEdge; i++)
             {
@@ -630,13 +689,21 @@ fn BokehLayerCoC(SizesSamp: texture_2d<f32>, SizesSampSampler: sampler, center: 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
 //   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
-fn BokehLayerTarget(k: i32, sides: i32, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f) -> vec4f
+fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f,
+    L4: vec4f) -> vec4f
 {
-    let angle: f32 = 6.28318531 / f32(sides);
-    let w1: f32 = sin((f32(k) - 1.0) * angle);
-    let w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
-    let w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
-    let w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
+    let angle: f32 = 6.28318531 / f32(polygon.sides);
+    var w1: f32 = sin((f32(k) - 1.0) * angle);
+    var w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
+    var w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
+    var w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
+    if (BOKEH_CHARACTER > 0)
+    {
+        w1 *= polygon.lengths.x;
+        w2 *= polygon.lengths.y;
+        w3 *= polygon.lengths.z;
+        w4 *= polygon.lengths.w;
+    }
     return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
 }
 
@@ -668,19 +735,19 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler,
         {
             L2 = BokehLayerLine(LayerSamp, LayerSampSampler, center,
                 BokehPolygonEdge(2, polygon, false), CoC, layers);
-            targets.T3 = BokehLayerTarget(3, polygon.sides, L1, L2, none, none);
+            targets.T3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLayerLine(LayerSamp, LayerSampSampler, center,
                 BokehPolygonEdge(3, polygon, false), CoC, layers);
-            targets.T4 = BokehLayerTarget(4, polygon.sides, L1, L2, L3, none);
+            targets.T4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
         }
         if (polygon.sides > 8)
         {
             let L4: vec4f = BokehLayerLine(LayerSamp, LayerSampSampler, center,
                 BokehPolygonEdge(4, polygon, false), CoC, layers);
-            targets.T5 = BokehLayerTarget(5, polygon.sides, L1, L2, L3, L4);
+            targets.T5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
         }
     }
     else
@@ -710,26 +777,26 @@ fn BokehLayerSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
     let CoC: f32 = BokehLayerCoC(SizesSamp, T2SampSampler, center, isFar, layers);
     if (CoC > 0.5)
     {
-        var total: f32 = BokehExactWeight(2, polygon.sides);
+        var total: f32 = BokehExactWeight(2, polygon);
         var sum: vec4f = total * BokehLayerLine(T2Samp, T2SampSampler, center,
             BokehPolygonEdge(2, polygon, true), CoC, layers);
         if (polygon.sides > 4)
         {
-            let weight: f32 = BokehExactWeight(3, polygon.sides);
+            let weight: f32 = BokehExactWeight(3, polygon);
             sum += weight * BokehLayerLine(T3Samp, T2SampSampler, center,
                 BokehPolygonEdge(3, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 6)
         {
-            let weight: f32 = BokehExactWeight(4, polygon.sides);
+            let weight: f32 = BokehExactWeight(4, polygon);
             sum += weight * BokehLayerLine(T4Samp, T2SampSampler, center,
                 BokehPolygonEdge(4, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 8)
         {
-            let weight: f32 = BokehExactWeight(5, polygon.sides);
+            let weight: f32 = BokehExactWeight(5, polygon);
             sum += weight * BokehLayerLine(T5Samp, T2SampSampler, center,
                 BokehPolygonEdge(5, polygon, true), CoC, layers);
             total += weight;
@@ -759,7 +826,11 @@ fn BokehLayerEdge(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, SizesSa
         var total: f32 = 0.0;
         for (var i: i32 = 1; i < min(k, 5); i++)
         {
-            let area: f32 = max(sin(f32(k - i) * angle), 0.0);
+            var area: f32 = max(sin(f32(k - i) * angle), 0.0);
+            if (BOKEH_CHARACTER > 0)
+            {
+                area *= BokehEdgeLength(i, polygon);
+            }
             sum += area * BokehLayerLine(LayerSamp, LayerSampSampler, center,
                 BokehPolygonEdge(i, polygon, false), CoC, layers);
             total += area;
@@ -941,7 +1012,9 @@ fn BokehLayered(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: te
             // half of the edges: the others are opposite to them, sample by sample
             for (var edge: i32 = 0; edge < layers.polygon.sides / 2; edge++)
             {
-                let nextCorner: vec2f = BokehRotated(corner, cornerStep);
+                let nextCorner: vec2f = BokehNextCorner(corner, edge, cornerStep,
+                    layers.polygon);
+                let edgeCell: f32 = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
                 let along: vec2f = (nextCorner - corner) * scale / f32(onEdge);
                 let first: vec2f = corner * scale + along * phase;
                 for (var i: i32 = 0; i < onEdge; i++)
@@ -960,7 +1033,7 @@ fn BokehLayered(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: te
                         spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
                         let kept: f32 = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
                             BokehLayerShare(pixel.a, farSlope * height) * addFar;
-                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * cell /
+                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * edgeCell /
                             (spread * spread);
                         sum += vec4f(pixel.rgb, 1.0) * weight;
                         offset = -offset;

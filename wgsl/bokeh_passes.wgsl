@@ -99,6 +99,7 @@ struct BokehParameters
     BokehPassIndex: f32,
     BokehAxis: f32,
     BokehLayer: f32,
+    BokehCatsEye: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -171,12 +172,28 @@ fn BokehAdaptiveLine(uv: vec2f) -> vec4f
         settings, bokehParameters.BokehBlurCoC > 0.5);
 }
 
+// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
+fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
+{
+    var polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
+        bokehParameters.BokehSqueeze);
+    if (BOKEH_CHARACTER > 0)
+    {
+        let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth,
+            bokehParameters.BokehImageHeight);
+        let cut: BokehPolygon = BokehWithCatsEye(polygon, uv, imageSize,
+            bokehParameters.BokehCatsEye);
+        polygon.lengths = cut.lengths;
+        polygon.fifth = cut.fifth;
+    }
+    return polygon;
+}
+
 // exact, first pass
 fn BokehFirst(uv: vec2f, sides: i32) -> BokehTargets
 {
     let settings: BokehFilter = BokehBegin(uv, 0.0);
-    let polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
-        bokehParameters.BokehSqueeze);
+    let polygon: BokehPolygon = BokehAperture(uv, sides);
     return BokehExactFirst(BokehColorSamp, BokehLinearClamp, uv, polygon, settings);
 }
 
@@ -185,8 +202,7 @@ fn BokehSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_
     T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, sides: i32) -> vec4f
 {
     let settings: BokehFilter = BokehBegin(uv, 1.0);
-    let polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
-        bokehParameters.BokehSqueeze);
+    let polygon: BokehPolygon = BokehAperture(uv, sides);
     return BokehExactSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
 }
 
@@ -197,8 +213,7 @@ fn BokehBeginLayers(uv: vec2f, sides: i32, scale: f32, passIndex: f32) -> BokehL
 {
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
-    let polygon: BokehPolygon = BokehMakePolygon(clamp(sides, 4, 10), bokehParameters.BokehAngle,
-        bokehParameters.BokehSqueeze);
+    let polygon: BokehPolygon = BokehAperture(uv, clamp(sides, 4, 10));
     var layers: BokehLayers = BokehMakeLayers(imageSize, polygon, bokehParameters.BokehMaxCoC);
     layers.full = BokehMakeGrid(vec4f(bokehParameters.BokehViewportX,
         bokehParameters.BokehViewportY, imageSize), vec2f(bokehParameters.BokehTextureWidth,
@@ -378,8 +393,7 @@ struct BokehTargets4
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    let polygon: BokehPolygon = BokehMakePolygon(i32(bokehParameters.BokehSides + 0.5),
-        bokehParameters.BokehAngle, bokehParameters.BokehSqueeze);
+    let polygon: BokehPolygon = BokehAperture(input.uv, i32(bokehParameters.BokehSides + 0.5));
     return BokehExactEdge(BokehColorSamp, BokehLinearClamp, input.uv,
         i32(bokehParameters.BokehEdge + 0.5), polygon, settings);
 }

@@ -11,5 +11,5 @@ public struct BokehParameters
     public float ImageHeight, Jitter, Frame, Sides;
     public float Edge, DepthKind, Near, Far;
     public float ViewportX, ViewportY, TextureWidth, TextureHeight;
-    public float PassIndex, Axis, Layer;
+    public float PassIndex, Axis, Layer, CatsEye;
 }

@@ -12,6 +12,5 @@ struct BokehParameters
     float ImageHeight, Jitter, Frame, Sides;
     float Edge, DepthKind, Near, Far;
     float ViewportX, ViewportY, TextureWidth, TextureHeight;
-    float PassIndex, Axis, Layer;
-    float Unused[1];
+    float PassIndex, Axis, Layer, CatsEye;
 };

@@ -5,7 +5,7 @@ const BOKEH_PARAMETERS = [
     "AspectRatio", "Angle", "AngleB", "BleedingBias", "BleedingMult", "BlurCoC", "UseMax",
     "DebugMode", "LineLength", "LineCenterX", "LineCenterY", "Squeeze", "Spacing", "ImageWidth",
     "ImageHeight", "Jitter", "Frame", "Sides", "Edge", "DepthKind", "Near", "Far", "ViewportX",
-    "ViewportY", "TextureWidth", "TextureHeight", "PassIndex", "Axis", "Layer",
+    "ViewportY", "TextureWidth", "TextureHeight", "PassIndex", "Axis", "Layer", "CatsEye",
 ];
 
 // From an object such as { ApertureDiameter: 0.025, FocalLength: 0.05 }

@@ -42,6 +42,7 @@ class Settings:
     jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
     frame        number of the frame: the noise is another in each
     squeeze      width of the bokeh over its height
+    cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
     targets      whether a pass may write several targets; exact and layered only
     quality      of layered, one of QUALITIES
     """
@@ -61,6 +62,7 @@ class Settings:
     jitter: float = 0.0
     frame: int = 0
     squeeze: float = 1.0
+    cats_eye: float = 0.0
     targets: bool = True
     quality: str = "medium"
 
@@ -106,7 +108,9 @@ def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
 
 
 def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, float]:
-    return {
+    # programs without it have no code for it
+    character = {"BokehCatsEye": settings.cats_eye} if settings.cats_eye > 0.0 else {}
+    return character | {
         "BokehAspectRatio": size[0] / size[1],
         "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 1.0,
         "BokehBleedingMult": settings.bleeding_mult,

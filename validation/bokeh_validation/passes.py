@@ -45,6 +45,7 @@ PARAMETERS: dict[str, float] = {
     "BokehPassIndex": 0.0,
     "BokehAxis": 0.0,
     "BokehLayer": 0.0,
+    "BokehCatsEye": 0.0,
 }
 
 # Texture slots in the order of their bindings.
@@ -154,6 +155,7 @@ class Pass:
             "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
             # to draw into a part of a target is one thing, to read a part of a texture another
             "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
+            "BOKEH_CHARACTER": int("BokehCatsEye" in self.parameters),
             **self.defines,
         }
 

@@ -30,6 +30,7 @@ def check(settings: methods.Settings) -> None:
     _one_of("--quality", settings.quality, tuple(methods.QUALITIES))
     _check_samples(settings)
     _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
+    _number("--cats-eye", settings.cats_eye, "", lambda v: 0 <= v <= 0.9, "0 to 0.9, a share of the bokeh's width")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")
     _number("--aperture-diameter", camera.aperture_diameter, "m", lambda v: v >= 0, "0 or more")
     _number("--focal-length", camera.focal_length, "m", lambda v: v > 0, "more than 0")
@@ -105,6 +106,7 @@ def render(
     jitter: Annotated[float, Option(help="Noise, 0 to 1, on places of samples more than a pixel apart.")] = 0.0,
     frame: Annotated[int, Option(help="Number of the frame; the noise is another in each.")] = 0,
     squeeze: Annotated[float, Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
+    cats_eye: Annotated[float, Option(help="exact, layered: share of the bokeh's width cut off in corners.")] = 0.0,
     targets: Annotated[bool, Option("--mrt/--no-mrt", help="exact, layered: write several targets in a pass.")] = True,
     quality: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
     rotation: Annotated[float, Option(help="Degrees, from +x towards +y (down).")] = 0.0,
@@ -126,6 +128,7 @@ def render(
     settings = methods.Settings(
         method, aperture, samples, rotation, coc=coc, blur_coc=coc_blur, leak_fix=leak_fix, spacing=spacing,
         max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, quality=quality,
+        cats_eye=cats_eye,
         camera=methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
     )  # fmt: skip
     check(settings)

@@ -64,7 +64,7 @@ def _found(names: Sequence[str], adapter: str | None) -> tuple[list[Driver], dic
 def probe(name: str, names: Sequence[str], adapter: str | None, brief: bool) -> Section:
     """A probe on drivers."""
     chosen = next(one for one in (QUICK_PROBES if brief else PROBES) if one.name == name)
-    there, said = _found(names, adapter)
+    there, said = _found([one for one in names if one not in chosen.but], adapter)
     if not there:
         return Section(name, chosen.title, chosen.shows, [], {}, **said)
     return replace(of_probe([run_probe(chosen, driver) for driver in there]), **said)

@@ -32,8 +32,13 @@ SAMPLES_SM3 = SAMPLES | {
 _FILTERS = "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond"
 _OF_LAYERS = "LayerReach LayerSplit LayerFill DecagonLayerSecond Layered"
 VIEWPORT = {f"Bokeh{name}": (7,) for name in _FILTERS.split()} | {f"Bokeh{n}": (None,) for n in _OF_LAYERS.split()}
+# With the character of a lens, one of each kind; in shader model 3 only exact polygons with several targets have room
+_CUT = "SquareSecond HexagonFirst DecagonFirst DecagonSecond"
+_CUT_LAYERS = "LayerFill DecagonLayerFirst DecagonLayerSecond LayerEdge Layered"
+CHARACTER = {f"Bokeh{name}": (7,) for name in _CUT.split()}
+CHARACTER_LAYERS = {"BokehExactEdge": (7,)} | {f"Bokeh{name}": (None,) for name in _CUT_LAYERS.split()}
 
-# Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT
+# Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT or BOKEH_CHARACTER
 VARIANTS = (
     # OpenGL 3.3
     ("glsl", "330", "glslang spirv-val mesa", "glslang spirv-val mesa"),
@@ -127,11 +132,13 @@ def load(quick: bool = False) -> list[Program]:
         name = language if language == profile else f"{language}-{profile}"
         counts = SAMPLES_SM3 if profile == "sm3" else SAMPLES
         whole = {VERTEX: (None,)}
+        cut = CHARACTER if profile == "sm3" else CHARACTER | CHARACTER_LAYERS
         for entry in entries.ENTRIES.values():
             whole[entry.name] = counts.get("" if entry.layers else entry.role, (None,))
         for variant, chosen, compilers, values in (
             (name, whole, usual, {}),
             (f"{name}-viewport", VIEWPORT, viewport, {"BOKEH_VIEWPORT": 1}),
+            (f"{name}-character", cut, viewport, {"BOKEH_CHARACTER": 1}),
         ):
             for entry, samples in chosen.items() if compilers else ():
                 if quick:

@@ -321,6 +321,7 @@ struct BokehParameters {
     pass_index: f32,
     axis: f32,
     layer: f32,
+    cats_eye: f32,
 }
 
 #[derive(Resource)]

@@ -3,6 +3,7 @@
 from functools import partial
 
 from bokeh_validation.mutants.killers import (
+    CUT_LAYERS,
     LAYERED_INVERSE,
     LAYERED_LEAKS,
     LAYERED_LEVELS,
@@ -93,6 +94,20 @@ IN_LAYERS: tuple[Mutant, ...] = (
     row("layers-holes-middle", "dropped sample", "LayerHoles", "(weight * (1.0 - farShare))", "weight"),
     row("layers-holes-shares", "dropped sample", "LayerHoles", "farShare) * notNear", "farShare)"),
     row("layers-corner", "angle", "FirstCorner", "- 3.14159265 / float(polygon.sides)", "- 0.0"),
+    *(row(f"layers-cut-{name}", kind, function, old, new, *CUT_LAYERS) for name, kind, function, old, new in (
+        ("corner", "sign", "FirstCorner", "sum -= BokehEdgeVector(i", "sum += BokehEdgeVector(i"),
+        ("corner-last", "off-by-one", "FirstCorner", "BokehEdgeVector(polygon.sides / 2,",
+         "BokehEdgeVector(polygon.sides / 2 - 1,"),
+        ("next-edge", "off-by-one", "NextCorner", "edge == 0", "edge == 1"),
+        ("next-half", "condition", "NextCorner", "k >= edges", "k > edges"),
+        ("next-sign", "sign", "NextCorner", "corner.x * along.y < corner.y", "corner.x * along.y > corner.y"),
+        ("next-length", "constant", "NextCorner", "axis) * 2.0", "axis)"),
+        ("share", "sign", "EdgeShare", "- corner.y", "+ corner.y"),
+        ("share-area", "off-by-one", "EdgeShare", "k <= polygon.sides / 2", "k < polygon.sides / 2"),
+        ("target", "dropped sample", "LayerTarget", "w1 *= polygon.lengths.x;", ""),
+        ("one-by-one", "dropped sample", "LayerEdge", "area *= BokehEdgeLength(i, polygon);", ""),
+        ("gather", "dropped sample", "Layered", "* BokehEdgeShare(corner, nextCorner, layers.polygon)", ""),
+    )),
     row("layers-corner-step", "angle", "CornerStep", "6.28318531", "3.14159265"),
     row("layers-on-edge", "constant", "OnEdge", "6.0 * float(ring)", "4.0 * float(ring)"),
     row("layers-on-edge-rounding", "off-by-one", "OnEdge", "+ 0.5", "+ 0.0"),

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from bokeh_validation.mutants.killers import JITTER, LAYERED_TARGET
+from bokeh_validation.mutants.killers import CUT, JITTER, LAYERED_TARGET
 from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
@@ -28,8 +28,11 @@ IN_PASSES: tuple[Mutant, ...] = (
     row("second-index", "constant", "Second", "BokehBegin(uv, 1.0)", "BokehBegin(uv, 0.0)"),
     row("edge-index", "constant", "ExactEdge", ", 0.0)", ", 1.0)", JITTER),
     row("line-index", "constant", "AdaptiveLine", "BokehPassIndex", "0.0"),
-    row("first-squeeze", "aspect", "First", "BokehSqueeze", "1.0"),
-    row("second-angle", "angle", "Second", "BokehAngle", "BokehAngleB"),
+    row("aperture-squeeze", "aspect", "Aperture", "BokehSqueeze", "1.0"),
+    row("aperture-angle", "angle", "Aperture", "BokehAngle", "BokehAngleB"),
+    row("aperture-image", "axis", "Aperture", "BokehImageWidth, BokehImageHeight", "BokehImageHeight, BokehImageWidth",
+        *CUT),
+    row("aperture-fifth", "dropped sample", "Aperture", "polygon.fifth = cut.fifth;", "", *CUT),
     row("line-center", "axis", "AdaptiveLine", "BokehLineCenterX, BokehLineCenterY",
         "BokehLineCenterY, BokehLineCenterX"),
     row("line-squeeze", "aspect", "AdaptiveLine", "BokehSqueeze", "1.0"),

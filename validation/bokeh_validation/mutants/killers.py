@@ -43,6 +43,17 @@ LAYERED = (
     "test_layers_mutants.py::test_within[egl both]",
     "test_layers.py::test_settings[osmesa]",
 )
+CUT = (
+    "test_character.py::test_exact_on_noise[egl {} hexagon]",
+    "test_character.py::test_exact_on_noise[egl rotation decagon]",
+    "test_character.py::test_exact_on_noise[egl targets decagon]",
+    "test_character.py::test_exact_on_noise[egl 5.0 decagon]",
+)
+CUT_LAYERS = (
+    "test_character.py::test_layered_on_noise[egl 17.0]",
+    "test_character.py::test_layered_on_noise[egl octagon]",
+    "test_character.py::test_layered_on_noise[egl decagon]",
+)
 LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
 LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
 LAYERED_LEAKS = "test_layers.py::test_viewport[egl]"
@@ -85,7 +96,7 @@ FIRST = {
     "ExactTarget ExactFirst ExactSecond": (TARGETS, EXACT, HEXAGON, DECAGON),
     "LineSum": (JITTER, HEXAGON, EXACT, DENSE, survivor("test_squeezed_lines_have_means")),
     "ExactEdge": (DECAGON, *OUT_OF_RANGE, JITTER),
-    "Begin First Second": (JITTER, EXACT, HEXAGON, LEAKS),
+    "Begin First Second Aperture": (JITTER, EXACT, HEXAGON, LEAKS),
     "OctagonFirst DecagonFirst": (TARGETS,),
     "UseViewport ToTexture SetViewport": (LEAKS, COLUMN),
     "Debug*": (DEBUG, survivor("test_debug_views_of_a_pinhole"), survivor("test_debug_views_of_the_near_field")),

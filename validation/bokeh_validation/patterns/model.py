@@ -80,6 +80,7 @@ class Probe:
 
     judge   takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
     figure  of the paper, if it has one
+    but     drivers that have no room for its programs
     """
 
     name: str
@@ -88,6 +89,7 @@ class Probe:
     cases: tuple[Case, ...]
     judge: Callable[[Mapping[str, Outputs]], list[Check]]
     figure: str = ""
+    but: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -138,7 +138,7 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
     values = item.given()
     if item.spec.layers:
         inputs = [live[item.inputs[slot]] for slot in SLOTS if slot in item.inputs]
-        return layered.run_pass(item.spec, inputs, size, values, item.defines, precision)
+        return layered.run_pass(item.spec, inputs, size, values, item.constants, precision)
     role = item.spec.role
     if role == DEPTH:
         depth = textures[item.inputs["DepthSamp"]].astype(np.float64)
@@ -191,12 +191,12 @@ class _Filters:
 
     def along_lines(self) -> list[Image]:
         """`BokehAdaptive` and the passes of exact polygons: for each target the lines that have a share in it."""
-        found, height = lines(self.item), self.color.size[1]
+        found, height = lines(self.item, self.color.size), self.color.size[1]
         slots = list(dict.fromkeys(line.slot for line in found))
         sources = [self.slot(name) for name in slots]
         images = []
         for target in range(len(found[0].shares)):
-            used = [line for line in found if line.shares[target] > 0.0]
+            used = [line for line in found if np.any(line.shares[target])]
             pattern = segments.Lines(
                 tuple(segments.Line(line.segment, self.quality, height) for line in used),
                 tuple(line.shares[target] for line in used),

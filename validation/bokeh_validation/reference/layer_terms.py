@@ -6,11 +6,12 @@ Names are the shaders'.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from math import ceil, cos, floor, pi, sin
 
 import numpy as np
 
-from bokeh_validation.reference import balls
+from bokeh_validation.reference import balls, cuts
 from bokeh_validation.reference.balls import Ball, Texture
 from bokeh_validation.reference.gather import BAND_ROWS, THREADS
 from bokeh_validation.reference.images import Image
@@ -24,6 +25,7 @@ class Constants:
     height    of the image, pixels
     largest   possible CoC, pixels
     noise     (value, error, wraps) of segments.noise for the target, times the amount; None: no jitter
+    lengths   of the polygon's edges in each pixel of the target, from cuts.lengths; None: it is regular
     """
 
     width: int
@@ -37,6 +39,7 @@ class Constants:
     rings: int
     cells: int
     cubic: bool
+    lengths: np.ndarray | None = None
 
 
 class Run:
@@ -72,21 +75,29 @@ class Run:
         place = [value if isinstance(value, Ball) else self.exact(value) for value in (x, y)]
         return self.textures[index].fetch(*place)
 
-    def moved(self, x, y, sample: "Sample", scale: Ball) -> tuple[Ball, Ball]:
+    def moved(self, x, y, sample: "Sample", scale: Ball, rows: slice) -> tuple[Ball, Ball]:
         """A place on the outline, times a scale.
 
         The shader turns one corner into the next, so each edge adds the error of sin and cos once more, and three
-        roundings.
+        roundings. Of a cut polygon the corners are sums of edges, off by cuts.TURNS each, and twice as far away.
         """
+        once = self.precision.line if self.precision else 0.0
+        if self.layers.lengths is not None:
+            once *= 2.0 * cuts.TURNS
 
-        def along(offset: float) -> Ball:
-            ball = self.exact(np.full_like(x, offset))
+        def along(offset) -> Ball:
+            ball = self.exact(part(offset, rows) + np.zeros_like(x))
             if ball.radius is None:
                 return ball
-            turned = (sample.edge + 2) * (self.precision.line + 3 * FLOAT_STEP)
+            turned = (sample.edge + 2) * (once + 3 * FLOAT_STEP)
             return Ball(ball.value, ball.radius + turned * max(1.0, self.layers.squeeze))
 
         return self.exact(x) + along(sample.x) * scale, self.exact(y) + along(sample.y) * scale
+
+
+def part(field: np.ndarray | float, rows: slice) -> np.ndarray | float:
+    """Some rows of a field (H, W), or a number."""
+    return field[rows] if np.ndim(field) else field
 
 
 def _image(parts: Sequence[Ball]) -> Image:
@@ -153,28 +164,51 @@ def spread_radius(s: Ball) -> Ball:
 
 @dataclass(frozen=True)
 class Sample:
-    """A sample on the outline of a polygon with corners at a distance of 1.
+    """A sample on the outline of a polygon with corners at a distance of 1; (H, W) where pixels differ.
 
     edge            it is on, 0 ..
     x, y            place
     next_x, next_y  from it to the next one on the edge
+    share           area of the triangle from the middle to the edge, in units of their mean
     """
 
     edge: int
-    x: float
-    y: float
-    next_x: float
-    next_y: float
+    x: float | np.ndarray
+    y: float | np.ndarray
+    next_x: float | np.ndarray
+    next_y: float | np.ndarray
+    share: float | np.ndarray = 1.0
 
 
 def outline(ring: int, layers: Constants) -> list[Sample]:
     """The samples of a ring, `BokehOnEdge` on each edge."""
     sides = layers.sides
-    corners = [layers.rotation + (2 * j - 1) * pi / sides for j in range(sides + 1)]
-    points = np.array([(cos(angle) * layers.squeeze, sin(angle)) for angle in corners])
+    points = _corners(layers)
+    areas = [a[0] * b[1] - a[1] * b[0] for a, b in pairwise(points)]
+    shares = [area / (sum(areas) / sides) for area in areas] if layers.lengths is not None else [1.0] * sides
     on_edge = max(floor(6.0 * ring / sides + 0.5), 1)
     found = []
-    for edge, (corner, following) in enumerate(zip(points[:-1], points[1:], strict=True)):
+    for edge, (corner, following) in enumerate(pairwise(points)):
         along = (following - corner) / on_edge
-        found += [Sample(edge, *(corner + along * i), *along) for i in range(on_edge)]
+        for i in range(on_edge):
+            (x, next_x), (y, next_y) = zip(corner + along * i, along, strict=True)
+            found.append(Sample(edge, x * layers.squeeze, y, next_x * layers.squeeze, next_y, shares[edge]))
     return found
+
+
+def _corners(layers: Constants) -> list[np.ndarray]:
+    """The corners before edge 0 and after each edge, not squeezed, (2,) or (2, H, W)."""
+    sides, count = layers.sides, layers.sides // 2
+    if layers.lengths is None:
+        angles = [layers.rotation + (2 * j - 1) * pi / sides for j in range(sides + 1)]
+        return [np.array([cos(angle), sin(angle)]) for angle in angles]
+    along = [layers.rotation + 2 * pi * i / sides for i in range(1, count + 1)]
+    edges = [
+        np.multiply.outer([-sin(angle), cos(angle)], long) for angle, long in zip(along, layers.lengths, strict=True)
+    ]
+    corners = [edges[-1] - sum(edges[:-1])]
+    for j in range(sides):
+        # edge 0 is opposite to the last one
+        edge = edges[j % count - 1] * (1.0 if 0 < j <= count else -1.0)
+        corners.append(corners[-1] + 2.0 * edge)
+    return corners

@@ -10,10 +10,19 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from bokeh_validation.entries import FIRST, SECOND, Entry
-from bokeh_validation.reference import balls, segments
+from bokeh_validation.reference import balls, cuts, segments
 from bokeh_validation.reference.balls import Ball
 from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.layer_terms import Constants, far_slope_of, near_slope_of, outline, share, spread_radius
+from bokeh_validation.reference.layer_terms import (
+    Constants,
+    Sample,
+    far_slope_of,
+    near_slope_of,
+    outline,
+    part,
+    share,
+    spread_radius,
+)
 from bokeh_validation.reference.layers import Layers
 from bokeh_validation.reference.precision import Precision
 
@@ -86,14 +95,14 @@ class Picture(Layers):
             offsets = outline(ring, layers)
             cell = (outer * outer - inner * inner) / float(len(offsets))
             slope = 1.0 / (outer - inner)
-            for place in self._ring_places(x, y, rows, ring, current):
+            for place, share_of_edge in self._ring_places(x, y, rows, ring, current):
                 pixel = self.fetch(0, *(_towards_texel(value, steepness) for value in place))
                 q = pixel[..., 3] * layers.height
                 behind = balls.clamp((q - s) * 2.0, 0.0, 1.0) * (1.0 - near_share)
                 # below 0 it is in no ring
                 spread = 0.5 * balls.absolute(q) - 0.5
                 spread = balls.minimum(spread + (own_radius - spread) * behind, radius)
-                weight = (1.0 - share(-q, near_slope)) * (1.0 - share(q, far_slope) * add_far) * cell
+                weight = (1.0 - share(-q, near_slope)) * (1.0 - share(q, far_slope) * add_far) * cell * share_of_edge
                 weight = weight * balls.clamp((spread - inner) * slope, 0.0, 1.0)
                 weight = weight * balls.reciprocal(spread * spread, area)
                 total = total + weight
@@ -111,12 +120,24 @@ class Picture(Layers):
         """Where the samples of a ring are taken."""
         layers = self.layers
         for sample in outline(ring, layers):
-            place_x, place_y = self.moved(x, y, sample, current)
+            place_x, place_y = self.moved(x, y, sample, current, rows)
             if layers.jitter is not None:
                 noise = Ball(layers.jitter[rows], layers.open_jitter[rows] if self.precision else None)
                 phase = noise * balls.clamp(current / float(ring) - 1.0, 0.0, 1.0) * current
-                place_x, place_y = place_x + phase * sample.next_x, place_y + phase * sample.next_y
-            yield place_x, place_y
+                next_x, next_y = part(sample.next_x, rows), part(sample.next_y, rows)
+                place_x, place_y = place_x + phase * next_x, place_y + phase * next_y
+            yield (place_x, place_y), self._share(sample, rows)
+
+    def _share(self, sample: Sample, rows) -> Ball | float:
+        """`BokehEdgeShare`: corners are no farther than 1 away and off by e = 2 cuts.TURNS lines, so twice a triangle
+        is off by 2 e, and so is its mean: 8 areas of the polygon, a tenth of a square's or more, over its sides.
+        """
+        if self.layers.lengths is None:
+            return 1.0
+        found = part(sample.share, rows)
+        if self.precision is None:
+            return Ball(found)
+        return Ball(found, (1.0 + found) * 10.0 * self.layers.sides * cuts.TURNS * self.precision.line)
 
     def _composite(self, x, y, center, tile, near, far, near_share, add_far, color, total, widest) -> Ball:
         """What `BokehLayered` does after the gather.
@@ -201,6 +222,7 @@ def run_pass(
         defines["BOKEH_LAYER_RINGS"],
         defines["BOKEH_LAYER_CELLS"],
         bool(defines["BOKEH_LAYER_CUBIC"]),
+        cuts.of_target(size, sides, values, defines),
     )
     run = Picture(textures, size, constants, precision)
     edge, is_far = round(values["BokehEdge"]), values["BokehLayer"] > 0.5

@@ -1,10 +1,10 @@
 """The layers in float64: sections [10] to [12] of the libraries, pass by pass, in ball arithmetic (balls.py)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from bokeh_validation.reference import balls, segments
+from bokeh_validation.reference import balls, cuts, segments
 from bokeh_validation.reference.balls import Ball
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.layer_terms import (
@@ -222,7 +222,7 @@ class Layers(Run):
                 # no near layer, no holes
                 weight = balls.select(reach, 6.0, zero, weight)
                 for sample in outline(ring, self.layers):
-                    place = self.moved(x, y, sample, radius)
+                    place = self.moved(x, y, sample, radius, rows)
                     for k in range(3):
                         found[k] = found[k] + self.fetch(k, *place) * weight[..., None]
             middle, far, shares = found
@@ -243,8 +243,12 @@ class Layers(Run):
     def _line(self, index: int, x, y, rows, k: int, second_pass: bool, coc: Ball) -> Ball:
         """`BokehLayerLine`: mean along edge k."""
         layers = self.layers
-        segment = segments.polygon_edge(k, layers.sides, layers.rotation, layers.squeeze, second_pass)
-        length = 2.0 * segment.half_length * coc
+        edge = (k, layers.sides, layers.rotation, layers.squeeze, second_pass, layers.lengths)
+        segment = segments.polygon_edge(*edge).part(rows)
+        half_length = self.exact(segment.half_length + np.zeros_like(x))
+        if self.precision:
+            half_length = Ball(half_length.value, half_length.radius + segment.stretch * self.precision.line)
+        length = 2.0 * half_length * coc
         cells = balls.clamp(length, 2.0, float(layers.cells))
         phase = self.exact(np.full_like(x, 0.5))
         if layers.jitter is not None:
@@ -260,7 +264,8 @@ class Layers(Run):
                 offset = segment.middle[axis] + segment.half[axis] * t
                 if self.precision:
                     length_of = abs(segment.middle[axis]) + abs(segment.half[axis])
-                    offset = Ball(offset.value, offset.radius + self.precision.line * (length_of + segment.half_length))
+                    turned = segment.turns * self.precision.line * (length_of + segment.half_length)
+                    offset = Ball(offset.value, offset.radius + turned)
                 place.append(self.exact(start) + offset * coc)
             total = total + self.fetch(index, *place) * cell[..., None]
         return total / cells[..., None]
@@ -270,9 +275,17 @@ class Layers(Run):
         coc = 0.5 * self.fetch(index, x / 4.0, y / 4.0)[..., int(is_far)]
         return balls.sqrt(balls.maximum(coc * coc - 8.0, 0.25))
 
+    def area(self, function: Callable, *edges: int, rows: slice) -> Ball | float:
+        """segments.parallelogram or segments.weight of some edges, for colours of some rows."""
+        found = function(*edges, self.layers.sides, self.layers.lengths)
+        if self.layers.lengths is None:
+            return found
+        off = cuts.AREAS * cuts.STRETCH * self.precision.line if self.precision else None
+        found = found[rows][..., None]
+        return Ball(found, None if off is None else np.full_like(found, off))
+
     def first(self, is_far: bool, targets: Sequence[int]) -> list[Image]:
         """`BokehLayerFirst`: the targets T_k of `targets`."""
-        sides = self.layers.sides
 
         def band(x, y, rows):
             coc = self._coc(1, x, y, is_far)
@@ -280,7 +293,7 @@ class Layers(Run):
             center = self.fetch(0, x, y)
             result = []
             for k in targets:
-                areas = [segments.parallelogram(k, i, sides) for i in range(1, k)]
+                areas = [self.area(segments.parallelogram, k, i, rows=rows) for i in range(1, k)]
                 mean = sum((area * lines[i] for i, area in enumerate(areas, 1)), self.exact(0.0)) / sum(areas)
                 result.append(balls.select(self.exact(0.5), coc, mean, center))
             return result
@@ -294,7 +307,7 @@ class Layers(Run):
         def band(x, y, rows):
             coc = self._coc(len(self.textures) - 1, x, y, is_far)
             edges = range(2, sides // 2 + 1)
-            weights = [segments.weight(k, sides) for k in edges]
+            weights = [self.area(segments.weight, k, rows=rows) for k in edges]
             total = self.exact(0.0)
             for k, weight in zip(edges, weights, strict=True):
                 total = total + weight * self._line(k - 2, x, y, rows, k, True, coc)

@@ -6,6 +6,7 @@ import numpy as np
 
 from bokeh_validation.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
 from bokeh_validation.passes import Pass
+from bokeh_validation.reference import cuts
 from bokeh_validation.reference.segments import Segment, line_segment, parallelogram, polygon_edge, weight
 
 
@@ -22,10 +23,11 @@ class Line:
     shares: tuple[float, ...] = (1.0,)
 
 
-def lines(item: Pass) -> tuple[Line, ...]:
+def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
     """All lines of a filter pass; none for what is no such pass, takes its places from a table, or blurs layers.
 
-    A grid of n x n samples is n lines of n.
+    A grid of n x n samples is n lines of n. `size` is that of the target: with it, lines are those of every pixel where
+    the lens has a character; without it, those of the middle of the image.
     """
     values, (entry, color) = item.given(), (item.spec, COLORS[0])
     angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
@@ -42,13 +44,15 @@ def lines(item: Pass) -> tuple[Line, ...]:
         return ()
     sides = entry.sides or round(values["BokehSides"])
     last = sides // 2
+    lengths = cuts.of_target(size, sides, values, item.constants) if size else None
+
+    def edge(k: int, second_pass: bool) -> Segment:
+        return polygon_edge(k, sides, angle, squeeze, second_pass, lengths)
+
     if entry.role == SECOND:
-        return tuple(
-            Line(COLORS[k - 2], polygon_edge(k, sides, angle, squeeze, True), (weight(k, sides),))
-            for k in range(2, last + 1)
-        )
+        return tuple(Line(COLORS[k - 2], edge(k, True), (weight(k, sides, lengths),)) for k in range(2, last + 1))
     targets = range(2, last + 1) if entry.role == FIRST else (round(values["BokehEdge"]),)
     return tuple(
-        Line(color, polygon_edge(i, sides, angle, squeeze, False), tuple(parallelogram(k, i, sides) for k in targets))
+        Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
         for i in range(1, max(targets))
     )

@@ -10,7 +10,8 @@ its samples at t h c H from its middle, |t| <= 1:
     by as many cells as the line is.
 
 A count that differs because x is a little off adds or drops cells of a length within that error: they are all there,
-with their least and largest weight.
+with their least and largest weight. Lines of a polygon that is cut (cuts.py) are off by more: their ends by
+Segment.turns, their lengths by Segment.stretch, both times Precision.line.
 """
 
 from collections.abc import Iterator
@@ -20,6 +21,7 @@ from math import pi, sin
 import numpy as np
 
 from bokeh_validation import apertures
+from bokeh_validation.reference import cuts
 from bokeh_validation.reference.gather import Leakage, Sample, gather
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
@@ -32,15 +34,30 @@ LENGTH_ROUNDINGS = 16
 
 @dataclass(frozen=True)
 class Segment:
-    """A line: middle and half of it, units of the CoC, x right, y down, each (2,)."""
+    """A line: middle and half of it, units of the CoC, x right, y down, each (2,); (2, H, W) where pixels differ.
+
+    turns    how far off its ends may be, in units of Precision.line
+    stretch  the same of its length
+    """
 
     middle: np.ndarray
     half: np.ndarray
+    turns: float = 1.0
+    stretch: float = 0.0
 
     @property
-    def half_length(self) -> float:
+    def half_length(self) -> float | np.ndarray:
         """Half its length, units of the CoC."""
-        return float(np.hypot(*self.half))
+        return float(np.hypot(*self.half)) if self.half.ndim == 1 else np.hypot(*self.half)
+
+    def part(self, rows: slice) -> "Segment":
+        """Of some rows of the image: (2, 1, 1) or (2, rows, W)."""
+        return replace(self, middle=part_of(self.middle, rows), half=part_of(self.half, rows))
+
+
+def part_of(field: np.ndarray, rows: slice) -> np.ndarray:
+    """Some rows of a vector (2,) or a field of vectors (2, H, W)."""
+    return field[:, None, None] if field.ndim == 1 else field[:, rows]
 
 
 @dataclass(frozen=True)
@@ -66,22 +83,32 @@ def line_segment(angle: float, length: float, middle: tuple[float, float], squee
     return Segment(np.array(middle) * shape, 0.5 * length * apertures.direction(angle) * shape)
 
 
-def polygon_edge(k: int, sides: int, rotation: float, squeeze: float, second_pass: bool) -> Segment:
-    """`BokehPolygonEdge`: edge k of an inscribed polygon as it is filtered along in one of the two passes.
+def polygon_edge(
+    k: int, sides: int, rotation: float, squeeze: float, second_pass: bool, lengths: np.ndarray | None = None
+) -> Segment:
+    """`BokehPolygonEdge`: edge k of a polygon as it is filtered along in one of the two passes.
 
-    Corners V_j = 0.5 (cos, sin) of rotation + (j + 1/2) step. Edge k runs from V_(k-1) to V_k, its middle is M_k. The
-    first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
+    The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k, its middle is M_k.
+    The first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
     put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
+
+    lengths  of edges 1 .. n, (n, H, W), from cuts.lengths; None: all alike, inscribed in the CoC
     """
-    step = 2.0 * pi / sides
-    corner = [0.5 * apertures.direction(rotation + (j + 0.5) * step) for j in range(sides // 2 + 1)]
-    middles = [(corner[j] + corner[j + 1]) / 2 for j in range(sides // 2)]
-    mean_of_first = sum(middles[:-1]) / (sides // 2 - 1)
+    step, count = 2.0 * pi / sides, sides // 2
+    long = np.full(count, sin(0.5 * step)) if lengths is None else lengths
+    along = [apertures.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
+    edges = [np.multiply.outer(direction, one) for direction, one in zip(along, long, strict=True)]
+    corner = [-0.5 * sum(edges)]
+    for edge in edges:
+        corner.append(corner[-1] + edge)
+    middles = [(corner[j] + corner[j + 1]) / 2 for j in range(count)]
+    mean_of_first = sum(middles[:-1]) / (count - 1)
     middle = middles[k - 1] - mean_of_first
     if second_pass:
         middle = -middle - corner[0]
-    shape = np.array([squeeze, 1.0])
-    return Segment(middle * shape, 0.5 * (corner[k] - corner[k - 1]) * shape)
+    shape = np.array([squeeze, 1.0]).reshape(2, *(1 for _ in middle.shape[1:]))
+    off = (1.0, 0.0) if lengths is None else (cuts.TURNS, cuts.STRETCH)
+    return Segment(middle * shape, 0.5 * edges[k - 1] * shape, *off)
 
 
 def noise(size: tuple[int, int], frame: float, pass_index: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -138,41 +165,42 @@ class Line:
         error = steeper * np.minimum(coc_error, 1.0) + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
         return filter_coc(coc, self.height, self.quality.spacing), error
 
-    def cells(self, used: np.ndarray, error: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+    def cells(self, used: np.ndarray, error: np.ndarray | float, line: float) -> tuple[np.ndarray, np.ndarray]:
         """`BokehCells` for a CoC from `used`: how many cells, and how far off that may be."""
         most = self.quality.max_samples
         per_coc = 2.0 * self.segment.half_length * self.height
         if self.quality.spacing <= 0.0:
             return np.full_like(used, most), np.zeros_like(used)
         cells, off = per_coc * used / self.quality.spacing, per_coc * error / self.quality.spacing
+        off = off + self.segment.stretch * line * self.height * used / self.quality.spacing
         found = np.clip(cells, 1.0, most)
         return found, np.maximum(np.clip(cells + off, 1.0, most) - found, found - np.clip(cells - off, 1.0, most))
 
     def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
         """See gather.Pattern."""
-        quality, height = self.quality, self.height
+        quality, height, segment = self.quality, self.height, self.segment.part(rows)
         used, error = self.used(coc, coc_error, line)
-        length = 2.0 * self.segment.half_length * used * height
-        cells, cells_error = self.cells(used, error)
+        length = 2.0 * segment.half_length * used * height
+        cells, cells_error = replace(self, segment=segment).cells(used, error, line)
         jitter, open_jitter = (
             field[rows] if isinstance(field, np.ndarray) else field for field in (quality.jitter, quality.open)
         )
         phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
         # where the jitter's amount depends on the length, that is off too
-        open_phase = open_jitter + np.abs(jitter) * 2.0 * self.segment.half_length * error * height / cells
+        open_phase = open_jitter + np.abs(jitter) * 2.0 * segment.half_length * error * height / cells
         count = min(int(np.ceil(np.max(cells + cells_error))), quality.max_samples)
-        turned = line * height * used
+        turned = segment.turns * line * height * used
         for i in range(count):
             low, weight = _cell(i, cells)
             _, least = _cell(i, cells - cells_error)
             _, largest = _cell(i, cells + cells_error)
             t = 2.0 * (low + weight * phase) / cells - 1.0
             slip = open_phase * weight * 2.0 / cells
-            reach = self.segment.half[:, None, None] * t
-            place = self.segment.middle[:, None, None] + reach
-            farthest = np.abs(reach if quality.spacing <= 0.0 else self.segment.half[:, None, None])
-            moved = np.abs(self.segment.middle)[:, None, None] + farthest
-            off = moved * error * height + turned + np.abs(self.segment.half)[:, None, None] * slip * used * height
+            reach = segment.half * t
+            place = segment.middle + reach
+            farthest = np.abs(reach if quality.spacing <= 0.0 else segment.half)
+            moved = np.abs(segment.middle) + farthest
+            off = moved * error * height + turned + np.abs(segment.half) * slip * used * height
             x, y = place * used * height
             yield Sample(x, y, weight, off[0], off[1], np.maximum(weight - least, largest - weight))
 
@@ -187,11 +215,12 @@ def _cell(i: int, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class Lines:
     """Several lines with a share of the whole each: what `BokehLineSum` returns for them, added up. See gather.Pattern.
 
+    shares   (H, W) where pixels differ
     sources  which image each is taken from
     """
 
     lines: tuple[Line, ...]
-    shares: tuple[float, ...]
+    shares: tuple[float | np.ndarray, ...]
     sources: tuple[int, ...]
 
     @property
@@ -200,14 +229,19 @@ class Lines:
         return sum(line.count for line in self.lines)
 
     def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
-        """See gather.Pattern. A line is divided by its cells; where all are as long, an error of these cancels out."""
+        """See gather.Pattern. A line is divided by its cells; where all are as long, an error of these cancels out.
+
+        The shares of a cut polygon are off by at most cuts.AREAS times the error of a length.
+        """
         lengths = [one.segment.half_length for one in self.lines]
-        uneven = max(lengths) - min(lengths) > 1e-9
+        uneven = any(np.ndim(length) or abs(length - lengths[0]) > 1e-9 for length in lengths)
         for one, share, source in zip(self.lines, self.shares, self.sources, strict=True):
-            cells, off = one.cells(*one.used(coc, coc_error, line))
-            share = share / cells
+            here = replace(one, segment=one.segment.part(rows))
+            cells, off = here.cells(*one.used(coc, coc_error, line), line)
+            share = (share[rows] if np.ndim(share) else share) / cells
+            open_share = cuts.AREAS * one.segment.stretch * line / cells
             for item in one.samples(rows, coc, coc_error, line):
-                weight, opened = item.weight * share, item.open_weight * share
+                weight, opened = item.weight * share, item.open_weight * share + item.weight * open_share
                 if uneven:
                     opened = opened + weight * off / np.maximum(cells - off, 1.0)
                 yield replace(item, weight=weight, open_weight=opened, source=source)
@@ -229,11 +263,15 @@ def adaptive(
     return Image(found.value, found.error, found.undecided | lines[0].quality.undecided)
 
 
-def parallelogram(k: int, i: int, sides: int) -> float:
-    """Area of the parallelogram of edges i < k, in units of a rhombus with a right angle; 0 for other edges."""
-    return sin((k - i) * 2.0 * pi / sides) if i < k else 0.0
+def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
+    """Area of the parallelogram of edges i < k, 0 for other edges; in units of a rhombus with a right angle. Where
+    `lengths` says how long the edges are: for an edge k of length 1.
+    """
+    area = sin((k - i) * 2.0 * pi / sides) if i < k else 0.0
+    return area if lengths is None else area * lengths[i - 1]
 
 
-def weight(k: int, sides: int) -> float:
+def weight(k: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
     """`BokehExactWeight`: area of the parallelograms of edge k with all edges before it."""
-    return sum(parallelogram(k, i, sides) for i in range(1, k))
+    area = sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
+    return area if lengths is None else area * lengths[k - 1]

@@ -201,6 +201,7 @@ def test_defaults():
         "BOKEH_SPACING": 1.0,
         "BOKEH_ADAPTIVE_SAMPLES": 1,
         "BOKEH_VIEWPORT": 0,
+        "BOKEH_CHARACTER": 0,
         "BOKEH_SENSOR_HEIGHT": camera.sensor_height,
         "BOKEH_MAX_COC": camera.max_coc,
         "BOKEH_BLEEDING_BIAS": settings.bleeding_bias,
