@@ -81,6 +81,9 @@ aperture --sides 3 --rotation nan | --rotation nan
 aperture --sides 3 --squeeze 0 | --squeeze 0; at most 16
 aperture --sides 3 --output /no/such/folder/x.png | /no/such/folder
 aperture --sides 3 --output a.png --json /no/such/folder/x.json | /no/such/folder
+release | --output
+release --output /no/such/folder/x | /no/such/folder; Make it first
+release --output /dev/null | is a file
 truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, scatter, layered.
 truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
 truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
