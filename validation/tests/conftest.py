@@ -9,7 +9,7 @@ from bokeh_validation import drivers
 LONGEST = (
     "engines", "drivers", "truth", "validate", "compile", "hostile", "exact", "figures", "layers", "fuzz", "patterns",
     "render", "parity", "sweep", "bench", "precision", "browser", "threejs", "playcanvas", "babylonjs", "mutants",
-    "invariance",
+    "invariance", "installed",
 )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def test_reproducible(released, monkeypatch):
 
 
 def test_shaders_and_licence(released):
-    """Every archive has the licence, and its shaders are those of the repository; Godot's are of the add-on's own test."""
+    """Every archive has the licence, and its shaders are those of the repository; Godot's have a test of their own."""
     licence = (paths.ROOT / "LICENSE").read_bytes()
     for name, files in contents(released).items():
         assert licence in files.values(), name
