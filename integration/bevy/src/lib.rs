@@ -117,6 +117,14 @@ impl Bokeh {
         let focal_length = lens.sensor_height / (2.0 * (0.5 * fov).tan());
         Self { focal_length, aperture_diameter: focal_length / f_stop, ..lens }
     }
+
+    /// Autofocus, once a frame of `dt` seconds: towards the nearest of these depths. 1 / distance goes the way, and `tau`
+    /// is its time constant (docs/lens.md). An infinite `dt` is there at once.
+    pub fn pull_focus(&mut self, dt: f32, depths: impl IntoIterator<Item = f32>, tau: f32) {
+        let nearest = depths.into_iter().fold(f32::INFINITY, f32::min);
+        let k = 1.0 - (-dt / tau).exp();
+        self.focus_distance = 1.0 / ((1.0 - k) / self.focus_distance + k / nearest);
+    }
 }
 
 /// Depth of a point of the world along a camera's view axis, metres: the focus distance at which it is sharp.

@@ -17,7 +17,8 @@ may have a camera, color and depth of its own in place of the common ones.
 
     "pull": {"frame": 0.0333, "seconds": 0.2, "from": metres, "points": [[u, v, metres], ...], "distances": [...]}
 
-its time constant, what it found under points of the screen, the focus distance before and after each frame.
+its time constant, what it found under points of the screen ("depths" alone where it has places of the world), the focus
+distance before and after each frame.
 
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
 each, in the order of docs/passes.md. It is compared pass by pass, each with what the device had in the pass's inputs,

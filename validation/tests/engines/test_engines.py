@@ -39,7 +39,7 @@ LENSES = {
 # Their autofocus is in the capture
 PULLS = (
     "opengl", "panda3d", "raylib", "jmonkeyengine", "love", "ogre", "direct3d9", "direct3d11", "threejs-webgl",
-    "threejs-webgpu", "babylonjs-webgl", "babylonjs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
+    "threejs-webgpu", "babylonjs-webgl", "babylonjs-webgpu", "playcanvas-webgl", "playcanvas-webgpu", "bevy",
 )  # fmt: skip
 
 

@@ -179,6 +179,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         r#"{{"engine": "Bevy 0.19.1, {:?}", "device": "{}, {}", "width": {WIDTH}, "height": {HEIGHT},
 "color": "color.f16", "depth": "depth.f32",
 "camera": {{"aperture_diameter": {}, "focal_length": {}, "focus_distance": {}, "sensor_height": {}, "max_coc": {}}},
+"pull": {},
 "shots": [
 {}
 ]}}
@@ -191,6 +192,23 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         bokeh.focus_distance,
         bokeh.sensor_height,
         bokeh.max_coc,
+        pulled(bokeh),
         shots.join(",\n")
+    )
+}
+
+/// The autofocus, frame by frame, on two depths.
+fn pulled(bokeh: &Bokeh) -> String {
+    let (frame, seconds, depths) = (1.0 / 30.0, 0.2, [7.0, 2.2]);
+    let mut pulled = bokeh.clone();
+    let distances: Vec<f32> = (0..12)
+        .map(|_| {
+            pulled.pull_focus(frame, depths, seconds);
+            pulled.focus_distance
+        })
+        .collect();
+    format!(
+        r#"{{"frame": {frame:?}, "seconds": {seconds:?}, "from": {}, "depths": {depths:?}, "distances": {distances:?}}}"#,
+        bokeh.focus_distance
     )
 }

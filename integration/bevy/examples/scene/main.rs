@@ -25,7 +25,7 @@ fn main() -> AppExit {
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
         .add_plugins(BokehPlugin::default())
         .add_systems(Startup, setup)
-        .add_systems(PostUpdate, focus_on_subject.after(TransformSystems::Propagate));
+        .add_systems(PostUpdate, focus_on_subjects.after(TransformSystems::Propagate));
     app.add_plugins(CapturePlugin { folder: std::env::args_os().nth(1).unwrap_or(".".into()).into() });
     app.run()
 }
@@ -103,8 +103,14 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     }
 }
 
-/// Keep the subject in focus wherever it and the camera go.
-fn focus_on_subject(subject: Single<&GlobalTransform, With<Subject>>, camera: Single<(&GlobalTransform, &mut Bokeh)>) {
+/// Pull the focus to the nearest subject, wherever they and the camera go. In the first frame it is there at once.
+fn focus_on_subjects(
+    subjects: Query<&GlobalTransform, With<Subject>>,
+    camera: Single<(&GlobalTransform, &mut Bokeh)>,
+    time: Res<Time>,
+) {
     let (transform, mut bokeh) = camera.into_inner();
-    bokeh.focus_distance = view_depth(transform, subject.translation());
+    let depths = subjects.iter().map(|subject| view_depth(transform, subject.translation()));
+    let dt = if time.elapsed_secs() > 0.0 { time.delta_secs() } else { f32::INFINITY };
+    bokeh.pull_focus(dt, depths, 0.2);
 }
