@@ -840,6 +840,8 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
 //   lengths       of edges 1 to 4, units of the CoC, before the squeeze; fifth: of edge 5. They
 //                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
+//   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
+//                 corners cut off; set it before BokehWithCatsEye
 struct BokehPolygon
 {
     int sides;
@@ -847,6 +849,7 @@ struct BokehPolygon
     float squeeze;
     vec4 lengths;
     float fifth;
+    float roundness;
 };
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -867,6 +870,7 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
     polygon.squeeze = squeeze;
     polygon.lengths = vec4(0.0, 0.0, 0.0, 0.0);
     polygon.fifth = 0.0;
+    polygon.roundness = 1.0;
     if (BOKEH_CHARACTER > 0)
     {
         polygon.fifth = sin(3.14159265 / float(sides));
@@ -998,11 +1002,22 @@ float BokehExactWeight(int k, BokehPolygon polygon)
 }
 
 // Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
-float BokehHalfWidth(int k, int sides, vec2 cut)
+float BokehHalfWidth(int k, BokehPolygon polygon, vec2 cut)
 {
-    float halfStep = 3.14159265 / float(sides);
+    float halfStep = 3.14159265 / float(polygon.sides);
     float angle = 2.0 * halfStep * float(k);
-    return 0.5 * cos(halfStep) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+    // corners stay on the circle: what an edge has less of it, its neighbours have more
+    float part = halfStep;
+    if (polygon.sides == 8)
+    {
+        float corner = clamp(polygon.roundness, 0.0, 1.0);
+        part = halfStep * (2.0 - corner);
+        if (k - k / 2 * 2 != 0)
+        {
+            part = halfStep * corner;
+        }
+    }
+    return 0.5 * cos(part) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
 }
 
 // Exact: length of edge k between the lines of all other edges
@@ -1012,17 +1027,17 @@ float BokehHalfWidth(int k, int sides, vec2 cut)
 //     /    |    '  the nearest of the other lines crosses that one
 //
 //   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
-float BokehCutLength(int k, int sides, vec2 cut)
+float BokehCutLength(int k, BokehPolygon polygon, vec2 cut)
 {
-    float halfWidth = BokehHalfWidth(k, sides, cut);
+    float halfWidth = BokehHalfWidth(k, polygon, cut);
     float before = 1.0;
     float after = 1.0;
-    for (int i = 1; i < sides / 2; i++)
+    for (int i = 1; i < polygon.sides / 2; i++)
     {
-        float angle = 6.28318531 / float(sides) * float(i);
-        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
+        float angle = 6.28318531 / float(polygon.sides) * float(i);
+        before = min(before, (BokehHalfWidth(k - i, polygon, cut) - halfWidth * cos(angle)) /
             sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
+        after = min(after, (BokehHalfWidth(k + i, polygon, cut) - halfWidth * cos(angle)) /
             sin(angle));
     }
     return max(before + after, 0.001);
@@ -1041,12 +1056,11 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
     vec2 place = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
     vec2 axis = vec2(cos(polygon.rotation), -sin(polygon.rotation));
     vec2 cut = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
-    int sides = clamp(polygon.sides, 4, 10);
     BokehPolygon result = polygon;
-    result.sides = sides;
-    result.lengths = vec4(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
-        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
-    result.fifth = BokehCutLength(5, sides, cut);
+    result.sides = clamp(polygon.sides, 4, 10);
+    result.lengths = vec4(BokehCutLength(1, result, cut), BokehCutLength(2, result, cut),
+        BokehCutLength(3, result, cut), BokehCutLength(4, result, cut));
+    result.fifth = BokehCutLength(5, result, cut);
     return result;
 }
 

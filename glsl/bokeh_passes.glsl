@@ -212,6 +212,7 @@ BOKEH_PARAMETER(float, BokehPassIndex)
 BOKEH_PARAMETER(float, BokehAxis)
 BOKEH_PARAMETER(float, BokehLayer)
 BOKEH_PARAMETER(float, BokehCatsEye)
+BOKEH_PARAMETER(float, BokehRoundness)
 
 #ifdef VULKAN
 };
@@ -290,6 +291,7 @@ BokehPolygon BokehAperture(vec2 uv, int sides)
     if (BOKEH_CHARACTER > 0)
     {
         vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+        polygon.roundness = BokehRoundness;
         BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
         polygon.lengths = cut.lengths;
         polygon.fifth = cut.fifth;

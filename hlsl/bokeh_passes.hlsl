@@ -55,7 +55,7 @@
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
-//   buffer in SM4 and up; the buffer has 144 bytes (docs/parameters.md has the table with units,
+//   buffer in SM4 and up; the buffer has 160 bytes (docs/parameters.md has the table with units,
 //   and the buffer as a struct for C++, C#, Rust and JavaScript).
 //   Unused slots: a pass reads only what its row names; bind nothing for the rest, or anything.
 
@@ -143,6 +143,7 @@ BOKEH_PARAMETER(float, BokehPassIndex, 32)
 BOKEH_PARAMETER(float, BokehAxis, 33)
 BOKEH_PARAMETER(float, BokehLayer, 34)
 BOKEH_PARAMETER(float, BokehCatsEye, 35)
+BOKEH_PARAMETER(float, BokehRoundness, 36)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -235,6 +236,7 @@ BokehPolygon BokehAperture(float2 uv, int sides)
     if (BOKEH_CHARACTER > 0)
     {
         float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
+        polygon.roundness = BokehRoundness;
         BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
         polygon.lengths = cut.lengths;
         polygon.fifth = cut.fifth;

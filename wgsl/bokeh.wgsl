@@ -783,6 +783,8 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
 //   lengths       of edges 1 to 4, units of the CoC, before the squeeze; fifth: of edge 5. They
 //                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
+//   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
+//                 corners cut off; set it before BokehWithCatsEye
 struct BokehPolygon
 {
     sides: i32,
@@ -790,6 +792,7 @@ struct BokehPolygon
     squeeze: f32,
     lengths: vec4f,
     fifth: f32,
+    roundness: f32,
 }
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -810,6 +813,7 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
     polygon.squeeze = squeeze;
     polygon.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
     polygon.fifth = 0.0;
+    polygon.roundness = 1.0;
     if (BOKEH_CHARACTER > 0)
     {
         polygon.fifth = sin(3.14159265 / f32(sides));
@@ -941,11 +945,22 @@ fn BokehExactWeight(k: i32, polygon: BokehPolygon) -> f32
 }
 
 // Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
-fn BokehHalfWidth(k: i32, sides: i32, cut: vec2f) -> f32
+fn BokehHalfWidth(k: i32, polygon: BokehPolygon, cut: vec2f) -> f32
 {
-    let halfStep: f32 = 3.14159265 / f32(sides);
+    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
     let angle: f32 = 2.0 * halfStep * f32(k);
-    return 0.5 * cos(halfStep) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+    // corners stay on the circle: what an edge has less of it, its neighbours have more
+    var part: f32 = halfStep;
+    if (polygon.sides == 8)
+    {
+        let corner: f32 = clamp(polygon.roundness, 0.0, 1.0);
+        part = halfStep * (2.0 - corner);
+        if (k - k / 2 * 2 != 0)
+        {
+            part = halfStep * corner;
+        }
+    }
+    return 0.5 * cos(part) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
 }
 
 // Exact: length of edge k between the lines of all other edges
@@ -955,17 +970,17 @@ fn BokehHalfWidth(k: i32, sides: i32, cut: vec2f) -> f32
 //     /    |    '  the nearest of the other lines crosses that one
 //
 //   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
-fn BokehCutLength(k: i32, sides: i32, cut: vec2f) -> f32
+fn BokehCutLength(k: i32, polygon: BokehPolygon, cut: vec2f) -> f32
 {
-    let halfWidth: f32 = BokehHalfWidth(k, sides, cut);
+    let halfWidth: f32 = BokehHalfWidth(k, polygon, cut);
     var before: f32 = 1.0;
     var after: f32 = 1.0;
-    for (var i: i32 = 1; i < sides / 2; i++)
+    for (var i: i32 = 1; i < polygon.sides / 2; i++)
     {
-        let angle: f32 = 6.28318531 / f32(sides) * f32(i);
-        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
+        let angle: f32 = 6.28318531 / f32(polygon.sides) * f32(i);
+        before = min(before, (BokehHalfWidth(k - i, polygon, cut) - halfWidth * cos(angle)) /
             sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
+        after = min(after, (BokehHalfWidth(k + i, polygon, cut) - halfWidth * cos(angle)) /
             sin(angle));
     }
     return max(before + after, 0.001);
@@ -984,12 +999,11 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     let place: vec2f = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
     let axis: vec2f = vec2f(cos(polygon.rotation), -sin(polygon.rotation));
     let cut: vec2f = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
-    let sides: i32 = clamp(polygon.sides, 4, 10);
     var result: BokehPolygon = polygon;
-    result.sides = sides;
-    result.lengths = vec4f(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
-        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
-    result.fifth = BokehCutLength(5, sides, cut);
+    result.sides = clamp(polygon.sides, 4, 10);
+    result.lengths = vec4f(BokehCutLength(1, result, cut), BokehCutLength(2, result, cut),
+        BokehCutLength(3, result, cut), BokehCutLength(4, result, cut));
+    result.fifth = BokehCutLength(5, result, cut);
     return result;
 }
 

@@ -53,7 +53,7 @@
 //   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
-//   Parameters: number i of the struct below is at byte offset 4 i; bind 144 bytes
+//   Parameters: number i of the struct below is at byte offset 4 i; bind 160 bytes
 //   (docs/parameters.md has the table with units, and the struct for C++, C#, Rust and JavaScript).
 //   Unused slots: the layout 'auto' has only what a pass reads. With one layout for all passes,
 //   bind any texture to the rest; DepthSamp and KernelSamp may be unfilterable-float there.
@@ -100,6 +100,7 @@ struct BokehParameters
     BokehAxis: f32,
     BokehLayer: f32,
     BokehCatsEye: f32,
+    BokehRoundness: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -181,6 +182,7 @@ fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
     {
         let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth,
             bokehParameters.BokehImageHeight);
+        polygon.roundness = bokehParameters.BokehRoundness;
         let cut: BokehPolygon = BokehWithCatsEye(polygon, uv, imageSize,
             bokehParameters.BokehCatsEye);
         polygon.lengths = cut.lengths;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The parameter block of bokeh_passes.*, 144 bytes: docs/parameters.md has the units.
-[System.Runtime.InteropServices.StructLayout(System.Runtime.InteropServices.LayoutKind.Sequential, Size = 144)]
+// The parameter block of bokeh_passes.*, 160 bytes: docs/parameters.md has the units.
+[System.Runtime.InteropServices.StructLayout(System.Runtime.InteropServices.LayoutKind.Sequential, Size = 160)]
 public struct BokehParameters
 {
     public float ApertureDiameter, FocalLength, FocusDistance, SensorHeight;
@@ -12,4 +12,5 @@ public struct BokehParameters
     public float Edge, DepthKind, Near, Far;
     public float ViewportX, ViewportY, TextureWidth, TextureHeight;
     public float PassIndex, Axis, Layer, CatsEye;
+    public float Roundness;
 }

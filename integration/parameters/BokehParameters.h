@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The parameter block of bokeh_passes.*, 144 bytes: docs/parameters.md has the units. */
+/* The parameter block of bokeh_passes.*, 160 bytes: docs/parameters.md has the units. */
 #pragma once
 
 struct BokehParameters
@@ -13,4 +13,6 @@ struct BokehParameters
     float Edge, DepthKind, Near, Far;
     float ViewportX, ViewportY, TextureWidth, TextureHeight;
     float PassIndex, Axis, Layer, CatsEye;
+    float Roundness;
+    float Unused[3];
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parameter block of bokeh_passes.*, 144 bytes: docs/parameters.md has the units.
+// The parameter block of bokeh_passes.*, 160 bytes: docs/parameters.md has the units.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BokehParameters {
@@ -12,4 +12,6 @@ pub struct BokehParameters {
     pub edge: f32, pub depth_kind: f32, pub near: f32, pub far: f32,
     pub viewport_x: f32, pub viewport_y: f32, pub texture_width: f32, pub texture_height: f32,
     pub pass_index: f32, pub axis: f32, pub layer: f32, pub cats_eye: f32,
+    pub roundness: f32,
+    pub unused: [f32; 3],
 }

@@ -43,6 +43,7 @@ class Settings:
     frame        number of the frame: the noise is another in each
     squeeze      width of the bokeh over its height
     cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
+    roundness    of octagons in the same: 0 a square, 1 regular
     targets      whether a pass may write several targets; exact and layered only
     quality      of layered, one of QUALITIES
     """
@@ -63,6 +64,7 @@ class Settings:
     frame: int = 0
     squeeze: float = 1.0
     cats_eye: float = 0.0
+    roundness: float = 1.0
     targets: bool = True
     quality: str = "medium"
 
@@ -109,7 +111,8 @@ def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
 
 def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, float]:
     # programs without it have no code for it
-    character = {"BokehCatsEye": settings.cats_eye} if settings.cats_eye > 0.0 else {}
+    character = {"BokehCatsEye": settings.cats_eye, "BokehRoundness": settings.roundness}
+    character = character if settings.cats_eye > 0.0 or settings.roundness < 1.0 else {}
     return character | {
         "BokehAspectRatio": size[0] / size[1],
         "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 1.0,

@@ -46,6 +46,7 @@ PARAMETERS: dict[str, float] = {
     "BokehAxis": 0.0,
     "BokehLayer": 0.0,
     "BokehCatsEye": 0.0,
+    "BokehRoundness": 1.0,
 }
 
 # Texture slots in the order of their bindings.

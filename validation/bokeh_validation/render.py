@@ -31,6 +31,7 @@ def check(settings: methods.Settings) -> None:
     _check_samples(settings)
     _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
     _number("--cats-eye", settings.cats_eye, "", lambda v: 0 <= v <= 0.9, "0 to 0.9, a share of the bokeh's width")
+    _number("--roundness", settings.roundness, "", lambda v: 0 <= v <= 1, "0 (a square) to 1 (an octagon)")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")
     _number("--aperture-diameter", camera.aperture_diameter, "m", lambda v: v >= 0, "0 or more")
     _number("--focal-length", camera.focal_length, "m", lambda v: v > 0, "more than 0")
@@ -107,6 +108,7 @@ def render(
     frame: Annotated[int, Option(help="Number of the frame; the noise is another in each.")] = 0,
     squeeze: Annotated[float, Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
     cats_eye: Annotated[float, Option(help="exact, layered: share of the bokeh's width cut off in corners.")] = 0.0,
+    roundness: Annotated[float, Option(help="exact, layered, octagon: 0 makes a square, 1 a regular octagon.")] = 1.0,
     targets: Annotated[bool, Option("--mrt/--no-mrt", help="exact, layered: write several targets in a pass.")] = True,
     quality: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
     rotation: Annotated[float, Option(help="Degrees, from +x towards +y (down).")] = 0.0,
@@ -128,7 +130,7 @@ def render(
     settings = methods.Settings(
         method, aperture, samples, rotation, coc=coc, blur_coc=coc_blur, leak_fix=leak_fix, spacing=spacing,
         max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, quality=quality,
-        cats_eye=cats_eye,
+        cats_eye=cats_eye, roundness=roundness,
         camera=methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
     )  # fmt: skip
     check(settings)

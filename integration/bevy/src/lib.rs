@@ -330,6 +330,7 @@ struct BokehParameters {
     axis: f32,
     layer: f32,
     cats_eye: f32,
+    roundness: f32,
 }
 
 #[derive(Resource)]

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from bokeh_validation.mutants.killers import CUT, JITTER, LAYERED_TARGET
+from bokeh_validation.mutants.killers import CUT, JITTER, LAYERED_TARGET, ROUND
 from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
@@ -32,6 +32,7 @@ IN_PASSES: tuple[Mutant, ...] = (
     row("aperture-angle", "angle", "Aperture", "BokehAngle", "BokehAngleB"),
     row("aperture-image", "axis", "Aperture", "BokehImageWidth, BokehImageHeight", "BokehImageHeight, BokehImageWidth",
         *CUT),
+    row("aperture-round", "dropped sample", "Aperture", "polygon.roundness = BokehRoundness;", "", *ROUND),
     row("aperture-fifth", "dropped sample", "Aperture", "polygon.fifth = cut.fifth;", "", *CUT),
     row("line-center", "axis", "AdaptiveLine", "BokehLineCenterX, BokehLineCenterY",
         "BokehLineCenterY, BokehLineCenterX"),

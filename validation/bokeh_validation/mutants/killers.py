@@ -49,7 +49,12 @@ CUT = (
     "test_character.py::test_exact_on_noise[egl targets decagon]",
     "test_character.py::test_exact_on_noise[egl 5.0 decagon]",
 )
+ROUND = (
+    "test_character.py::test_curved_blades[egl 0.5]",
+    "test_character.py::test_curved_blades[egl -1.0]",
+)
 CUT_LAYERS = (
+    "test_character.py::test_layered_on_noise[egl 0.9]",
     "test_character.py::test_layered_on_noise[egl 17.0]",
     "test_character.py::test_layered_on_noise[egl octagon]",
     "test_character.py::test_layered_on_noise[egl decagon]",

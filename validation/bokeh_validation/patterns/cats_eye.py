@@ -1,4 +1,6 @@
-"""Cat's eye: a light towards a corner of the image, cut by the lens barrel, in the exact and in the layered method."""
+"""Character of a lens: a light towards a corner of the image, cut by the lens barrel, in the exact and in the layered
+method (cat's eye); and curved blades.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -6,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from bokeh_validation import apertures
 from bokeh_validation.patterns import exact, impulse, near_edges
 from bokeh_validation.patterns.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
 from bokeh_validation.reference import polygons
@@ -111,8 +114,53 @@ def _probe(name: str, cases: tuple[Case, ...], judge: Callable, but: tuple[str, 
     return Probe(name, title, shows, cases, judge, but=but)
 
 
+ROUNDNESSES = (0.1, 0.5)
+
+
+def rounded(roundness: float) -> np.ndarray:
+    """A square with its corners cut off, for a CoC of 1: on the circle a corner takes so much of an eighth, a side the
+    rest of its quarter.
+    """
+    half = 0.5 * (90.0 - 45.0 * roundness)
+    angles = [90.0 * quarter + side * half for quarter in range(4) for side in (-1, 1)]
+    return np.array([0.5 * apertures.direction(np.radians(angle + ROTATION)) for angle in angles])
+
+
+def rounded_case(roundness: float) -> Case:
+    """One bright pixel by the passes of the octagon."""
+    image = flat(exact.SIZE, impulse.AMBIENT)
+    image[exact.CENTER[1], exact.CENTER[0], :3] += impulse.PEAK
+    chosen = replace(exact.settings("octagon", ROTATION), roundness=roundness)
+    exposure = impulse.PICTURE * abs(polygons.signed_area(exact.COC * rounded(roundness))) / impulse.PEAK
+    return Case(f"{roundness:g}", chosen, image, depth_of(exact.SIZE, 10.0), exposure=exposure)
+
+
+def _judge_rounded(outputs: dict[str, Outputs]) -> list[Check]:
+    found = []
+    for roundness in ROUNDNESSES:
+        value = outputs[f"{roundness:g}"]["result"][..., 1] - impulse.AMBIENT
+        polygon = exact.COC * rounded(roundness)
+        wanted = polygons.coverage(polygon, exact.SIZE, pixel_center(*exact.CENTER))
+        shape = overlap(value * abs(polygons.signed_area(polygon)) / impulse.PEAK, wanted)
+        light, why = value.sum() / impulse.PEAK, "bilinear samples share their light out; the rest is rounding"
+        asked = "as of the square at a sample a pixel"
+        found += [
+            Check(f"light kept, {roundness:g}", light, 1 - exact.HALF_LIGHT, 1 + exact.HALF_LIGHT, why),
+            Check(f"overlap with the polygon, {roundness:g}", shape, exact.OVERLAP["square"], 1.0, asked),
+        ]
+    return found
+
+
+ROUND = Probe(
+    "curved-blades",
+    "A square that curved blades make round",
+    "A square, and a square with its corners cut off, of the same light.",
+    tuple(map(rounded_case, ROUNDNESSES)),
+    _judge_rounded,
+)
 PROBES = (
     _probe("cats-eye-exact", tuple(map(exact_case, APERTURES)), _judge_exact),
     # shader model 3 has no room for it
     _probe("cats-eye-layered", tuple(map(layered_case, (1, -1))), _judge_layered, ("d3d9",)),
+    ROUND,
 )

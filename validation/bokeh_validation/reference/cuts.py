@@ -32,14 +32,20 @@ def of_target(
     place = (2.0 * uv - 1.0) * (image / np.hypot(*image))[:, None, None]
     c, s = cos(values["BokehAngle"]), sin(values["BokehAngle"])
     turned = np.tensordot(np.array([[c, s], [-s, c]]), place, 1)
-    return lengths(sides, turned * min(max(values["BokehCatsEye"], 0.0), MOST))
+    amount = min(max(values["BokehCatsEye"], 0.0), MOST)
+    return lengths(sides, amount * turned, min(max(values["BokehRoundness"], 0.0), 1.0))
 
 
-def lengths(sides: int, along: np.ndarray) -> np.ndarray:
-    """Of edges 1 .. n for a cut along `along` (2, ...): (n, ...), units of the CoC."""
+def lengths(sides: int, along: np.ndarray, roundness: float = 1.0) -> np.ndarray:
+    """Of edges 1 .. n for a cut along `along` (2, ...): (n, ...), units of the CoC.
+
+    roundness  of an octagon: its odd edges take so much of their eighth of the circle, the even ones the rest
+    """
     count, step = sides // 2, 2.0 * pi / sides
     normals = [np.array([cos(k * step), sin(k * step)]) for k in range(count)]
-    half = [0.5 * cos(step / 2) * (1.0 - np.abs(np.tensordot(normal, along, 1))) for normal in normals]
+    part = [roundness if k % 2 else 2.0 - roundness for k in range(count)] if sides == 8 else [1.0] * count
+    shrunk = [1.0 - np.abs(np.tensordot(normal, along, 1)) for normal in normals]
+    half = [0.5 * cos(one * step / 2) * left for one, left in zip(part, shrunk, strict=True)]
 
     def distance(k: int, other: int) -> np.ndarray:
         """From the foot of the normal of line k to where line k + other crosses it."""

@@ -28,7 +28,7 @@
 #include "serve.h"
 
 constexpr int NUM_SLOTS = 16;  /* what shader model 3 has; a pass reads fewer */
-constexpr int NUM_VALUES = 36; /* room for the parameters; a multiple of 4, since they are a constant buffer */
+constexpr int NUM_VALUES = 40; /* room for the parameters; a multiple of 4, since they are a constant buffer */
 
 /* Place in the FORMATS of a program, and bytes of a texel. */
 struct Format {

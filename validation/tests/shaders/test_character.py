@@ -73,7 +73,7 @@ def test_exact_on_noise(aperture, changes, driver):
         {"aperture": "square", "squeeze": 0.5},
         {"aperture": "octagon", "targets": False, "rotation": 5.0},
         {"aperture": "decagon", "jitter": 1.0, "frame": 3},
-        {"camera": methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)},
+        {"camera": methods.Camera(0.4, 0.05, 4.0, max_coc=0.5), "rotation": 17.0, "cats_eye": 0.9},
     ],
     ids=str,
 )
@@ -81,6 +81,23 @@ def test_exact_on_noise(aperture, changes, driver):
 def test_layered_on_noise(changes, driver):
     """Every pass within the interval of the reference."""
     within(driver, noise_case((75, 50), replace(LAYERED, **changes)))
+
+
+@pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
+def test_rounded_outline(roundness):
+    """A square whose corners are cut off, on the circle: the sides of the polygon, one by one."""
+    corners = cats_eye.rounded(roundness)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    # the outline begins with a corner that is cut off, edge 1 of the octagon is such a one
+    np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), np.roll(sides, -2)[:4], rtol=1e-12)
+
+
+@pytest.mark.parametrize("roundness", [0.5, 0.0, -1.0])
+@in_each_language
+def test_curved_blades(roundness, driver):
+    """An octagon between a square and a regular one, cut by the barrel or not."""
+    for settings in (replace(EXACT, cats_eye=0.0), EXACT, LAYERED):
+        within(driver, noise_case((61, 48), replace(settings, aperture="octagon", roundness=roundness, rotation=10.0)))
 
 
 @pytest.mark.parametrize("name", ["d3d9", "webgl2", "webgpu"])
