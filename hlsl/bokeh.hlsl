@@ -1074,23 +1074,14 @@ float BokehExactWeight(int k, BokehPolygon polygon)
     return area;
 }
 
-// Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
-float BokehHalfWidth(int k, BokehPolygon polygon, float2 cut)
+// Exact: distance of edge k from the middle of a polygon that is cut, units of the CoC
+//   cut           xy = along which, z = the mean of two neighbours' distances before the cut, w =
+//                 half of how much more it is where k is even
+float BokehHalfWidth(int k, int sides, float4 cut)
 {
-    float halfStep = 3.14159265 / float(polygon.sides);
-    float angle = 2.0 * halfStep * float(k);
-    // corners stay on the circle: what an edge has less of it, its neighbours have more
-    float part = halfStep;
-    if (polygon.sides == 8)
-    {
-        float corner = clamp(polygon.roundness, 0.0, 1.0);
-        part = halfStep * (2.0 - corner);
-        if (k - k / 2 * 2 != 0)
-        {
-            part = halfStep * corner;
-        }
-    }
-    return 0.5 * cos(part) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+    float angle = 6.28318531 / float(sides) * float(k);
+    float whole = cut.z + cut.w * cos(3.14159265 * float(k));
+    return whole * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
 }
 
 // Exact: length of edge k between the lines of all other edges
@@ -1100,17 +1091,17 @@ float BokehHalfWidth(int k, BokehPolygon polygon, float2 cut)
 //     /    |    '  the nearest of the other lines crosses that one
 //
 //   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
-float BokehCutLength(int k, BokehPolygon polygon, float2 cut)
+float BokehCutLength(int k, int sides, float4 cut)
 {
-    float halfWidth = BokehHalfWidth(k, polygon, cut);
+    float halfWidth = BokehHalfWidth(k, sides, cut);
     float before = 1.0;
     float after = 1.0;
-    BOKEH_LOOP for (int i = 1; i < polygon.sides / 2; i++)
+    BOKEH_LOOP for (int i = 1; i < sides / 2; i++)
     {
-        float angle = 6.28318531 / float(polygon.sides) * float(i);
-        before = min(before, (BokehHalfWidth(k - i, polygon, cut) - halfWidth * cos(angle)) /
+        float angle = 6.28318531 / float(sides) * float(i);
+        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
             sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, polygon, cut) - halfWidth * cos(angle)) /
+        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
             sin(angle));
     }
     return max(before + after, 0.001);
@@ -1128,12 +1119,23 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
 {
     float2 place = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
     float2 axis = float2(cos(polygon.rotation), -sin(polygon.rotation));
-    float2 cut = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
+    float2 along = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
     BokehPolygon result = polygon;
-    result.sides = clamp(polygon.sides, 4, 10);
-    result.lengths = float4(BokehCutLength(1, result, cut), BokehCutLength(2, result, cut),
-        BokehCutLength(3, result, cut), BokehCutLength(4, result, cut));
-    result.fifth = BokehCutLength(5, result, cut);
+    int sides = clamp(polygon.sides, 4, 10);
+    result.sides = sides;
+    float even = 0.5 * cos(3.14159265 / float(sides));
+    float odd = even;
+    if (sides == 8)
+    {
+        // corners stay on the circle: what an edge has less of it, its neighbours have more
+        float corner = 0.39269908 * clamp(polygon.roundness, 0.0, 1.0);
+        even = 0.5 * cos(0.78539816 - corner);
+        odd = 0.5 * cos(corner);
+    }
+    float4 cut = float4(along, 0.5 * (even + odd), 0.5 * (even - odd));
+    result.lengths = float4(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
+        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
+    result.fifth = BokehCutLength(5, sides, cut);
     return result;
 }
 

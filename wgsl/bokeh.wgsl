@@ -944,23 +944,14 @@ fn BokehExactWeight(k: i32, polygon: BokehPolygon) -> f32
     return area;
 }
 
-// Exact: distance of edge k from the middle of a polygon that is cut along `cut`, units of the CoC
-fn BokehHalfWidth(k: i32, polygon: BokehPolygon, cut: vec2f) -> f32
+// Exact: distance of edge k from the middle of a polygon that is cut, units of the CoC
+//   cut           xy = along which, z = the mean of two neighbours' distances before the cut, w =
+//                 half of how much more it is where k is even
+fn BokehHalfWidth(k: i32, sides: i32, cut: vec4f) -> f32
 {
-    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
-    let angle: f32 = 2.0 * halfStep * f32(k);
-    // corners stay on the circle: what an edge has less of it, its neighbours have more
-    var part: f32 = halfStep;
-    if (polygon.sides == 8)
-    {
-        let corner: f32 = clamp(polygon.roundness, 0.0, 1.0);
-        part = halfStep * (2.0 - corner);
-        if (k - k / 2 * 2 != 0)
-        {
-            part = halfStep * corner;
-        }
-    }
-    return 0.5 * cos(part) * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+    let angle: f32 = 6.28318531 / f32(sides) * f32(k);
+    let whole: f32 = cut.z + cut.w * cos(3.14159265 * f32(k));
+    return whole * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
 }
 
 // Exact: length of edge k between the lines of all other edges
@@ -970,17 +961,17 @@ fn BokehHalfWidth(k: i32, polygon: BokehPolygon, cut: vec2f) -> f32
 //     /    |    '  the nearest of the other lines crosses that one
 //
 //   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
-fn BokehCutLength(k: i32, polygon: BokehPolygon, cut: vec2f) -> f32
+fn BokehCutLength(k: i32, sides: i32, cut: vec4f) -> f32
 {
-    let halfWidth: f32 = BokehHalfWidth(k, polygon, cut);
+    let halfWidth: f32 = BokehHalfWidth(k, sides, cut);
     var before: f32 = 1.0;
     var after: f32 = 1.0;
-    for (var i: i32 = 1; i < polygon.sides / 2; i++)
+    for (var i: i32 = 1; i < sides / 2; i++)
     {
-        let angle: f32 = 6.28318531 / f32(polygon.sides) * f32(i);
-        before = min(before, (BokehHalfWidth(k - i, polygon, cut) - halfWidth * cos(angle)) /
+        let angle: f32 = 6.28318531 / f32(sides) * f32(i);
+        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
             sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, polygon, cut) - halfWidth * cos(angle)) /
+        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
             sin(angle));
     }
     return max(before + after, 0.001);
@@ -998,12 +989,23 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
 {
     let place: vec2f = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
     let axis: vec2f = vec2f(cos(polygon.rotation), -sin(polygon.rotation));
-    let cut: vec2f = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
+    let along: vec2f = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
     var result: BokehPolygon = polygon;
-    result.sides = clamp(polygon.sides, 4, 10);
-    result.lengths = vec4f(BokehCutLength(1, result, cut), BokehCutLength(2, result, cut),
-        BokehCutLength(3, result, cut), BokehCutLength(4, result, cut));
-    result.fifth = BokehCutLength(5, result, cut);
+    let sides: i32 = clamp(polygon.sides, 4, 10);
+    result.sides = sides;
+    var even: f32 = 0.5 * cos(3.14159265 / f32(sides));
+    var odd: f32 = even;
+    if (sides == 8)
+    {
+        // corners stay on the circle: what an edge has less of it, its neighbours have more
+        let corner: f32 = 0.39269908 * clamp(polygon.roundness, 0.0, 1.0);
+        even = 0.5 * cos(0.78539816 - corner);
+        odd = 0.5 * cos(corner);
+    }
+    let cut: vec4f = vec4f(along, 0.5 * (even + odd), 0.5 * (even - odd));
+    result.lengths = vec4f(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
+        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
+    result.fifth = BokehCutLength(5, sides, cut);
     return result;
 }
 

@@ -33,7 +33,7 @@ _FILTERS = "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather Hexag
 _OF_LAYERS = "LayerReach LayerSplit LayerFill DecagonLayerSecond Layered"
 VIEWPORT = {f"Bokeh{name}": (7,) for name in _FILTERS.split()} | {f"Bokeh{n}": (None,) for n in _OF_LAYERS.split()}
 # With the character of a lens, one of each kind; in shader model 3 only exact polygons with several targets have room
-_CUT = "SquareSecond HexagonFirst DecagonFirst DecagonSecond"
+_CUT = "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond"
 _CUT_LAYERS = "LayerFill DecagonLayerFirst DecagonLayerSecond LayerEdge Layered"
 CHARACTER = {f"Bokeh{name}": (7,) for name in _CUT.split()}
 CHARACTER_LAYERS = {"BokehExactEdge": (7,)} | {f"Bokeh{name}": (None,) for name in _CUT_LAYERS.split()}
