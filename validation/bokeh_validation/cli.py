@@ -34,6 +34,7 @@ COMMANDS = {
     "parity": ("parity", "parity"),
     "precision": ("half.table", "precision"),
     "bench": ("bench.bench_command", "bench"),
+    "port": ("engines.godot", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
     "engines": ("validate", "run_engines"),

@@ -1,6 +1,7 @@
 """What the tests of the samples for the web (integration/threejs and others) share."""
 
 import base64
+from collections.abc import Callable
 
 import numpy as np
 
@@ -12,9 +13,12 @@ def pixels(data: str, size: tuple[int, int]) -> np.ndarray:
     return np.frombuffer(raw, np.float16).reshape(*size, 4) if half else np.frombuffer(raw, np.float32).reshape(size)
 
 
-def assert_debug_views(said: dict, size: tuple[int, int]) -> None:
-    """Depth, circle of confusion, near and far field of `views` of capture.js, as section [9] has them."""
-    shown = {mode: pixels(data, size) for mode, data in said["views"].items()}
+def assert_debug_views(said: dict, size: tuple[int, int], linear: Callable = lambda shown: shown) -> None:
+    """Depth, circle of confusion, near and far field of `views` of capture.js, as section [9] has them.
+
+    linear   of what is shown, where that is encoded
+    """
+    shown = {mode: linear(pixels(data, size)) for mode, data in said["views"].items()}
     depth, coc = pixels(said["depth"], size), pixels(said["coc"], size)[..., 3]
     focus = said["focus"]
     assert np.allclose(shown["1"][..., 0], depth / (depth + focus), atol=2e-3)

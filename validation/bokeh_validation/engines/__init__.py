@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bokeh_validation import paths
-from bokeh_validation.engines import bevy, direct3d, jmonkeyengine, love, ogre, pages, scripts
+from bokeh_validation.engines import bevy, direct3d, godot, jmonkeyengine, love, ogre, pages, scripts
 from bokeh_validation.engines.capture import Broken, Capture, read
 
 __all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
@@ -43,6 +43,7 @@ ENGINES = {
     "babylonjs-webgpu": Engine(pages.run),
     "playcanvas-webgl": Engine(pages.run),
     "playcanvas-webgpu": Engine(pages.run),
+    "godot": Engine(godot.run),
     "direct3d9": Engine(direct3d.run),
     "direct3d11": Engine(direct3d.run),
     "bevy": Engine(bevy.run, bevy.changed),

@@ -9,9 +9,10 @@ import base64
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -41,7 +42,12 @@ def run(name: str, folder: Path, project: Path | None = None) -> None:
     Raises Unavailable where npm or Chromium is missing, RuntimeError with what the engine or the browser said.
     """
     with opened(name, project) as sample:
-        captured = sample.call("capture", sample.kind)
+        leave(sample, folder)
+
+
+def leave(sample: "Sample", folder: Path) -> None:
+    """The sample's capture, put into `folder`. Raises RuntimeError."""
+    captured = sample.call("capture", sample.kind)
     for file, data in captured["files"].items():
         (folder / file).write_bytes(base64.b64decode(data))
     (folder / "capture.json").write_text(json.dumps(captured["data"], indent=1), encoding="utf-8")
@@ -51,12 +57,12 @@ def run(name: str, folder: Path, project: Path | None = None) -> None:
 class Sample:
     """A sample that runs in a browser of its own.
 
-    kind   'webgl' or 'webgpu'
+    kind   'webgl', 'webgpu', or '' where there is one only
     said   errors that the engine and the browser wrote to the console
     """
 
     session: browser.Session
-    kind: str
+    kind: str = ""
     said: list[str] = field(default_factory=list)
 
     def call(self, function: str, argument: object) -> object:
@@ -81,31 +87,51 @@ def opened(name: str, project: Path | None = None) -> Iterator[Sample]:
     project   folder that has integration/, with node_modules in the sample; else the checkout, and the cache folder's
     """
     engine, _, kind = name.partition("-")
-    modules = project / "integration" / engine / "node_modules" if project else installed(engine)
+    root = project or paths.ROOT
+    modules = root / "integration" / engine / "node_modules"
+    if project is None:
+        modules = installed(root / "integration" / engine)
+    flags = CANVAS if kind == "webgpu" else ()
+    serve = partial(_serve, root, engine, modules)
+    with shown(f"integration/{engine}/{kind}.html", serve, SCRIPT % engine, flags) as sample:
+        sample.kind = kind
+        yield sample
+
+
+@contextmanager
+def shown(address: str, serve: Callable, script: str, flags: Sequence[str] = ()) -> Iterator[Sample]:
+    """A page, running.
+
+    serve   answers a request of it, a route of Playwright's
+    script  runs before its own, and makes window.bokeh
+    flags   more of Chromium's command line
+    """
     said: list[str] = []
 
     def open_page(chromium):
         page = chromium.new_page()
-        page.route("**/*", lambda route: _serve(route, project or paths.ROOT, engine, modules))
+        page.route("**/*", serve)
         page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: said.append(error.message))
-        page.add_init_script(SCRIPT % engine)
-        page.goto(f"{browser.ADDRESS}integration/{engine}/{kind}.html")
+        page.add_init_script(script)
+        page.goto(f"{browser.ADDRESS}{address}")
         return page
 
-    session = browser.Session(open_page=open_page, flags=CANVAS if kind == "webgpu" else ())
+    session = browser.Session(open_page=open_page, flags=flags)
     try:
-        yield Sample(session, kind, said)
+        yield Sample(session, said=said)
     finally:
         session.close()
 
 
 @locks.held("npm")
-def installed(engine: str) -> Path:
-    """node_modules with what package-lock.json pins, installed on first use. Raises Unavailable, RuntimeError."""
-    source = paths.ROOT / "integration" / engine
+def installed(source: Path) -> Path:
+    """node_modules with what a folder's package-lock.json pins, installed on first use.
+
+    Raises Unavailable, RuntimeError.
+    """
     lock = (source / "package-lock.json").read_bytes()
-    target = paths.cache_folder() / "engines" / engine / f"npm-{sha256(lock).hexdigest()[:16]}"
+    target = paths.cache_folder() / "engines" / source.name / f"npm-{sha256(lock).hexdigest()[:16]}"
     if not target.exists():
         # in place only when complete
         folder = Path(tempfile.mkdtemp(dir=paths.ensured(target.parent)))
@@ -130,7 +156,7 @@ def call_npm(folder: Path, *command: str | Path) -> None:
     process.run([npm, *command, *options], INSTALL_LIMIT, folder, {"npm_config_cache": cache})
 
 
-def _serve(route, root: Path, engine: str, modules: Path) -> None:
+def _serve(root: Path, engine: str, modules: Path, route) -> None:
     """Answer a request: a file of `root`, or of `modules`."""
     name = browser.asked(route)
     local = name.removeprefix(f"integration/{engine}/node_modules/")

@@ -15,7 +15,7 @@ WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
 # Their default is layered
 LAYERED = (
     "opengl", "raylib", "jmonkeyengine", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
-    *WITHOUT_PAPER, "direct3d11",
+    *WITHOUT_PAPER, "direct3d11", "godot",
 )  # fmt: skip
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
@@ -31,6 +31,7 @@ LENSES = {
     "playcanvas-webgpu": (45.0, 0.07),
     "babylonjs-webgl": (45.0, 0.07),
     "babylonjs-webgpu": (45.0, 0.07),
+    "godot": (45.0, 0.07),
     "direct3d9": (16.071, 1.0),
     "direct3d11": (16.071, 1.0),
     "bevy": (26.991, 0.2),

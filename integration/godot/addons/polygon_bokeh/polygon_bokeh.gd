@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: MIT
+## Depth of field with polygonal bokeh for the [Camera3D] that this is a child of.
+##
+## While that camera is current, its viewport draws no 3D: a viewport of this node's own does, as large
+## and with more than 8 bits; further ones blur that in passes, and the result is shown behind all 2D.
+## For the Compatibility renderer.
+extends Node
+
+enum View { PICTURE, DEPTH, COC, FIELDS }
+
+## [code]layered[/code]: near objects spread over what is behind them. [code]exact[/code]: each pixel by
+## its own circle of confusion, fewer passes. [code]paper[/code]: lines and min; 6 or 8 sides.
+@export_enum("layered", "exact", "paper") var method := "layered"
+## Of the aperture: 4, 6, 8 or 10.
+@export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6
+@export_enum("LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
+## Of the lens, whose focal length comes from the camera's field of view. Below 1 blurs more than any real
+## lens does.
+@export var f_stop := 1.4
+@export var sensor_height := 0.024 ## Metres.
+@export_range(0.0, 1.0) var max_coc := 0.1 ## Largest blur, fraction of the image height.
+@export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
+@export var squeeze := 1.0 ## Width of the bokeh over its height.
+
+@export_group("Focus")
+## Depth along the camera's axis, metres, where nothing below is set.
+@export var distance := 5.0
+@export var target: Node3D ## To focus on, wherever it is.
+## Autofocus: up to four places of the view, (0, 0) at its top left, (1, 1) at its bottom right. The
+## nearest of what is drawn there wins.
+@export var points := PackedVector2Array()
+@export var pull_seconds := 0.3 ## Time constant of the way to a new focus.
+
+@export_group("Picture")
+@export var exposure := 1.0
+@export var white := 16.0 ## What becomes white by tone mapping.
+@export var view := View.PICTURE
+
+# alpha of the scene's viewport is 1 + this many times near / metres, of the half floats up to 65504
+const DEPTH_RANGE := 60000.0
+
+const PASS := """shader_type canvas_item;
+render_mode unshaded, blend_disabled;
+#define BOKEH_PRESET_%s
+#include "%s/bokeh.gdshaderinc"
+#include "%s/bokeh_layers.gdshaderinc"
+%suniform float aperture_diameter;
+uniform float focal_length;
+uniform float sensor_height;
+uniform float max_coc;
+uniform float rotation;
+uniform float squeeze;
+uniform vec2 image_size;
+
+void fragment()
+{
+	BokehPolygon polygon = BokehMakePolygon(%d, rotation, squeeze);
+	BokehLayers layers = BokehMakeLayers(image_size, polygon, max_coc);
+	BokehFilter settings = BokehDefaultFilter(image_size);
+	COLOR = %s;
+}
+"""
+const LENS := "aperture_diameter, focal_length, FocusDistance(), sensor_height, max_coc"
+
+## The passes as they are drawn: [code][name of the texture, 1 / its size, call of the library][/code]
+var frame: Array[Array] = []
+## name -> what a pass wrote; [code]scene[/code]: what the camera drew
+var textures := {}
+
+var _camera: Camera3D
+var _host: Viewport # that shows the picture
+var _size: Vector2i
+var _made: Array # what the passes were made for
+var _parts: Array[Node] = []
+var _materials: Array[ShaderMaterial] = []
+var _values := {}
+var _cut := true
+
+
+func _enter_tree() -> void:
+	_camera = get_parent() as Camera3D
+	process_priority = 1000 # after all that moves the camera
+
+
+func _exit_tree() -> void:
+	_remove()
+
+
+## Focus at once, without a pull: after a cut of the camera.
+func cut() -> void:
+	_cut = true
+
+
+func _process(delta: float) -> void:
+	if _camera == null or not _camera.current:
+		_remove()
+		return
+	var host := get_viewport()
+	var size := Vector2i(host.get_texture().get_size())
+	var wanted := [method, sides, preset, size, host.msaa_3d]
+	if _made != wanted:
+		_remove()
+		_made = wanted
+		_make(host, size)
+	_host.disable_3d = true
+	_update(delta)
+
+
+# What the shaders need to know of this frame
+func _update(delta: float) -> void:
+	var focal_length := 0.05
+	if _camera.projection != Camera3D.PROJECTION_ORTHOGONAL:
+		focal_length = 0.5 * sensor_height * absf(_camera.get_camera_projection().y.y)
+	var focus := distance
+	if target != null:
+		focus = -(_camera.global_transform.affine_inverse() * target.global_position).z
+	var padded := points.slice(0, 4)
+	padded.resize(4)
+	var values := {
+		aperture_diameter = focal_length / f_stop, focal_length = focal_length,
+		sensor_height = sensor_height, max_coc = max_coc, rotation = rotation, squeeze = squeeze,
+		image_size = Vector2(_size), depth_unit = DEPTH_RANGE * _camera.near,
+		points = padded, point_count = mini(points.size(), 4), focus_distance = focus,
+		share = 1.0 if _cut or pull_seconds <= 0.0 else 1.0 - exp(-delta / pull_seconds),
+		exposure = exposure, white = white, view = view,
+	}
+	_cut = false
+	for key: String in values:
+		if _values.get(key) != values[key]:
+			for material in _materials:
+				material.set_shader_parameter(key, values[key])
+	_values = values
+
+
+func _make(host: Viewport, size: Vector2i) -> void:
+	_host = host
+	_size = size
+	_draw_scene()
+	var folder: String = get_script().resource_path.get_base_dir()
+	_add("focus", Vector2i.ONE, load(folder + "/focus.gdshader"))
+	frame = _frame()
+	for row in frame:
+		var shader := Shader.new()
+		var reads := ""
+		var call: String = row[2]
+		for key: String in textures:
+			var word := RegEx.create_from_string("\\b%s\\b" % key)
+			if word.search(call):
+				call = word.sub(call, "from_" + key, true)
+				reads += "uniform sampler2D from_%s : filter_linear, repeat_disable;\n" % key
+		if "Scene" in call:
+			reads += "#include \"%s/scene.gdshaderinc\"\n" % folder
+		shader.code = PASS % [preset, folder, folder, reads, sides, call]
+		_add(row[0], Vector2i((Vector2(size) / row[1]).ceil()), shader)
+	var again := Shader.new()
+	again.code = "shader_type canvas_item; render_mode unshaded, blend_disabled; uniform sampler2D "\
+			+ "focus; void fragment() { COLOR = texelFetch(focus, ivec2(0, 0), 0); }"
+	_add("before", Vector2i.ONE, again)
+	var layer := CanvasLayer.new()
+	layer.layer = -128
+	_keep(layer, self)
+	_keep(_rectangle(load(folder + "/show.gdshader")), layer)
+	for material in _materials:
+		for key: String in textures:
+			material.set_shader_parameter(key, textures[key])
+			material.set_shader_parameter("from_" + key, textures[key])
+	_values = {}
+	_cut = true
+
+
+func _remove() -> void:
+	if _host != null:
+		_host.disable_3d = false
+	_host = null
+	_made = []
+	for part in _parts:
+		part.queue_free()
+	_parts.clear()
+	_materials.clear()
+	textures.clear()
+
+
+# The camera, drawing into a viewport that keeps what is brighter than 1, with depth in alpha
+func _draw_scene() -> void:
+	var scene := _viewport("scene", _size)
+	scene.world_3d = _host.find_world_3d()
+	scene.msaa_3d = _host.msaa_3d
+	RenderingServer.viewport_attach_camera(scene.get_viewport_rid(), _camera.get_camera_rid())
+	var rectangle := MeshInstance3D.new()
+	rectangle.mesh = QuadMesh.new()
+	rectangle.mesh.size = Vector2(2.0, 2.0)
+	rectangle.extra_cull_margin = 16384.0
+	rectangle.layers = 0xFFFFF
+	var material := ShaderMaterial.new()
+	material.shader = load(get_script().resource_path.get_base_dir() + "/depth.gdshader")
+	material.render_priority = Material.RENDER_PRIORITY_MAX
+	rectangle.material_override = material
+	_materials.append(material)
+	_keep(rectangle, _camera)
+	rectangle.position.z = -2.0 * _camera.near
+
+
+# A pass. Viewports are drawn in the order in which they come into the tree.
+func _add(title: String, size: Vector2i, shader: Shader) -> void:
+	var target_of_pass := _viewport(title, size)
+	target_of_pass.disable_3d = true
+	target_of_pass.transparent_bg = true # alpha is data
+	_keep(_rectangle(shader), target_of_pass)
+
+
+func _viewport(title: String, size: Vector2i) -> SubViewport:
+	var made := SubViewport.new()
+	made.size = size
+	made.use_hdr_2d = true # RGBA16F, in 3D too
+	made.render_target_update_mode = SubViewport.UPDATE_ALWAYS
+	made.gui_disable_input = true
+	_keep(made, self)
+	textures[title] = made.get_texture()
+	return made
+
+
+func _rectangle(shader: Shader) -> ColorRect:
+	var made := ColorRect.new()
+	made.set_anchors_preset(Control.PRESET_FULL_RECT)
+	made.mouse_filter = Control.MOUSE_FILTER_IGNORE
+	made.material = ShaderMaterial.new()
+	made.material.shader = shader
+	_materials.append(made.material)
+	return made
+
+
+func _keep(part: Node, parent: Node) -> void:
+	parent.add_child(part, false, INTERNAL_MODE_BACK)
+	_parts.append(part)
+
+
+func _frame() -> Array[Array]:
+	var rows: Array[Array] = []
+	if method == "paper":
+		rows.append(["metres", 1, "vec4(min(SceneDepth(UV), 65000.0), 0.0, 0.0, 1.0)"])
+		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehCoC(BokehFetchNearest(metres, UV).r, %s))" % LENS])
+		return rows + _paper()
+	rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehSignedCoC(SceneDepth(UV), %s))" % LENS])
+	return rows + (_layered() if method == "layered" else _exact())
+
+
+# Between the two passes of a polygon are half as many textures as it has sides, less one. The function
+# of the second takes four: it gets the last one for the rest, and does not read it.
+func _four(stem: String) -> String:
+	var names := []
+	for k in range(2, 6):
+		names.append("%s%d" % [stem, mini(k, sides / 2)])
+	return ", ".join(names)
+
+
+func _exact() -> Array[Array]:
+	var rows: Array[Array] = []
+	for k in range(2, sides / 2 + 1):
+		rows.append(["target%d" % k, 1, "BokehExactEdge(coc, UV, %d, polygon, settings)" % k])
+	rows.append(["result", 1, "BokehExactSecond(%s, UV, polygon, settings)" % _four("target")])
+	return rows
+
+
+# Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
+func _paper() -> Array[Array]:
+	var line := func(degrees: int, from: String) -> String:
+		return ("BokehDepthOfFieldAdaptive(%s, metres, UV, BokehSegment(radians(%d.0) + rotation, 1.0, "
+				+ "vec2(0.0, 0.0), squeeze), settings, true)") % [from, degrees]
+	var combined := func(a: String, b: String) -> String:
+		return "BokehCombine(%s, BokehFetch(%s, UV), false)" % [a, b]
+	if sides == 6:
+		return [
+			["line1", 1, line.call(90, "coc")],
+			["line2", 1, line.call(30, "line1")],
+			["result", 1, combined.call(line.call(150, "line1"), "line2")],
+		]
+	return [
+		["line1", 1, line.call(0, "coc")],
+		["line2", 1, line.call(90, "line1")],
+		["line3", 1, line.call(45, "coc")],
+		["result", 1, combined.call(line.call(135, "line3"), "line2")],
+	]
+
+
+# docs/passes.md, with one target a pass
+func _layered() -> Array[Array]:
+	var rows: Array[Array] = []
+	var several := func(names: Array, scale: int, call: String) -> void:
+		for i in names.size():
+			rows.append([names[i], scale, "BokehPickTarget(%s, %d)" % [call, i + 2]])
+	rows.append(["tiles", 8, "BokehLayerTiles(coc, UV, layers)"])
+	rows.append(["reach_along_rows", 8, "BokehLayerReach(tiles, UV, vec2(1.0, 0.0), layers)"])
+	rows.append(["reach", 8, "BokehLayerReach(reach_along_rows, UV, vec2(0.0, 1.0), layers)"])
+	several.call(["near", "far", "sums", "leftovers"], 2, "BokehLayerSplit(coc, reach, UV, layers)")
+	several.call(["tile_leftovers", "tile_sums"], 8, "BokehLayerKernels(sums, leftovers, UV, layers)")
+	several.call(["row_leftovers", "row_sums"], 8,
+			"BokehLayerSpread(tile_leftovers, tile_sums, reach, UV, vec2(1.0, 0.0), layers)")
+	several.call(["reaches", "sizes"], 8, "BokehLayerSizes(row_leftovers, row_sums, reach, UV, layers)")
+	several.call(["middle_with_holes", "far_with_holes", "shares"], 4,
+			"BokehLayerHoles(coc, reach, UV, layers)")
+	several.call(["middle", "back"], 4,
+			"BokehLayerFill(middle_with_holes, far_with_holes, shares, reach, UV, layers)")
+	for layer: String in ["near", "far"]:
+		var is_far := layer == "far"
+		for k in range(2, sides / 2 + 1):
+			rows.append(["%s_target%d" % [layer, k], 2,
+					"BokehLayerEdge(%s, sizes, UV, %s, %d, layers)" % [layer, is_far, k]])
+		rows.append([layer + "_blurred", 2,
+				"BokehLayerSecond(%s, sizes, UV, %s, layers)" % [_four(layer + "_target"), is_far]])
+	rows.append(["result", 1,
+			"BokehLayered(coc, reaches, near_blurred, far_blurred, middle, back, UV, layers)"])
+	return rows

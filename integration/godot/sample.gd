@@ -1,0 +1,33 @@
+# The sample: a scene, a camera, and depth of field for it.
+extends Node3D
+
+const PolygonBokeh := preload("res://addons/polygon_bokeh/polygon_bokeh.gd")
+const Stage := preload("res://stage.gd")
+
+var camera: Camera3D
+var bokeh: PolygonBokeh
+
+
+func _ready() -> void:
+	var stage := Stage.new()
+	add_child(stage)
+	camera = stage.camera
+	bokeh = add_bokeh(camera, stage.subject)
+
+
+# What a scene file does that has PolygonBokeh below its camera
+func add_bokeh(to: Camera3D, subject: Node3D) -> PolygonBokeh:
+	var made := PolygonBokeh.new()
+	made.f_stop = 1.4 / 20.0 # f/1.4 in a model of 1 : 20, for a strong blur
+	made.target = subject
+	to.add_child(made)
+	return made
+
+
+func _unhandled_input(event: InputEvent) -> void:
+	# A click focuses on what is there.
+	if event is InputEventMouseButton and event.pressed:
+		bokeh.points = [event.position / get_viewport().get_visible_rect().size]
+	# Keys 0 to 3 choose the debug view.
+	if event is InputEventKey and event.pressed and event.keycode >= KEY_0 and event.keycode <= KEY_3:
+		bokeh.view = event.keycode - KEY_0

