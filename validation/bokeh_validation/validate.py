@@ -32,7 +32,7 @@ BRIEF_COMPILERS |= dict.fromkeys(("hlsl-sm3", "hlsl-sm5"), ("fxc",))
 # Probes for --full only: another one shows the same on another polygon or in another place
 FULL_PROBES = (
     "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep", "layered-constant",
-    "cats-eye-layered",
+    "cats-eye-layered", "curved-blades",
 )  # fmt: skip
 # What takes longest is begun first
 SLOWEST = ("halo-hexagon", "exact-decagon", "exact-octagon", "layered-sweep", "layered-light-1")
