@@ -28,6 +28,7 @@ COMMANDS = {
     "shapes": ("quality", "shapes"),
     "truth": ("likeness", "truth"),
     "gallery": ("gallery", "gallery"),
+    "peers": ("peers.peers_command", "peers"),
     "demo": ("demo", "demo"),
     "figures": ("figures.command", "figures"),
     "patterns": ("validate", "run_patterns"),

@@ -15,6 +15,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import UserError
 from bokeh_validation.figures import panels
 from bokeh_validation.methods import QUALITIES
+from bokeh_validation.patterns.model import Case
 from bokeh_validation.scatter import scatter
 from bokeh_validation.suite import SceneFile
 
@@ -55,24 +56,26 @@ def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None =
     return [method for method in wanted if method != "layered"] + (layered if "layered" in wanted else [])
 
 
-def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
-    """What a method makes of a scene, (H, W, >= 3), the polygon turned as in the truth.
-
-    changes  to the settings
-    """
+def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
+    """A scene by the method of a label, the polygon turned as in the truth. `changes` to the settings."""
     method, _, preset = label.partition(" ")
     kind = {"paper": "paper", "layered": "layered"}.get(method, "exact")
     changes = {"rotation": suite.TRUTH_ROTATION[aperture], **changes}
     changes |= {"spacing": 1.0} if method == "exact" else {"quality": preset} if preset else {}
-    case = suite.scene_case(scene, kind, aperture)
-    case = replace(case, settings=replace(case.settings, **changes))
+    found = suite.scene_case(scene, kind, aperture)
+    return replace(found, settings=replace(found.settings, **changes))
+
+
+def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
+    """What a method makes of a scene, (H, W, >= 3). The rest as of case()."""
+    asked, method = case(scene, label, aperture, **changes), label.partition(" ")[0]
     if method == "pinhole":
-        return case.color
+        return asked.color
     if method == "gather":
-        return qualities.brute_force(driver, case)
+        return qualities.brute_force(driver, asked)
     if method == "scatter":
-        return scatter(case)
-    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
+        return scatter(asked)
+    return driver.run(asked.plan.passes, asked.textures(), asked.size)["result"]
 
 
 def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Row:

@@ -62,7 +62,8 @@ class BrowserDriver(Driver):
         """What is the same for all passes of a job."""
         raise NotImplementedError
 
-    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+    def job(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, object]:
+        """What run() hands to the page."""
         self._require_filter(passes, textures, storage)
         require_targets(self, passes, storage, self.told["attachmentBytes"])
         images, draws, numbers = flattened(passes, textures, size, storage)
@@ -76,7 +77,10 @@ class BrowserDriver(Driver):
             own = {"inputs": read, "targets": targets, "over": over, "area": area, "values": values}
             job["passes"].append({**self._program(item), **own})
         job["keep"] = [numbers[name] for name in keep]
-        kept = self.session.call(f"{self.name}.run", job)
+        return job
+
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+        kept = self.session.call(f"{self.name}.run", self.job(passes, textures, size, storage, keep))
         return {name: unpacked(image, storage) for name, image in zip(keep, kept, strict=True)}
 
     def _require_filter(self, passes: Sequence[Pass], textures: Mapping, storage: str) -> None:

@@ -62,7 +62,7 @@ LEVELS = (
     ("passes", "shaders", "exr", "reference.images", "reference.sampling", "reference.precision"),
     ("methods", "drivers", "reference", "compilers", "convex", "decomposition", "metrics"),
     ("patterns",),
-    tuple("bench demo engines figures report mutants suite cli validate render frame likeness".split()),
+    tuple("bench demo engines figures report mutants suite cli validate render frame likeness peers".split()),
 )
 
 

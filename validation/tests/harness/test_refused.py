@@ -48,6 +48,10 @@ plan --size 0x7 | --size 0x7; 2 to 16384
 plan --size 99999x9 | --size 99999x9; 2 to 16384
 plan --json /no/such/folder/x.json | /no/such/folder
 plan --rings 3 | --rings
+peers --effect Unreal | --effect Unreal; BokehPass
+peers --scene x | --scene x; market_7
+peers --pictures /no/such/folder | --pictures /no/such/folder
+peers --json /no/such/folder/x.json | /no/such/folder
 figures --only 14 | --only 14; 1 to 13
 figures --only 0 | --only 0; 1 to 13
 figures --only '' | --only ; 1 to 13

@@ -1,0 +1,27 @@
+// How a scene is handed to an engine: a quad over the whole picture that writes its colour, and its depth as the
+// engine's camera would have left it. Rows are turned round, so that the picture stands upright.
+
+export const VERTEX = `
+varying vec2 peerAt;
+void main()
+{
+    peerAt = position.xy * 0.5 + 0.5;
+    gl_Position = vec4(position.xy, 0.0, 1.0);
+}`;
+
+// What fetches of the quad's are not counted go by the name of this function.
+export const FEED = `
+varying vec2 peerAt;
+uniform sampler2D peerColor, peerDepth;
+uniform float peerNear, peerFar;
+vec4 peerLight() { return texture2D(peerColor, vec2(peerAt.x, 1.0 - peerAt.y)); }
+float peerMetres() { return texture2D(peerDepth, vec2(peerAt.x, 1.0 - peerAt.y)).r; }
+float peerWindow() { return peerFar * (peerMetres() - peerNear) / (peerMetres() * (peerFar - peerNear)); }
+`;
+
+// A canvas of the scene's size
+export function canvasOf({ width, height }) {
+  return Object.assign(document.createElement("canvas"), { width, height });
+}
+
+export const degrees = ({ fovy }) => (fovy * 180) / Math.PI;

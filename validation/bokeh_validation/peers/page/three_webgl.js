@@ -1,0 +1,100 @@
+// WebGLRenderer: three.js's BokehPass and the DepthOfFieldEffect of pmndrs' postprocessing.
+
+import * as THREE from "three";
+import { BokehPass as ThreeBokehPass } from "three/addons/postprocessing/BokehPass.js";
+import { EffectComposer } from "three/addons/postprocessing/EffectComposer.js";
+import { RenderPass } from "three/addons/postprocessing/RenderPass.js";
+import * as pmndrs from "postprocessing";
+import { FEED, VERTEX, canvasOf, degrees } from "./feed.js";
+
+const HALF = THREE.HalfFloatType;
+
+export function setUp(scene) {
+  const { width, height, near, far } = scene;
+  const texture = (data, format, type) => {
+    const made = new THREE.DataTexture(data, width, height, format, type);
+    made.needsUpdate = true;
+    return made;
+  };
+  const uniforms = {
+    peerColor: { value: texture(scene.color, THREE.RGBAFormat, scene.color instanceof Uint16Array ? HALF : THREE.FloatType) },
+    peerDepth: { value: texture(scene.depth, THREE.RedFormat, THREE.FloatType) },
+    peerNear: { value: near },
+    peerFar: { value: far },
+  };
+  const material = (main) =>
+    new THREE.ShaderMaterial({ uniforms, vertexShader: VERTEX, fragmentShader: `#include <packing>\n${FEED}void main() { ${main} }` });
+  const quad = new THREE.Mesh(
+    new THREE.PlaneGeometry(2, 2),
+    material("gl_FragColor = peerLight(); gl_FragDepth = peerWindow();"),
+  );
+  quad.frustumCulled = false;
+  const renderer = new THREE.WebGLRenderer({ canvas: canvasOf(scene) });
+  renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+  const camera = new THREE.PerspectiveCamera(degrees(scene), width / height, near, far);
+  camera.updateMatrixWorld();
+  return { renderer, scene: new THREE.Scene().add(quad), camera, depth: material("gl_FragColor = packDepthToRGBA(peerWindow());") };
+}
+
+async function read(renderer, target) {
+  const data = new Uint16Array(4 * target.width * target.height);
+  await renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height, data);
+  return data;
+}
+
+// End it and free what it has
+function ended(renderer) {
+  const gl = renderer.getContext();
+  renderer.dispose();
+  gl.getExtension("WEBGL_lose_context").loseContext();
+}
+
+function threeComposer({ renderer, scene, camera }, { width, height }) {
+  const composer = new EffectComposer(renderer, new THREE.WebGLRenderTarget(width, height, { type: HALF }));
+  composer.renderToScreen = false;
+  composer.addPass(new RenderPass(scene, camera));
+  return composer;
+}
+
+// The scene drawn and nothing else: what every peer draws as well
+export function input(handed) {
+  const used = setUp(handed);
+  const composer = threeComposer(used, handed);
+  return { set() {}, draw: () => composer.render(0), read: () => read(used.renderer, composer.readBuffer) };
+}
+
+export function BokehPass(handed) {
+  const used = setUp(handed);
+  const composer = threeComposer(used, handed);
+  const pass = new ThreeBokehPass(used.scene, used.camera, {});
+  pass._materialDepth = used.depth; // that of the quad itself would be flat
+  composer.addPass(pass);
+  return {
+    set: (parameters) => {
+      for (const [name, value] of Object.entries(parameters)) pass.uniforms[name].value = value;
+    },
+    draw: () => composer.render(0),
+    read: () => read(used.renderer, composer.readBuffer),
+    close: () => ended(used.renderer),
+  };
+}
+
+export function DepthOfFieldEffect(handed) {
+  const { renderer, scene, camera } = setUp(handed);
+  const composer = new pmndrs.EffectComposer(renderer, { frameBufferType: HALF });
+  composer.autoRenderToScreen = false;
+  composer.addPass(new pmndrs.RenderPass(scene, camera));
+  const effect = new pmndrs.DepthOfFieldEffect(camera, {});
+  composer.addPass(new pmndrs.EffectPass(camera, effect));
+  composer.setSize(handed.width, handed.height, false);
+  return {
+    set: ({ focusDistance, focusRange, bokehScale, resolutionScale }) => {
+      Object.assign(effect.cocMaterial, { focusDistance, focusRange });
+      Object.assign(effect, { bokehScale });
+      effect.resolution.scale = resolutionScale;
+    },
+    draw: () => composer.render(0),
+    read: () => read(renderer, composer.outputBuffer),
+    close: () => ended(renderer),
+  };
+}
