@@ -14,16 +14,18 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import browser, fetches, files, likeness, methods, paths, shaders, suite, terminal
+from bokeh_validation import browser, fetches, files, likeness, methods, paths, peers, shaders, suite, terminal
+from bokeh_validation.demo import others
 from bokeh_validation.entries import EXACT
 from bokeh_validation.errors import UserError
 from bokeh_validation.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
 
 PAGE = Path(__file__).parent / "page"
-MODULES = (browser.PAGE / "job.js", browser.PAGE / "webgl2.js", browser.PAGE / "webgpu.js", *sorted(PAGE.glob("*.js")))
+SHARED = (*(browser.PAGE / name for name in ("job.js", "webgl2.js", "webgpu.js")), peers.PAGE / "lens.js")
+MODULES = (*SHARED, *sorted(PAGE.glob("*.js")))
 IMPORT = re.compile(r'(from|import) "[./\w]*?(\w+\.js)"')
 
-SCENES = (suite.MARKET, suite.CANOPY)
+SCENES = (suite.MARKET, suite.STREET, suite.CANOPY)
 PRESETS = tuple(methods.QUALITIES)
 # what the page's controls set; the size does not matter, the page puts in its own
 SIZE = (960, 540)
@@ -62,6 +64,7 @@ def data() -> dict:
         "vertex": shaders.glsl("BokehFullScreen", "300es"),
         "sensor": suite.MARKET.camera.sensor_height,
         "maxCoC": suite.MARKET.camera.max_coc,
+        "others": others.listed(),
         "scenes": [_scene(scene) for scene in SCENES],
     }
 
@@ -107,6 +110,8 @@ def page() -> str:
     # in a text of JSON "</" would end the element
     text_of_data = json.dumps(data()).replace("</", "<\\/")
     parts.append(f'<script type="application/json" id="data">{text_of_data}</script>')
+    if others.listed():
+        parts.append(f'<script type="text/plain" id="others">{others.packed()}</script>')
     for scene in SCENES:
         truth = paths.SCENES / f"{scene.name}_{suite.TRUTHS['hexagon']}.exr"
         for kind, file in (("pinhole", scene.source), ("truth", truth)):

@@ -18,10 +18,12 @@ import pytest
 from PIL import Image
 from support import called, load, needed, refused
 
-from bokeh_validation import browser, demo, exr, methods, pictures, shaders, suite
+from bokeh_validation import browser, demo, exr, methods, peers, pictures, shaders, suite
+from bokeh_validation.demo import others
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.web import unpacked
 from bokeh_validation.engines.pages import CANVAS
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.passes import is_linear, target_size
 from bokeh_validation.patterns.model import Case, compared
 
@@ -150,7 +152,7 @@ def controls(settings: methods.Settings) -> dict:
 
 
 TURNED = {"rotation": 17.0, "squeeze": 0.6}
-CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)
+CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)  # f/0.3
 CASES = [
     *(("paper", name, TURNED) for name in ("square", "hexagon", "decagon")),
     *(("exact", name, TURNED) for name in methods.EXACT),
@@ -199,6 +201,37 @@ def test_scene_as_the_driver_draws_it(page):
     expected = np.hstack([pictures.filmic(lens, exposure)[:, :480], pictures.filmic(wanted, exposure)[:, 480:]])
     # a step: the page's arithmetic is float32
     assert np.abs(canvas[..., :3].astype(int) - expected).max() <= 1
+
+
+@pytest.mark.parametrize("name", list(others.FACTORS))
+def test_others(page, name):
+    """Another library's depth of field, on what was dropped: to the bit what `validation/run peers` makes of it."""
+    data, color, depth = own()
+    page.call("drop", packed(("own.exr", data)))
+    lens = {"stop": 0.3, "focal": 0.06, "focus": 4.0}
+    said = page.call("set", {"left": "input", "right": name, **{k: {"exactly": v} for k, v in lens.items()}})
+    assert re.match(r"\d+\.\d+\.\d+, a disc, ", said["rightFacts"]) and said["said"] == ""
+    shown = Shown(page, "right").run((), {}, (), keep=(name,))[name]
+    factors, options = others.FACTORS[name]
+    beside = peers.Peers()
+    try:
+        beside.load(color, depth, CAMERA)
+        parameters = {k: value * factors.get(k, 1.0) for k, value in beside.documented(name).items()}
+        wanted = beside.draw(name, {**parameters, **options})
+    finally:
+        beside.close()
+    np.testing.assert_array_equal(shown[..., :3], wanted[..., :3])
+    assert abs(wanted[..., :3].astype(float) - color[..., :3]).max() > 1.0
+
+
+def test_without_npm(monkeypatch):
+    """The page without the other libraries."""
+
+    def absent():
+        raise Unavailable("npm is not on this machine")
+
+    monkeypatch.setattr(peers, "installed", absent)
+    assert others.listed() == {} and 'id="others"' not in demo.page()
 
 
 def test_passes_are_the_plans(page):

@@ -1,17 +1,19 @@
 // The page: its state, what it draws when, and what pointer and keys do.
 
 import { controls, shown } from "./controls.js";
+import * as others from "./others.js";
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
 import * as webgl2 from "./view.js";
 import * as webgpu from "./view_webgpu.js";
 
 const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
-const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced" };
 const SIDES = ["left", "right"];
 const byId = (id) => document.getElementById(id);
 
 const data = JSON.parse(byId("data").textContent);
+const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced" };
+for (const [name, { title }] of Object.entries(data.others)) METHODS[name] = title;
 const scenes = [...data.scenes];
 export const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
 const drawn = {}; // side -> { key, name, milliseconds, passes, fetches }
@@ -89,6 +91,13 @@ async function render(side) {
   const settings = { method, stop, focal, focus, blades, rotation, squeeze, preset };
   const key = JSON.stringify(settings);
   if (drawn[side]?.key === key) return;
+  if (method in data.others) {
+    const camera = { aperture: focal / stop, focal, focus, sensor: data.sensor };
+    const { image, milliseconds } = await others.draw(method, data.others[method], camera, current);
+    view.put(side, method, image);
+    drawn[side] = { key, name: method, milliseconds };
+    return;
+  }
   const passes = frame(data, settings, current.color.size);
   const milliseconds = await view.run(side, passes);
   drawn[side] = { key, name: "result", milliseconds, passes: passes.length, fetches: fetches(settings) };
@@ -115,6 +124,10 @@ function tell() {
     const fixed = state[side] === "truth" && !atTruth();
     facts.className = fixed ? "note" : "";
     facts.textContent = passes ? `${passes} passes, ${fetches.toFixed(0)} fetches a pixel, ${milliseconds.toFixed(1)} ms` : "";
+    if (state[side] in data.others && milliseconds) {
+      const { version } = data.others[state[side]];
+      facts.textContent = `${version}, a disc, ${milliseconds.toFixed(1)} ms and reading it back`;
+    }
     if (fixed) {
       const { stop, focus } = scenes[state.scene];
       facts.textContent = `ray traced at f/${stop.toFixed(2)}, ${focus} m, 6 blades only`;
@@ -271,7 +284,7 @@ function key(event) {
     h: () => document.body.classList.toggle("bare"),
     0: reset,
   };
-  const digit = /^Digit([1-5])$/.exec(event.code);
+  const digit = /^Digit([1-7])$/.exec(event.code);
   const method = digit && Object.keys(METHODS)[digit[1] - 1];
   if (method && (method !== "truth" || current.truth)) change({ [event.shiftKey ? "right" : "left"]: method });
   else if (event.key in actions) actions[event.key]();

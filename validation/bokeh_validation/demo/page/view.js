@@ -60,6 +60,13 @@ function target(side, name, [width, height]) {
   return handle;
 }
 
+// Take what another has drawn for a side.
+export function put(side, name, image) {
+  const key = `${side} ${name}`;
+  if (pool.has(key)) gl.deleteTexture(pool.get(key).handle);
+  pool.set(key, { size: image.size, handle: texture(image) });
+}
+
 // Draw the passes of a side and wait for the end; returns milliseconds, without those of compiling.
 export function run(side, passes) {
   for (const { fragment } of passes) linked(vertex, fragment);

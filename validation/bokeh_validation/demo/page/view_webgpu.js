@@ -71,6 +71,11 @@ function target(side, name, wanted) {
   return pool.get(key);
 }
 
+export function put(side, name, image) {
+  pool.get(`${side} ${name}`)?.handle.destroy();
+  pool.set(`${side} ${name}`, made(image));
+}
+
 export async function run(side, passes) {
   const images = { ...handed };
   for (const pass of passes) for (const name of pass.targets) images[name] = target(side, name, pass.size);
