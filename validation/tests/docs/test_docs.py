@@ -124,6 +124,20 @@ def test_costs_of_the_readme():
         assert cells.split(" | ") == wanted, name
 
 
+def test_peers_of_the_readme():
+    """The README's five rows are those of docs/peers.md: fetches, FLIP on three scenes, light on the first."""
+    readme, page = (
+        dict(re.findall(r"^\| (.+?) \| (.*) \|$", (paths.ROOT / name).read_text(encoding="utf-8"), re.MULTILINE))
+        for name in ("README.md", "docs/peers.md")
+    )
+    rows = {name: cells for name, cells in readme.items() if re.fullmatch(r"0\.\d+ \| .*", cells.partition(" | ")[2])}
+    assert len(rows) == 5
+    for name, shown in rows.items():
+        (wanted,) = (cells.split(" | ") for label, cells in page.items() if label.startswith(name))
+        scenes = [cell.split("/") for cell in wanted[3:6]]
+        assert shown.split(" | ") == [wanted[0], *(scene[0] for scene in scenes), scenes[0][2]], name
+
+
 def test_paper_names_exist():
     """Every function and struct that docs/paper.md names is in all three libraries."""
     text = (paths.ROOT / "docs/paper.md").read_text(encoding="utf-8")
