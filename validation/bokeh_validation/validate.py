@@ -35,7 +35,7 @@ FULL_PROBES = (
     "cats-eye-layered", "curved-blades",
 )  # fmt: skip
 # What takes longest is begun first
-SLOWEST = ("halo-hexagon", "exact-decagon", "exact-octagon", "layered-sweep", "layered-light-1")
+SLOWEST = ("halo-hexagon", "exact-decagon", "exact-octagon", "layered-sweep", "layered-light-1", "bevy", "godot")
 MINUTES = {False: 2, True: 7}
 METHODS = ("paper", "exact", "layered")
 # The middle of a scene of 640 x 480, which every driver is compared on: layered takes the reference 16 s on the whole
@@ -244,15 +244,15 @@ def run_engines(
         if name not in ENGINES:
             raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
     chosen = names or [name for name, engine in ENGINES.items() if everything or not engine.slow]
-    passed = True
+    ordered = sorted(chosen, key=lambda name: name not in SLOWEST)
     with terminal.progress("engine", len(chosen)) as step:
-        for name in chosen:
-            section = sample(name)
-            console.print(f"{name}: {section.title}, {section.shows or NOT_RUN}", highlight=False)
-            _print_lines(section, True)
-            _print_missing(section.missing)
-            passed &= section.ok and not (os.environ.get("CI") and section.missing)
-            step(name)
+        sections = dict(zip(ordered, jobs.run([(sample, (name,)) for name in ordered], step), strict=True))
+    passed = True
+    for name in chosen:
+        console.print(f"{name}: {sections[name].title}, {sections[name].shows or NOT_RUN}", highlight=False)
+        _print_lines(sections[name], True)
+        _print_missing(sections[name].missing)
+        passed &= sections[name].ok and not (os.environ.get("CI") and sections[name].missing)
     terminal.end(passed)
 
 

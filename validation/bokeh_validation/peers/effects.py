@@ -1,12 +1,22 @@
 """The effects, and what is tried of each beside the parameters that its documentation asks for (page/lens.js)."""
 
 import itertools
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from bokeh_validation.peers import crate
 
 Parameters = dict[str, float | bool]
+# What a search found best (`validation/run peers --search`): scene, or ONE_LIGHT -> effect -> parameters
+FOUND = Path(__file__).parent / "found.json"
+ONE_LIGHT = "one light"
+
+
+def found() -> dict[str, dict[str, Parameters]]:
+    """The contents of found.json."""
+    return json.loads(FOUND.read_text(encoding="ascii"))
 
 
 @dataclass(frozen=True)

@@ -25,67 +25,67 @@ ROUNDS = 5
 # The pictures of the grid are compared at a quarter of their size: FLIP takes longer than an effect
 SMALLER = 4
 STEP = 0.8  # of a parameter, after the grid
+# Effect -> its parameters; None: they are searched
+Chosen = dict[str, Parameters | None]
 
 
 class Drawn(NamedTuple):
-    """An effect on a scene.
-
-    documented  FLIP with the parameters that its documentation asks for, and with the best, of the smaller pictures
-    fetches     a pixel at the most, see counted.py; of ours see fetches.py
-    """
+    """An effect on a scene; fetches: a pixel at the most, see counted.py, of ours see fetches.py."""
 
     scene: str
     effect: str
     parameters: Parameters
-    documented: tuple[float, float]
     flip: float
     psnr: float
     light: float
     fetches: float
 
 
-def scene(name: str, effects: list[str]) -> tuple[list[Drawn], dict[str, np.ndarray]]:
-    """Rows and pictures of a scene; ours among them."""
+def scene(name: str, chosen: Chosen) -> tuple[list[Drawn], dict[str, np.ndarray]]:
+    """Rows and pictures of a scene; ours among them. Effects with parameters None: the best are searched."""
     one = next(found for found in suite.SCENES if found.name == name)
     lens, images, rows = suite.truth(one, "hexagon"), {}, []
-    if effects:
-        rows = _of_effects(one, effects, lens, images)
+    if chosen:
+        rows = _of_effects(one, chosen, lens, images)
     for label in OURS:
         case = likeness.case(one, label)
         images[label] = likeness.picture(drivers.load(DRIVER), one, label)
         count = sum(fetches.of_frame(case.plan.passes).values())
         measured = likeness.row(one, label, images[label], lens)
-        rows.append(Drawn(name, label, {}, (0.0, 0.0), *measured[2:], count))
+        rows.append(Drawn(name, label, {}, *measured[2:], count))
     return rows, images
 
 
-def _of_effects(one: suite.SceneFile, effects: list[str], lens: np.ndarray, images: dict) -> list[Drawn]:
+def _of_effects(one: suite.SceneFile, chosen: Chosen, lens: np.ndarray, images: dict) -> list[Drawn]:
     picture, rows = suite.picture(one), []
     peers = Peers()
     peers.load(picture.color, picture.depth, one.camera)
-    for effect in effects:
+    for effect, parameters in chosen.items():
 
-        def off(parameters: Parameters, effect: str = effect) -> float:
-            return metrics.flip(_small(peers.draw(effect, parameters)), _small(lens))
+        def off(tried: Parameters, effect: str = effect) -> float:
+            return metrics.flip(_small(peers.draw(effect, tried)), _small(lens))
 
-        grid = peers.grid(effect)
-        tried = [off(parameters) for parameters in grid]
-        best = grid[int(np.argmin(tried))]
-        further, least = climbed(off, best, min(tried), EFFECTS[effect].factors)
         # what is better of small pictures need not be of the whole ones
-        found = [(peers.draw(effect, parameters), parameters) for parameters in (best, further)]
-        of_both = [likeness.row(one, effect, image, lens) for image, _ in found[: 1 + (further != best)]]
-        measured, (images[effect], best) = min(zip(of_both, found, strict=False), key=lambda pair: pair[0].flip)
+        asked = [parameters] if parameters else best_two(peers, effect, off)
+        found = [(peers.draw(effect, one), one) for one in asked]
+        of_each = [likeness.row(one, effect, image, lens) for image, _ in found]
+        measured, (images[effect], best) = min(zip(of_each, found, strict=True), key=lambda pair: pair[0].flip)
         bevy = EFFECTS[effect].package == crate.NAME
         count = counted.of_bevy(effect, best["maxDiameter"]) if bevy else counted.fetches(peers.draws(effect, best))
-        rows.append(Drawn(one.name, effect, best, (tried[0], least), *measured[2:], count))
+        rows.append(Drawn(one.name, effect, best, *measured[2:], count))
     peers.close()
     return rows
 
 
-def climbed(
-    off: Callable[[Parameters], float], best: Parameters, least: float, names: Iterable[str]
-) -> tuple[Parameters, float]:
+def best_two(peers: Peers, effect: str, off: Callable[[Parameters], float]) -> list[Parameters]:
+    """What is the least off of an effect's grid, and of the steps from there; of both one where they are the same."""
+    tried = {off(parameters): parameters for parameters in peers.grid(effect)}
+    best = tried[min(tried)]
+    further = climbed(off, best, min(tried), EFFECTS[effect].factors)
+    return [best] if further == best else [best, further]
+
+
+def climbed(off: Callable[[Parameters], float], best: Parameters, least: float, names: Iterable[str]) -> Parameters:
     """From the best of a grid on, beyond its edges too: each parameter smaller or larger, as long as it gets better."""
     before = None
     while before != best:
@@ -96,7 +96,7 @@ def climbed(
                 if (found := off(tried)) < least:
                     best, least = tried, found
                     break
-    return best, least
+    return best
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -106,15 +106,16 @@ def _small(image: np.ndarray) -> np.ndarray:
 
 
 class Shape(NamedTuple):
-    """One light: its overlap with the aperture (patterns.model.overlap, the light of both being the same), the best of
-    the grid, and what is kept of its light there."""
+    """One light: its overlap with the aperture (patterns.model.overlap, the light of both being the same), and what is
+    kept of its light."""
 
+    parameters: Parameters
     overlap: float
     light: float
 
 
-def shapes(effects: list[str]) -> dict[str, Shape]:
-    """Of effects, and of ours."""
+def shapes(chosen: Chosen) -> dict[str, Shape]:
+    """Of effects, and of ours. Those with parameters None: what overlaps the most is searched."""
     middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
     color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
     color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
@@ -128,30 +129,30 @@ def shapes(effects: list[str]) -> dict[str, Shape]:
         for x in range(-(LIGHT // 2), LIGHT // 2 + 1)
     )
 
-    def shape(image: np.ndarray) -> Shape:
+    def shape(image: np.ndarray, parameters: Parameters) -> Shape:
         seen = image[..., 1].astype(np.float64) - AMBIENT
-        return Shape(overlap(seen / seen.sum(), wanted / wanted.sum()), float(seen.sum() / before))
+        return Shape(parameters, overlap(seen / seen.sum(), wanted / wanted.sum()), float(seen.sum() / before))
 
     found = {}
-    if effects:
+    if chosen:
         peers = Peers()
         peers.load(color, depth, LIGHT_CAMERA)
-        for effect in effects:
+        for effect, parameters in chosen.items():
 
-            def off(parameters: Parameters, effect: str = effect) -> float:
-                return 1.0 - shape(peers.draw(effect, parameters)).overlap
+            def off(tried: Parameters, effect: str = effect) -> float:
+                return 1.0 - shape(peers.draw(effect, tried), tried).overlap
 
-            best = min(peers.grid(effect), key=off)
-            found[effect] = shape(peers.draw(effect, climbed(off, best, off(best), EFFECTS[effect].factors)[0]))
+            best = parameters or best_two(peers, effect, off)[-1]
+            found[effect] = shape(peers.draw(effect, best), best)
         peers.close()
     for label in OURS:
         settings = replace(likeness.case(suite.MARKET, label).settings, camera=LIGHT_CAMERA)
         case = Case("", settings, color, depth)
-        found[label] = shape(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"])
+        found[label] = shape(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"], {})
     return found
 
 
-def times(one: suite.SceneFile, chosen: dict[str, Parameters]) -> dict[str, float]:
+def times(one: suite.SceneFile, chosen: Chosen) -> dict[str, float]:
     """Milliseconds of a frame, the median of ROUNDS, each drawing one after the other; 'input': the scene's quad alone,
     which is in the time of every effect and not in that of ours."""
     picture, peers = suite.picture(one), Peers()

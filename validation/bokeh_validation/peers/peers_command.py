@@ -10,7 +10,7 @@ from bokeh_validation import drivers, jobs, likeness, pictures, suite, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import panels
 from bokeh_validation.peers import Peers, crate, measured
-from bokeh_validation.peers.effects import EFFECTS
+from bokeh_validation.peers.effects import EFFECTS, ONE_LIGHT, Parameters, found
 from bokeh_validation.peers.measured import Drawn, Shape
 
 # What is shown of a scene beside the truth, and where: left and top
@@ -43,14 +43,13 @@ def markdown(
     return lines
 
 
-def chosen(rows: list[Drawn]) -> list[str]:
-    """The parameters that were best, and what the documented ones had."""
-    return [
-        f"{one.scene}, {one.effect}: {', '.join(f'{k} {v:.4g}' for k, v in one.parameters.items())} "
-        f"(at a quarter of the size FLIP {one.documented[1]:.3f}, as documented {one.documented[0]:.3f})"
-        for one in rows
-        if one.parameters
-    ]
+def parameters(rows: list[Drawn], shapes: dict[str, Shape]) -> dict[str, dict[str, Parameters]]:
+    """What every effect was drawn with, as effects.found() has it."""
+    used: dict[str, dict[str, Parameters]] = {}
+    for one in rows:
+        if one.parameters:
+            used.setdefault(one.scene, {})[one.effect] = one.parameters
+    return used | {ONE_LIGHT: {name: shape.parameters for name, shape in shapes.items() if shape.parameters}}
 
 
 def shown(name: str, images: dict[str, np.ndarray], versions: dict[str, str]) -> np.ndarray:
@@ -71,6 +70,9 @@ def peers(
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
     ] = None,
     json_file: terminal.JsonFile = None,
+    search: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Search the best parameters anew, and write them as JSON.")
+    ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
     ] = None,
@@ -79,7 +81,7 @@ def peers(
     effects = likeness.chosen("--effect", effect, EFFECTS, EFFECTS)
     known = {one.name: one for one in suite.SCENES}
     scenes = likeness.chosen("--scene", scene, known, known)
-    terminal.check_writable(json_file)
+    terminal.check_writable(json_file, search)
     if folder is not None and not folder.is_dir():
         raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
     try:
@@ -93,7 +95,9 @@ def peers(
         terminal.tell(f"without Bevy's: {error}")
     versions = page.versions()
     page.close()
-    work = [(measured.scene, (name, effects)) for name in scenes] + [(measured.shapes, (effects,))]
+    known_best = {} if search else found()
+    asked = {name: {one: known_best.get(name, {}).get(one) for one in effects} for name in (*scenes, ONE_LIGHT)}
+    work = [(measured.scene, (name, asked[name])) for name in scenes] + [(measured.shapes, (asked[ONE_LIGHT],))]
     with terminal.progress("peers", len(work) + 1) as step:
         *drawn, shapes = jobs.run(work, step)
         rows = [row for found, _ in drawn for row in found]
@@ -103,8 +107,8 @@ def peers(
     for name, (_, images) in zip(scenes, drawn, strict=True) if folder else ():
         lens = {"truth": suite.truth(known[name], "hexagon")}
         pictures.write_png(folder / f"peers_{name}.png", pictures.coarse(shown(name, images | lens, versions), 8))
-    found = {"device": driver.adapter, "versions": versions, "times": times, "times_of": scenes[0]}
-    found |= {"shapes": {name: one._asdict() for name, one in shapes.items()}, "rows": [one._asdict() for one in rows]}
-    terminal.write_json(json_file, found)
-    lines = markdown(rows, shapes, times, versions)
-    terminal.tell(*lines, *chosen(rows), f"FLIP, PSNR, light; ms of {scenes[0]}; {driver.adapter}")
+    numbers = {"device": driver.adapter, "versions": versions, "times": times, "times_of": scenes[0]}
+    numbers["shapes"] = {name: one._asdict() for name, one in shapes.items()}
+    terminal.write_json(json_file, numbers | {"rows": [one._asdict() for one in rows]})
+    terminal.write_json(search, parameters(rows, shapes))
+    terminal.tell(*markdown(rows, shapes, times, versions), f"FLIP, PSNR, light; ms of {scenes[0]}; {driver.adapter}")

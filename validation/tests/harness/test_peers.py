@@ -7,7 +7,7 @@ from support import needed
 from bokeh_validation import suite
 from bokeh_validation.methods import Camera
 from bokeh_validation.patterns.model import overlap
-from bokeh_validation.peers import Peers, counted, crate, measured, peers_command
+from bokeh_validation.peers import Peers, counted, crate, effects, measured, peers_command
 from bokeh_validation.peers.effects import EFFECTS
 
 CAMERA = Camera(0.1, 0.05, 2.0, 0.024, 0.15)
@@ -122,7 +122,35 @@ def test_measures():
     square[:, 2:6] = 1.0
     assert overlap(square, square) == 1.0
     assert overlap(square, np.roll(square, 2, axis=1)) == pytest.approx(1 / 3)
-    row = measured.Drawn("market_7", "Babylon", {"fStop": 1.0}, (0.5, 0.4), 0.4, 20.0, 1.0, 23.2)
-    shape = {"Babylon": measured.Shape(0.5, 1.0)}
+    row = measured.Drawn("market_7", "Babylon", {"fStop": 1.0}, 0.4, 20.0, 1.0, 23.2)
+    shape = {"Babylon": measured.Shape({"fStop": 2.0}, 0.5, 1.0)}
     lines = peers_command.markdown([row], shape, {"Babylon": 7.0}, {"@babylonjs/core": "9"})
     assert lines[2] == "| Babylon.js DepthOfFieldEffect 9 | 23 | 7 | 0.50/1.00 | 0.4000/20.00/1.000 |"
+    used = peers_command.parameters([row], shape)
+    assert used == {"market_7": {"Babylon": {"fStop": 1.0}}, "one light": {"Babylon": {"fStop": 2.0}}}
+
+
+def test_found():
+    """Every effect has parameters for every scene, and no others than those of its grid."""
+    found = effects.found()
+    assert set(found) == {one.name for one in suite.SCENES} | {effects.ONE_LIGHT}
+    for place, chosen in found.items():
+        assert set(chosen) == set(EFFECTS), place
+        for name, parameters in chosen.items():
+            assert {*EFFECTS[name].factors, *EFFECTS[name].choices} <= set(parameters), (place, name)
+
+
+def test_search():
+    """From the best of a grid on, in steps, as long as it gets better; from there what is found is the best."""
+
+    def off(parameters):
+        return abs(parameters["a"] - 3.0) + abs(parameters["b"] - 0.5)
+
+    best = measured.climbed(off, {"a": 1.0, "b": 1.0, "c": 7.0}, 2.5, ("a", "b"))
+    assert best["c"] == 7.0
+    for name in ("a", "b"):
+        for factor in (measured.STEP, 1 / measured.STEP):
+            assert off({**best, name: best[name] * factor}) >= off(best)
+    # within a step of the optimum
+    assert abs(np.log(best["a"] / 3.0)) < -np.log(measured.STEP)
+    assert abs(np.log(best["b"] / 0.5)) < -np.log(measured.STEP)
