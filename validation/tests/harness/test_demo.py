@@ -353,9 +353,9 @@ def test_own_pictures(page):
 
 
 def test_file(file):
-    """One file with nothing outside it, and not too large to send."""
+    """One file with nothing outside it, and not too large to send: three scenes, three.js and postprocessing."""
     text = file.read_text(encoding="utf-8")
-    assert len(text) < 10e6
+    assert len(text) < 12e6
     assert re.findall(r'(?:src|href)="(?!data:)', text) == [] and "//# source" not in text
     for scene in demo.SCENES:
         assert f'id="{scene.name} pinhole"' in text and exr.read(scene.source).depth is not None

@@ -127,7 +127,7 @@ class TestDirect3D:
             ("drow 1", "cannot use the line 'drow 1'"),
             ("input 16 0 linear", "array::at: __n (which is 16) >= _Nm (which is 16)"),
             ("input 0 7 linear", "map::at"),
-            ("values" + 37 * " 1.0", "array::at: __n (which is 36) >= _Nm (which is 36)"),
+            ("values" + 41 * " 1.0", "array::at: __n (which is 40) >= _Nm (which is 40)"),
         ],
     )
     def test_a_wrong_job_is_told(self, line, words, d3d9):
