@@ -57,7 +57,8 @@ CUT_LAYERS = (
     "test_character.py::test_layered_on_noise[egl 0.9]",
     "test_character.py::test_layered_on_noise[egl 17.0]",
     "test_character.py::test_layered_on_noise[egl octagon]",
-    "test_character.py::test_layered_on_noise[egl decagon]",
+    "test_character.py::test_layered_on_noise[egl decagon jitter]",
+    "test_character.py::test_layered_on_noise[egl decagon targets]",
 )
 LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
 LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
