@@ -30,6 +30,7 @@ def precision_of(adapter: str) -> precision.Precision:
 
 
 STORAGE = {"half": np.float16, "float": np.float32}
+PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
 
 
 def storage_type(storage: str) -> type:
@@ -157,7 +158,11 @@ class TimedDriver(Driver):
     """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
 
     A subclass makes textures and targets of its device, and of each pass a step: whatever it draws it from.
+
+    programs  what it has compiled, by what it was made of, the oldest first
     """
+
+    programs: dict[object, object]
 
     def prepared(self, passes, textures, size, storage="half", share: "Job | None" = None) -> "Job":
         """What `run` would draw, uploaded and compiled.
@@ -203,6 +208,9 @@ class TimedDriver(Driver):
 
     def release(self, textures: Sequence, steps: Sequence) -> None:
         """Free them."""
+
+    def end(self, program: object) -> None:
+        """Free what was compiled; a job that still needs it compiles it again."""
 
 
 class Job:
@@ -251,9 +259,12 @@ class Job:
         return self.driver.pixels(handle, image).reshape(*image.size[::-1], 4).copy()
 
     def release(self) -> None:
-        """Free the textures and targets."""
+        """Free the textures and targets, and programs if there are many."""
         self.driver.make_current()
         self.driver.release(self.made, self.steps)
+        programs = self.driver.programs
+        while len(programs) > PROGRAMS:
+            self.driver.end(programs.pop(next(iter(programs))))
         for kept in (self.live, self.made, self.steps):
             kept.clear()
 

@@ -24,7 +24,7 @@ class GLDriver(TimedDriver):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.software = software_device(self.adapter) == "Mesa"
-        self._programs: dict[str, moderngl.VertexArray] = {}
+        self.programs: dict[str, moderngl.VertexArray] = {}
 
     def make_current(self) -> None:
         """Both drivers may live in one process, so each call makes its own context current first."""
@@ -33,13 +33,13 @@ class GLDriver(TimedDriver):
     def program(self, item: Pass) -> moderngl.VertexArray:
         """The linked program of a pass as a vertex array without buffers, cached by its text."""
         text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
-        if text not in self._programs:
+        if text not in self.programs:
             program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
             for unit, slot in enumerate(SLOTS):
                 if f"Bokeh{slot}" in program:
                     program[f"Bokeh{slot}"] = unit
-            self._programs[text] = self.context.vertex_array(program, [])
-        return self._programs[text]
+            self.programs[text] = self.context.vertex_array(program, [])
+        return self.programs[text]
 
     def upload(self, pixels: np.ndarray) -> moderngl.Texture:
         storage, channels = kind_of(pixels)
@@ -112,6 +112,10 @@ class GLDriver(TimedDriver):
                 framebuffer.release()
         for texture in textures:
             texture.release()
+
+    def end(self, program: moderngl.VertexArray) -> None:
+        program.program.release()
+        program.release()
 
 
 class Step(NamedTuple):

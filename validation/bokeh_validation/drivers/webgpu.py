@@ -75,7 +75,7 @@ class WGPU(TimedDriver):
             required_features=sorted(wanted), required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
         )
         self.float_filterable = "float32-filterable" in wanted
-        self._pipelines: dict[tuple, object] = {}
+        self.programs: dict[tuple, object] = {}
         self._modules: dict[str, object] = {}
         self.has_timer = "timestamp-query" in wanted
         self.layout = self._make_layout()
@@ -115,14 +115,14 @@ class WGPU(TimedDriver):
     def pipeline(self, item: Pass, formats: Sequence[str]):
         """Render pipeline of a pass into targets of these formats, cached."""
         key = (item.entry, str(item.constants), str(item.sources), *formats)
-        if key not in self._pipelines:
+        if key not in self.programs:
             vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item)
-            self._pipelines[key] = self.make_pipeline(
+            self.programs[key] = self.make_pipeline(
                 {"module": vertex, "entry_point": vertex_entry},
                 {"module": fragment, "entry_point": fragment_entry, "constants": constants},
                 formats,
             )
-        return self._pipelines[key]
+        return self.programs[key]
 
     def upload(self, pixels: np.ndarray):
         (height, width), usage = pixels.shape[:2], self.wgpu.TextureUsage
