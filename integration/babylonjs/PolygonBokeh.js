@@ -12,57 +12,14 @@ import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
+import { cocMap, exact, layered } from './frames.js';
 
-// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
-// textures that it reads: docs/passes.md. `color` and `depth` are the scene's. Where a row writes several textures, the
-// function returns them as T2, T3, T4, T5.
+const FRAMES = { layered, exact };
+
+// Rows of a frame, see frames.js; `depth` is the scene's.
 // In a right-handed scene the depth along the view axis is below 0.
 const METRES = [['metres'], 1, 'vec4(-BokehFetchNearest(depth, uv).r)'];
-
-const MAP = [
-  ['coc'],
-  1,
-  'BokehSignedCoCMap(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)',
-];
-
-// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
-// second takes four: it gets the last one for the rest, and does not read it.
-const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
-const four = (names) => names.concat(Array(4 - names.length).fill(names.at(-1))).join(', ');
-
-const FRAMES = {
-  layered(sides) {
-    const one = sides === 4 ? '.T2' : '';
-    const near = between('nearTarget', sides);
-    const far = between('farTarget', sides);
-    const [rows, columns] = ['vec2(1.0, 0.0)', 'vec2(0.0, 1.0)'];
-    return [
-      [['tiles'], 8, 'BokehLayerTiles(coc, uv, layers)'],
-      [['reachAlongRows'], 8, `BokehLayerReach(tiles, uv, ${rows}, layers)`],
-      [['reach'], 8, `BokehLayerReach(reachAlongRows, uv, ${columns}, layers)`],
-      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, reach, uv, layers)'],
-      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, leftovers, uv, layers)'],
-      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, tileSums, reach, uv, ${rows}, layers)`],
-      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, rowSums, reach, uv, layers)'],
-      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, reach, uv, layers)'],
-      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, farWithHoles, shares, reach, uv, layers)'],
-      [near, 2, `BokehLayerFirst(near, sizes, uv, false, layers)${one}`],
-      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
-      [far, 2, `BokehLayerFirst(far, sizes, uv, true, layers)${one}`],
-      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
-      [['result'], 1, 'BokehLayered(coc, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
-    ];
-  },
-
-  exact(sides) {
-    const one = sides === 4 ? '.T2' : '';
-    const targets = between('target', sides);
-    return [
-      [targets, 1, `BokehExactFirst(coc, uv, polygon, settings)${one}`],
-      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
-    ];
-  },
-};
+const MAP = cocMap('SignedCoCMap');
 
 // In place of the result
 const VIEWS = {

@@ -7,82 +7,19 @@
 import { FloatType, HalfFloatType, MathUtils, NoBlending, RedFormat, Vector2 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
+import { cocMap, exact, layered, paper } from './frames.js';
 
-// A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
-// textures that it reads: docs/passes.md. `color` and `depth` are the scene's. Where a row writes several textures, the
-// function returns them as T2, T3, T4, T5.
+const FRAMES = { layered, exact, paper };
+
+// A row of a frame, see frames.js; `depth` is the scene's.
 const METRES = [['metres'], 1, 'vec4f(BokehLinearDepth(depth, depthKind, cameraNear, cameraFar))'];
 
-// 'SignedCoCMap' for layered and exact, whose passes read no depth; 'CoCMap' for paper
-const cocMap = (name) => [
-  ['coc'],
-  1,
-  `Bokeh${name}(color, metres, uv, apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC)`,
+// In WGSL the sampler comes after the first texture, and vectors have other names.
+const wgslRow = ([writes, scale, call]) => [
+  writes,
+  scale,
+  call.replace(/(Bokeh\w+\([a-z]\w*),/g, '$1, Linear,').replaceAll('vec2(', 'vec2f('),
 ];
-
-// Two passes blur with a polygon; between them are half as many textures as it has sides, less one. The function of the
-// second takes four, and the sampler after the first: it gets the last one for the rest, and does not read it.
-const between = (stem, sides) => [2, 3, 4, 5].slice(0, sides / 2 - 1).map((k) => `${stem}${k}`);
-const four = (names) => {
-  const [first, ...rest] = names.concat(Array(4 - names.length).fill(names.at(-1)));
-  return [first, 'Linear', ...rest].join(', ');
-};
-
-const FRAMES = {
-  layered(sides) {
-    const one = sides === 4 ? '.T2' : '';
-    const near = between('nearTarget', sides);
-    const far = between('farTarget', sides);
-    const [rows, columns] = ['vec2f(1.0, 0.0)', 'vec2f(0.0, 1.0)'];
-    return [
-      [['tiles'], 8, 'BokehLayerTiles(coc, Linear, uv, layers)'],
-      [['reachAlongRows'], 8, `BokehLayerReach(tiles, Linear, uv, ${rows}, layers)`],
-      [['reach'], 8, `BokehLayerReach(reachAlongRows, Linear, uv, ${columns}, layers)`],
-      [['near', 'far', 'sums', 'leftovers'], 2, 'BokehLayerSplit(coc, Linear, reach, uv, layers)'],
-      [['tileLeftovers', 'tileSums'], 8, 'BokehLayerKernels(sums, Linear, leftovers, uv, layers)'],
-      [['rowLeftovers', 'rowSums'], 8, `BokehLayerSpread(tileLeftovers, Linear, tileSums, reach, uv, ${rows}, layers)`],
-      [['reaches', 'sizes'], 8, 'BokehLayerSizes(rowLeftovers, Linear, rowSums, reach, uv, layers)'],
-      [['middleWithHoles', 'farWithHoles', 'shares'], 4, 'BokehLayerHoles(coc, Linear, reach, uv, layers)'],
-      [['middle', 'back'], 4, 'BokehLayerFill(middleWithHoles, Linear, farWithHoles, shares, reach, uv, layers)'],
-      [near, 2, `BokehLayerFirst(near, Linear, sizes, uv, false, layers)${one}`],
-      [['nearBlurred'], 2, `BokehLayerSecond(${four(near)}, sizes, uv, false, layers)`],
-      [far, 2, `BokehLayerFirst(far, Linear, sizes, uv, true, layers)${one}`],
-      [['farBlurred'], 2, `BokehLayerSecond(${four(far)}, sizes, uv, true, layers)`],
-      [['result'], 1, 'BokehLayered(coc, Linear, reaches, nearBlurred, farBlurred, middle, back, uv, layers)'],
-    ];
-  },
-
-  exact(sides) {
-    const one = sides === 4 ? '.T2' : '';
-    const targets = between('target', sides);
-    return [
-      [targets, 1, `BokehExactFirst(coc, Linear, uv, polygon, settings)${one}`],
-      [['result'], 1, `BokehExactSecond(${four(targets)}, uv, polygon, settings)`],
-    ];
-  },
-
-  // Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
-  paper(sides) {
-    const line = (degrees, from) => {
-      const segment = `BokehSegment(radians(${degrees}.0) + rotation, 1.0, vec2f(0.0, 0.0), squeeze)`;
-      return `BokehDepthOfFieldAdaptive(${from}, Linear, metres, uv, ${segment}, settings, true)`;
-    };
-    const combined = (a, b) => `BokehCombine(${a}, BokehFetch(${b}, Linear, uv), false)`;
-    if (sides === 6) {
-      return [
-        [['line1'], 1, line(90, 'coc')],
-        [['line2'], 1, line(30, 'line1')],
-        [['result'], 1, combined(line(150, 'line1'), 'line2')],
-      ];
-    }
-    return [
-      [['line1'], 1, line(0, 'coc')],
-      [['line2'], 1, line(90, 'line1')],
-      [['line3'], 1, line(45, 'coc')],
-      [['result'], 1, combined(line(135, 'line3'), 'line2')],
-    ];
-  },
-};
 
 const VIEWS = [
   'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
@@ -155,7 +92,7 @@ export class PolygonBokehNode extends Node {
     };
 
     const map = cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap');
-    this.passes = [METRES, map, ...FRAMES[method](sides)].map((row) => {
+    this.passes = [METRES, map, ...FRAMES[method](sides).map(wgslRow)].map((row) => {
       const [writes, scale] = row;
       const type = writes[0] === 'metres' ? { type: FloatType, format: RedFormat } : { type: HalfFloatType };
       const target = new RenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });

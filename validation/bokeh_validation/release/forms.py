@@ -28,14 +28,16 @@ def archives() -> dict[str, Files]:
 
 
 def npm(engine: str) -> tuple[str, Files]:
-    """What `files` of package.json lists; glsl.js and wgsl.js have the text in them that the sample's fetch."""
+    """What `files` of package.json lists, of the engine's folder or of the one above, which all have in common; glsl.js
+    and wgsl.js have the text in them that the sample's fetch."""
     manifest = INTEGRATION / engine / "package.json"
     named = json.loads(manifest.read_bytes())
     files = {"package.json": manifest.read_bytes()}
     for name in named["files"]:
         language = name.removesuffix(".js")
         of_library = language in paths.LANGUAGES
-        files[name] = _module(language) if of_library else (manifest.parent / name).read_bytes()
+        place = next(folder / name for folder in (manifest.parent, INTEGRATION) if (folder / name).exists())
+        files[name] = _module(language) if of_library else place.read_bytes()
     return f"{named['name']}-{__version__}.tgz", _rooted("package", files, engine)
 
 

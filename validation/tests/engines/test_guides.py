@@ -43,9 +43,11 @@ def is_quoted(block: str, text: str) -> bool:
 
 
 def sources(name: str) -> list[Path]:
-    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the package's."""
+    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the web's; the package's."""
     folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    if (INTEGRATION / name / "webgl.html").exists():
+        own += INTEGRATION.glob("*.js")
     package = [find(language) for find in (paths.library, paths.layers, paths.passes) for language in paths.LANGUAGES]
     return [path for path in own + package if path.suffix not in (".md", ".png")]
 

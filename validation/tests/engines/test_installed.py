@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -43,22 +44,28 @@ def within(capture: engines.Capture) -> None:
 # ---- npm ----
 
 
+def own_files(engine: str, root: Path, without: Iterable[str], place: str) -> Path:
+    """The sample's folder below `root`: its files, but some. One line of each page's import map finds the package."""
+    folder = root / "integration" / engine
+    folder.mkdir(parents=True)
+    # what finds it in the checkout
+    lines = re.compile(rf'"(bokeh-{engine}/|\./)[\w.]*": "[^"]*",\s*')
+    for path in INTEGRATION.glob(f"{engine}/*"):
+        if path.suffix in (".js", ".html") and path.name not in without:
+            page = lines.sub("", path.read_text(encoding="utf-8"))
+            page = page.replace('"imports": { ', f'"imports": {{ "bokeh-{engine}/": "{place}", ')
+            (folder / path.name).write_text(page, encoding="utf-8")
+    return folder
+
+
 @pytest.fixture(scope="module", params=ENGINES)
 def project(request, tmp_path_factory):
     """(engine, folder with the sample's own files and its package from the archive, without the checkout's)."""
     engine, root = request.param, tmp_path_factory.mktemp(request.param)
-    folder = root / "integration" / engine
     name, files = forms.npm(engine)
     (root / name).write_bytes(archives.packed(name, files))
     manifest = json.loads(files["package/package.json"])
-    classes = set(manifest["files"])
-    folder.mkdir(parents=True)
-    for path in INTEGRATION.glob(f"{engine}/*"):
-        if path.suffix in (".js", ".html") and path.name not in classes:
-            page = path.read_text(encoding="utf-8")
-            # what the sample's page finds in the checkout
-            page = re.sub(rf'"({manifest["name"]}/[\w.]*)": "[^"]*"', r'"\1": "./node_modules/\1"', page)
-            (folder / path.name).write_text(page, encoding="utf-8")
+    folder = own_files(engine, root, manifest["files"], f"./node_modules/bokeh-{engine}/")
     (folder / "package.json").write_text("{}")
     ((engine_package, version),) = manifest["devDependencies"].items()
     with needed("npm"):
@@ -81,7 +88,7 @@ console.log(JSON.stringify(found));
     node = shutil.which("node")
     if node is None:
         pytest.skip("Node.js is not on this machine")
-    asked = [f"bokeh-{engine}", "glsl.js", "wgsl.js", "README.md"]
+    asked = [f"bokeh-{engine}", "glsl.js", "wgsl.js", "frames.js", "README.md"]
     command = [node, "--input-type=module", "-e", script, *asked]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
@@ -89,9 +96,17 @@ console.log(JSON.stringify(found));
     for language in ("glsl", "wgsl"):
         parts = [path(language).read_text(encoding="ascii") for path in (paths.library, paths.layers)]
         assert found[f"{language}.js"] == "".join(parts)
-    assert found["README.md"] == "ERR_PACKAGE_PATH_NOT_EXPORTED"
+    assert found["README.md"] == found["frames.js"] == "ERR_PACKAGE_PATH_NOT_EXPORTED"
     installed = json.loads((folder / "node_modules" / asked[0] / "package.json").read_text(encoding="utf-8"))
-    assert set(installed["exports"].values()) == {f"./{name}" for name in installed["files"]}
+    # the classes take frames.js themselves
+    assert set(installed["exports"].values()) == {f"./{name}" for name in installed["files"]} - {"./frames.js"}
+
+
+def asked_for(project: tuple[str, Path], request) -> tuple[str, Path]:
+    """`project`; of two engines with --all only."""
+    if project[0] != "threejs" and not request.config.getoption("--all"):
+        pytest.skip(f"{project[0]}: --all runs it")
+    return project
 
 
 @pytest.mark.parametrize("kind", ["webgl", "webgpu"])
@@ -100,12 +115,30 @@ def test_npm_page(project, kind, tmp_path, request):
 
     Of two engines with --all only: it is what test_engines.py does, with the same files from another place.
     """
-    engine, root = project
-    if engine != "threejs" and not request.config.getoption("--all"):
-        pytest.skip(f"{engine}: --all runs it")
+    engine, root = asked_for(project, request)
     with needed(engine):
         pages.run(f"{engine}-{kind}", tmp_path, root)
     within(engines.read(tmp_path))
+
+
+@pytest.mark.parametrize("kind", ["webgl", "webgpu"])
+def test_copied(project, kind, tmp_path, request):
+    """Without npm: what the guide names, in one folder, and its line of an import map; the page runs."""
+    engine, root = asked_for(project, request)
+    guide = INTEGRATION / engine / "README.md"
+    (told,) = re.findall(r"^Without npm, .*?\n\n", text(guide), re.MULTILINE | re.DOTALL)
+    copied = {guide.parent / name for name in re.findall(r"\]\((.*?)\)", told)}
+    assert f'`"bokeh-{engine}/": "./that-folder/"`' in told
+    folder = own_files(engine, tmp_path, {path.name for path in copied}, "./that-folder/")
+    (folder / "that-folder").mkdir()
+    for path in copied:
+        shutil.copy(path, folder / "that-folder")
+    for language in ("glsl", "wgsl"):
+        shutil.copytree(paths.ROOT / language, folder / language)
+    (folder / "node_modules").symlink_to(root / "integration" / engine / "node_modules")
+    with needed(engine), pages.opened(f"{engine}-{kind}", tmp_path) as page:
+        said = page.call("interaction", kind)
+    assert said["before"] != said["after"]
 
 
 def test_npm_pack(tmp_path):
