@@ -155,17 +155,17 @@ async function probed({ engine, scene, camera, bokeh }) {
   return { drawn, met };
 }
 
-// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { depth, coc, focus: rgba } }
+// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
 export async function views(kind) {
   const sample = await stopped(kind);
   const found = { views: {} };
-  for (const view of [undefined, 'depth', 'coc', 'focus']) {
+  for (const [mode, view] of [undefined, 'depth', 'coc', 'focus'].entries()) {
     await draw(sample, { view, opaque: false }, [WIDTH, HEIGHT]);
     const { depth, result } = await readFrame(sample);
     const { focusDistance, maxCoC } = sample.bokeh.uniforms;
     Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
-    if (view) found.views[view] = base64(result);
-    else found.coc = base64(result);
+    if (mode === 0) found.coc = base64(result);
+    else found.views[mode] = base64(result);
   }
   return found;
 }

@@ -1,25 +1,36 @@
-"""What the tests of the samples for the web (integration/threejs and others) share."""
+"""What the tests of the samples in integration/ share."""
 
 import base64
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
+from PIL import Image
+
+# (H, W) of what a capture.js reads
+SIZE = (240, 320)
 
 
-def pixels(data: str, size: tuple[int, int]) -> np.ndarray:
+def pixels(data: str, size: tuple[int, int] = SIZE) -> np.ndarray:
     """(H, W, 4) float16 or (H, W) float32 of `size` (H, W), whichever as long as `data` is in base64."""
     raw = base64.b64decode(data)
     half = len(raw) == 8 * size[0] * size[1]
     return np.frombuffer(raw, np.float16).reshape(*size, 4) if half else np.frombuffer(raw, np.float32).reshape(size)
 
 
-def assert_debug_views(said: dict, size: tuple[int, int], linear: Callable = lambda shown: shown) -> None:
+def assert_pulled(said: dict) -> None:
+    """`interaction` of capture.js: a click on the box, which is 0.9 m wide, focuses on its front."""
+    assert 4.5 < said["before"] < 5.5
+    assert said["box"] - 0.7 < said["after"] < said["box"] - 0.3
+
+
+def assert_debug_views(said: dict, linear: Callable = lambda shown: shown) -> None:
     """Depth, circle of confusion, near and far field of `views` of capture.js, as section [9] has them.
 
     linear   of what is shown, where that is encoded
     """
-    shown = {mode: linear(pixels(data, size)) for mode, data in said["views"].items()}
-    depth, coc = pixels(said["depth"], size), pixels(said["coc"], size)[..., 3]
+    shown = {mode: linear(pixels(data)) for mode, data in said["views"].items()}
+    depth, coc = pixels(said["depth"]), pixels(said["coc"])[..., 3]
     focus = said["focus"]
     assert np.allclose(shown["1"][..., 0], depth / (depth + focus), atol=2e-3)
     assert np.allclose(shown["2"][..., 0], abs(coc) / said["maxCoC"], atol=2e-3)
@@ -28,3 +39,11 @@ def assert_debug_views(said: dict, size: tuple[int, int], linear: Callable = lam
     assert ((coc < 0) == near)[blurred].all()
     assert (shown["3"][..., 0] > shown["3"][..., 2])[blurred & near].all() and (blurred & near).any()
     assert (shown["3"][..., 2] > shown["3"][..., 0])[blurred & ~near].all() and (blurred & ~near).any()
+
+
+def assert_picture(drawn: Path, shown: Path) -> None:
+    """What a sample draws is the picture of its guide, but for rounding: half a step of 255 on average."""
+    with Image.open(drawn) as a, Image.open(shown) as b:
+        assert a.size == b.size
+        off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()
+    assert off < 0.5, f"{off:.2f} of 255 off on average"

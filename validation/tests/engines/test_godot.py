@@ -7,13 +7,11 @@ from math import exp
 import numpy as np
 import pytest
 from support import needed
-from support_pages import assert_debug_views, pixels
+from support_pages import SIZE, assert_debug_views, pixels
 
 import bokeh_validation
 from bokeh_validation import paths
 from bokeh_validation.engines import godot
-
-SIZE = (240, 320)
 
 
 @pytest.fixture(scope="module")
@@ -82,11 +80,11 @@ def test_color_and_depth(scenes, projection):
     2^-10 (1 + metres / unit); and the depth buffer's 24 bits, with a near plane of 0.1 and 16 m 2^-24 * 160.
     """
     found = scenes[projection]
-    scene, coc = (pixels(found[name], SIZE).astype(np.float64) for name in ("scene", "coc"))
+    scene, coc = (pixels(found[name]).astype(np.float64) for name in ("scene", "coc"))
     wanted = ((scene[..., :3] + 0.055) / 1.055) ** 2.4
     assert coc[..., :3].max() > 4.0
     assert (abs(coc[..., :3] / wanted - 1.0) < 2.0**-10 + 2.0**-17).all()
-    drawn = pixels(found["depth"], SIZE)[:, : SIZE[1] // 10].astype(np.float64)
+    drawn = pixels(found["depth"])[:, : SIZE[1] // 10].astype(np.float64)
     met = np.array(found["met"]).reshape(drawn.shape)
     assert met.max() > 2 * met.min()
     assert (abs(drawn / met - 1.0) < 2.0**-10 * (1.0 + met / found["unit"]) + 2.0**-16).all()
@@ -99,7 +97,7 @@ def test_debug_views(sample):
         value = shown.astype(np.float64)
         return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
-    assert_debug_views(sample.call("views", None), SIZE, linear)
+    assert_debug_views(sample.call("views", None), linear)
 
 
 def test_pull(sample):
@@ -108,7 +106,7 @@ def test_pull(sample):
     A step is that of float32; the reciprocal and the distance are each kept as a sum of two half floats, 2^-22.
     """
     said = sample.call("pull", None)
-    metres = pixels(said["depth"], SIZE)
+    metres = pixels(said["depth"])
     depths = [metres[int(v * SIZE[0]), int(u * SIZE[1])] for u, v in said["places"]]
     assert max(depths) > 1.5 * min(depths) > 3.0
     share = 1.0 - exp(-said["frame"] / said["seconds"])
@@ -123,6 +121,6 @@ def test_pull(sample):
 def test_no_frame_late(sample):
     """All passes are drawn in their order: the first frame after a change is as any later one."""
     said = sample.call("latency", None)
-    before, first, later = (pixels(said[name], SIZE) for name in ("before", "first", "later"))
+    before, first, later = (pixels(said[name]) for name in ("before", "first", "later"))
     assert abs(before.astype(float) - first).max() > 0.1
     np.testing.assert_array_equal(first, later)

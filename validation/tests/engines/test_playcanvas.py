@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 from support import needed
-from support_pages import assert_debug_views, pixels
+from support_pages import SIZE, assert_debug_views, assert_pulled, pixels
 
 from bokeh_validation.engines import pages
-
-SIZE = (240, 320)
 
 
 @pytest.fixture(scope="module", params=["webgl", "webgpu"])
@@ -19,9 +17,7 @@ def sample(request):
 def test_click_and_key(sample):
     """The first call, while the page is as the sample made it: a click focuses, a key shows the circle of confusion."""
     said = sample.call("interaction", None)
-    assert 4.5 < said["before"] < 5.5
-    # the box is 0.9 m wide, and its front was hit
-    assert said["box"] - 0.7 < said["after"] < said["box"] - 0.3
+    assert_pulled(said)
     assert said["mode"] == 2
 
 
@@ -37,7 +33,7 @@ def test_depth_of_every_camera(sample):
 
 def test_debug_views(sample):
     """Depth, circle of confusion, near and far field, as section [9] has them; alpha is the signed CoC."""
-    assert_debug_views(sample.call("views", None), SIZE)
+    assert_debug_views(sample.call("views", None))
 
 
 def test_other_effects(sample):

@@ -22,17 +22,18 @@ def page():
     opened.close()
 
 
-def crop() -> np.ndarray:
-    """Of market_7, its lights."""
-    return suite.picture(suite.MARKET).color[200:264, 560:656]
+def loaded(page) -> np.ndarray:
+    """The lights of market_7, in focus on the left, far away on the right."""
+    color = suite.picture(suite.MARKET).color[200:264, 560:656]
+    depth = np.full(color.shape[:2], CAMERA.focus_distance, np.float32)
+    depth[:, 48:] = 1000.0
+    page.load(color, depth, CAMERA)
+    return color
 
 
 def test_one_effect(page):
     """BokehPass: what is in focus stays as it is, what is not is blurred, at the fetches of its text."""
-    color = crop()
-    depth = np.full(color.shape[:2], CAMERA.focus_distance, np.float32)
-    depth[:, 48:] = 1000.0
-    page.load(color, depth, CAMERA)
+    color = loaded(page)
     # the scene reaches the engine to the bit
     np.testing.assert_array_equal(page.draw("input", {})[..., :3], color[..., :3])
     documented, *others = page.grid("BokehPass")
@@ -50,10 +51,7 @@ def test_one_effect(page):
 @pytest.mark.parametrize("name", [name for name, effect in EFFECTS.items() if effect.package != crate.NAME])
 def test_parameters_arrive(page, name):
     """Others change the picture, and nothing of them is left when the first come back."""
-    color = crop()
-    depth = np.full(color.shape[:2], CAMERA.focus_distance, np.float32)
-    depth[:, 48:] = 1000.0
-    page.load(color, depth, CAMERA)
+    color = loaded(page)
     first, *_, last = page.grid(name)
     drawn = [page.draw(name, parameters)[..., :3] for parameters in (first, last, first)]
     np.testing.assert_array_equal(drawn[0], drawn[2])
