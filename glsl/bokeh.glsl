@@ -93,7 +93,8 @@
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
 //   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
 //       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
-//   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
+//   [9] finished picture: BokehLateralColor
+//       debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // -------------------------------------------------------------------------------------------------
 // [1] configuration
@@ -107,8 +108,9 @@
 //                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
-//   BOKEH_CHARACTER         0          0, 1    1: the ready-made passes have the character of a
-//                                              lens, see BokehWithCatsEye
+//   BOKEH_CHARACTER         0          0 .. 2  1: the ready-made passes have the character of a
+//                                              lens, see BokehWithCatsEye; 2: `exact` has axial
+//                                              colour too, see BokehExactFirst
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
@@ -187,8 +189,8 @@
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
-#if BOKEH_CHARACTER < 0 || BOKEH_CHARACTER > 1
-#error BOKEH_CHARACTER must be 0 or 1
+#if BOKEH_CHARACTER < 0 || BOKEH_CHARACTER > 2
+#error BOKEH_CHARACTER must be 0, 1 or 2
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -842,6 +844,8 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
 //                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
 //   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
 //                 corners cut off; set it before BokehWithCatsEye
+//   axial         axial colour, with BOKEH_CHARACTER 2 only: what red (x) and blue (y) have more of
+//                 signed CoC than green; fraction of image height
 struct BokehPolygon
 {
     int sides;
@@ -850,6 +854,7 @@ struct BokehPolygon
     vec4 lengths;
     float fifth;
     float roundness;
+    vec2 axial;
 };
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -871,6 +876,7 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
     polygon.lengths = vec4(0.0, 0.0, 0.0, 0.0);
     polygon.fifth = 0.0;
     polygon.roundness = 1.0;
+    polygon.axial = vec2(0.0, 0.0);
     if (BOKEH_CHARACTER > 0)
     {
         polygon.fifth = sin(3.14159265 / float(sides));
@@ -1066,6 +1072,25 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
     return result;
 }
 
+// Exact: signed CoC of a colour channel
+//   shift         axial colour: how much more of it the channel has than green; fraction of image
+//                 height
+float BokehChannelCoC(float signedCoC, float shift)
+{
+    float CoC = signedCoC;
+    if (BOKEH_CHARACTER > 1)
+    {
+        CoC += shift;
+    }
+    return CoC;
+}
+
+// Exact: axial colour: what a channel of the blur writes: 0 red, 1 green and the CoC, 2 blue
+vec4 BokehChannelMask(int channel)
+{
+    return vec4(float(channel == 0), float(channel == 1), float(channel == 2), float(channel == 1));
+}
+
 // Exact: the samples along one line, as many as it needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/apertures.md).
@@ -1073,9 +1098,10 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
 //   segment       from BokehPolygonEdge
 //   CoC           from BokehFilterCoC, > 0
 //   centerCoC     signed, of this pixel
+//   shift         as in BokehChannelCoC; centerCoC has it already
 //   returns       rgb = mean of colour times weight, a = mean weight
 vec4 BokehLineSum(sampler2D MapSamp, vec2 uv, vec4 segment, float CoC, float centerCoC,
-    BokehFilter settings)
+    float shift, BokehFilter settings)
 {
     float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
     float cells = BokehCells(lengthInPixels, settings.spacing);
@@ -1092,7 +1118,8 @@ vec4 BokehLineSum(sampler2D MapSamp, vec2 uv, vec4 segment, float CoC, float cen
         }
         float cell = clamp(cells - float(i), 0.0, 1.0);
         vec4 samplePixel = BokehFetch(MapSamp, first + cellLength * (float(i) + cell * phase));
-        float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+        float sampleCoC = BokehChannelCoC(samplePixel.a, shift);
+        float weight = cell * BokehSignedLeakageWeight(sampleCoC, centerCoC, settings);
         sum += vec4(samplePixel.rgb, 1.0) * weight;
     }
     return sum / cells;
@@ -1121,10 +1148,10 @@ vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
     return BokehResolve(sum, sum.a, centerPixel, false);
 }
 
-// Exact: first pass
-//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
-BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+// Exact: BokehExactFirst with one CoC for all channels
+//   shift         as in BokehChannelCoC
+BokehTargets BokehChannelFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon,
+    BokehFilter settings, float shift)
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     BokehTargets targets;
@@ -1132,29 +1159,30 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
     targets.T3 = centerPixel;
     targets.T4 = centerPixel;
     targets.T5 = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         // the targets come last: until then only the lines take registers
         vec4 L1 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(1, polygon, false), CoC,
-            centerPixel.a, settings);
+            centerCoC, shift, settings);
         vec4 L2 = vec4(0.0, 0.0, 0.0, 0.0);
         vec4 L3 = L2;
         vec4 L4 = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(2, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(3, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
             L4 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(4, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
@@ -1173,6 +1201,71 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
     return targets;
 }
 
+// Exact: first pass
+//   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
+//   CoC: three times the fetches.
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   returns       T2 .. T5: as many as the table above says
+BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+{
+    BokehTargets targets;
+    if (BOKEH_CHARACTER > 1)
+    {
+        targets.T2 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.T3 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.T4 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.T5 = vec4(0.0, 0.0, 0.0, 0.0);
+        for (int channel = 0; channel < 3; channel++)
+        {
+            vec4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            BokehTargets one = BokehChannelFirst(MapSamp, uv, polygon, settings, shift);
+            targets.T2 += one.T2 * mask;
+            targets.T3 += one.T3 * mask;
+            targets.T4 += one.T4 * mask;
+            targets.T5 += one.T5 * mask;
+        }
+    }
+    else
+    {
+        targets = BokehChannelFirst(MapSamp, uv, polygon, settings, 0.0);
+    }
+    return targets;
+}
+
+// Exact: BokehExactSecond with one CoC for all channels
+//   shift         as in BokehChannelCoC
+vec4 BokehChannelSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
+    vec2 uv, BokehPolygon polygon, BokehFilter settings, float shift)
+{
+    vec4 centerPixel = BokehFetch(T2Samp, uv);
+    vec4 result = centerPixel;
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
+    if (CoC > 0.0)
+    {
+        vec4 sum = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, uv,
+            BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
+        if (polygon.sides > 4)
+        {
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, uv,
+                BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 6)
+        {
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, uv,
+                BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 8)
+        {
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, uv,
+                BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    return result;
+}
+
 // Exact: second pass, the finished polygon
 //   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
 //                     any of them for the rest: it is not read.
@@ -1180,41 +1273,35 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
 vec4 BokehExactSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
     vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
-    vec4 centerPixel = BokehFetch(T2Samp, uv);
-    vec4 result = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
+    vec4 result;
+    if (BOKEH_CHARACTER > 1)
     {
-        vec4 sum = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, uv,
-            BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
-        if (polygon.sides > 4)
+        result = vec4(0.0, 0.0, 0.0, 0.0);
+        for (int channel = 0; channel < 3; channel++)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, uv,
-                BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
+            vec4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            vec4 one = BokehChannelSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings,
+                shift);
+            result += one * mask;
         }
-        if (polygon.sides > 6)
-        {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, uv,
-                BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
-        }
-        if (polygon.sides > 8)
-        {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, uv,
-                BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
-        }
-        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    else
+    {
+        result = BokehChannelSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings, 0.0);
     }
     return result;
 }
 
-// Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
-vec4 BokehExactEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon, BokehFilter settings)
+// Exact: BokehExactEdge with one CoC for all channels
+//   shift         as in BokehChannelCoC
+vec4 BokehChannelEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon,
+    BokehFilter settings, float shift)
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     vec4 result = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         float angle = 6.28318531 / float(polygon.sides);
@@ -1227,16 +1314,56 @@ vec4 BokehExactEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon, Bok
                 area *= BokehEdgeLength(i, polygon);
             }
             sum += area * BokehLineSum(MapSamp, uv, BokehPolygonEdge(i, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
+// Exact: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
+//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+vec4 BokehExactEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon, BokehFilter settings)
+{
+    vec4 result;
+    if (BOKEH_CHARACTER > 1)
+    {
+        result = vec4(0.0, 0.0, 0.0, 0.0);
+        for (int channel = 0; channel < 3; channel++)
+        {
+            vec4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            vec4 one = BokehChannelEdge(MapSamp, uv, k, polygon, settings, shift);
+            result += one * mask;
+        }
+    }
+    else
+    {
+        result = BokehChannelEdge(MapSamp, uv, k, polygon, settings, 0.0);
+    }
+    return result;
+}
+
 // -------------------------------------------------------------------------------------------------
-// [9] debug views
+// [9] finished picture: lateral colour; debug views
 // -------------------------------------------------------------------------------------------------
+
+// Lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
+//   The last pass after any method; bloom and tone mapping come after it.
+//   PictureSamp   linear filter, clamp
+//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
+//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
+//   returns       green and a are those of this pixel
+vec4 BokehLateralColor(sampler2D PictureSamp, vec2 uv, float amount)
+{
+    float larger = clamp(amount, -0.1, 0.1);
+    vec2 place = uv - 0.5;
+    vec4 green = BokehFetch(PictureSamp, uv);
+    float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
+    float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
+    return vec4(red, green.g, blue, green.a);
+}
 
 // Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
 vec4 BokehDebugDepth(float S2, float S1)

@@ -24,6 +24,7 @@
 //   BOKEH_DECAGON_FIRST          ColorSamp                          4 targets
 //   BOKEH_DECAGON_SECOND         ColorSamp, ColorSampB .. D
 //   BOKEH_EXACT_EDGE             ColorSamp                          target T(BokehEdge)
+//   BOKEH_LATERAL_COLOR          ColorSamp (finished)               red larger, blue smaller
 //   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp    debug view
 //   BOKEH_FULL_SCREEN            -                                  (vertex shader) one triangle
 //
@@ -80,32 +81,33 @@
 #define BOKEH_DECAGON_FIRST 17
 #define BOKEH_DECAGON_SECOND 18
 #define BOKEH_EXACT_EDGE 19
-#define BOKEH_DEBUG 20
-#define BOKEH_LAYER_TILES 21
-#define BOKEH_LAYER_REACH 22
-#define BOKEH_LAYER_SPLIT 23
-#define BOKEH_LAYER_KERNELS 24
-#define BOKEH_LAYER_SPREAD 25
-#define BOKEH_LAYER_SIZES 26
-#define BOKEH_LAYER_HOLES 27
-#define BOKEH_LAYER_FILL 28
-#define BOKEH_SQUARE_LAYER_FIRST 29
-#define BOKEH_SQUARE_LAYER_SECOND 30
-#define BOKEH_HEXAGON_LAYER_FIRST 31
-#define BOKEH_HEXAGON_LAYER_SECOND 32
-#define BOKEH_OCTAGON_LAYER_FIRST 33
-#define BOKEH_OCTAGON_LAYER_SECOND 34
-#define BOKEH_DECAGON_LAYER_FIRST 35
-#define BOKEH_DECAGON_LAYER_SECOND 36
-#define BOKEH_LAYERED 37
-#define BOKEH_LAYER_SPLIT_ONE 38
-#define BOKEH_LAYER_KERNELS_ONE 39
-#define BOKEH_LAYER_SPREAD_ONE 40
-#define BOKEH_LAYER_SIZES_ONE 41
-#define BOKEH_LAYER_HOLES_ONE 42
-#define BOKEH_LAYER_FILL_ONE 43
-#define BOKEH_LAYER_EDGE 44
-#define BOKEH_FULL_SCREEN 45
+#define BOKEH_LATERAL_COLOR 20
+#define BOKEH_DEBUG 21
+#define BOKEH_LAYER_TILES 22
+#define BOKEH_LAYER_REACH 23
+#define BOKEH_LAYER_SPLIT 24
+#define BOKEH_LAYER_KERNELS 25
+#define BOKEH_LAYER_SPREAD 26
+#define BOKEH_LAYER_SIZES 27
+#define BOKEH_LAYER_HOLES 28
+#define BOKEH_LAYER_FILL 29
+#define BOKEH_SQUARE_LAYER_FIRST 30
+#define BOKEH_SQUARE_LAYER_SECOND 31
+#define BOKEH_HEXAGON_LAYER_FIRST 32
+#define BOKEH_HEXAGON_LAYER_SECOND 33
+#define BOKEH_OCTAGON_LAYER_FIRST 34
+#define BOKEH_OCTAGON_LAYER_SECOND 35
+#define BOKEH_DECAGON_LAYER_FIRST 36
+#define BOKEH_DECAGON_LAYER_SECOND 37
+#define BOKEH_LAYERED 38
+#define BOKEH_LAYER_SPLIT_ONE 39
+#define BOKEH_LAYER_KERNELS_ONE 40
+#define BOKEH_LAYER_SPREAD_ONE 41
+#define BOKEH_LAYER_SIZES_ONE 42
+#define BOKEH_LAYER_HOLES_ONE 43
+#define BOKEH_LAYER_FILL_ONE 44
+#define BOKEH_LAYER_EDGE 45
+#define BOKEH_FULL_SCREEN 46
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
@@ -213,6 +215,9 @@ BOKEH_PARAMETER(float, BokehAxis)
 BOKEH_PARAMETER(float, BokehLayer)
 BOKEH_PARAMETER(float, BokehCatsEye)
 BOKEH_PARAMETER(float, BokehRoundness)
+BOKEH_PARAMETER(float, BokehLateral)
+BOKEH_PARAMETER(float, BokehAxialRed)
+BOKEH_PARAMETER(float, BokehAxialBlue)
 
 #ifdef VULKAN
 };
@@ -295,6 +300,7 @@ BokehPolygon BokehAperture(vec2 uv, int sides)
         BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
         polygon.lengths = cut.lengths;
         polygon.fifth = cut.fifth;
+        polygon.axial = vec2(BokehAxialRed, BokehAxialBlue);
     }
     return polygon;
 }
@@ -518,6 +524,15 @@ void main()
     BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehPolygon polygon = BokehAperture(BokehUV, int(BokehSides + 0.5));
     BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, int(BokehEdge + 0.5), polygon, settings);
+}
+
+#elif BOKEH_PASS == BOKEH_LATERAL_COLOR
+
+// the last pass
+void main()
+{
+    BokehUseViewport();
+    BokehResult = BokehLateralColor(BokehColorSamp, BokehUV, BokehLateral);
 }
 
 #elif BOKEH_PASS == BOKEH_DEBUG

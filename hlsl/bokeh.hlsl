@@ -132,7 +132,8 @@
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
 //   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
 //       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
-//   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
+//   [9] finished picture: BokehLateralColor
+//       debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // -------------------------------------------------------------------------------------------------
 // [1] configuration
@@ -146,8 +147,9 @@
 //                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
-//   BOKEH_CHARACTER         0          0, 1    1: the ready-made passes have the character of a
-//                                              lens, see BokehWithCatsEye
+//   BOKEH_CHARACTER         0          0 .. 2  1: the ready-made passes have the character of a
+//                                              lens, see BokehWithCatsEye; 2: `exact` has axial
+//                                              colour too, see BokehExactFirst
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
@@ -226,8 +228,8 @@
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
-#if BOKEH_CHARACTER < 0 || BOKEH_CHARACTER > 1
-#error BOKEH_CHARACTER must be 0 or 1
+#if BOKEH_CHARACTER < 0 || BOKEH_CHARACTER > 2
+#error BOKEH_CHARACTER must be 0, 1 or 2
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -245,6 +247,10 @@
 #else
 #define BOKEH_HLSL_SM 3
 #endif
+#endif
+
+#if BOKEH_HLSL_SM == 3 && BOKEH_CHARACTER > 1
+#error BOKEH_CHARACTER 2 needs shader model 4: fxc compiles its loops wrongly for 3
 #endif
 
 // BOKEH_TEXTURE, BOKEH_TEXELS: a parameter with a sampler, and one without
@@ -915,6 +921,8 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 
 //                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
 //   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
 //                 corners cut off; set it before BokehWithCatsEye
+//   axial         axial colour, with BOKEH_CHARACTER 2 only: what red (x) and blue (y) have more of
+//                 signed CoC than green; fraction of image height
 struct BokehPolygon
 {
     int sides;
@@ -923,6 +931,7 @@ struct BokehPolygon
     float4 lengths;
     float fifth;
     float roundness;
+    float2 axial;
 };
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -944,6 +953,7 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
     polygon.lengths = float4(0.0, 0.0, 0.0, 0.0);
     polygon.fifth = 0.0;
     polygon.roundness = 1.0;
+    polygon.axial = float2(0.0, 0.0);
     if (BOKEH_CHARACTER > 0)
     {
         polygon.fifth = sin(3.14159265 / float(sides));
@@ -1139,6 +1149,26 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
     return result;
 }
 
+// Exact: signed CoC of a colour channel
+//   shift         axial colour: how much more of it the channel has than green; fraction of image
+//                 height
+float BokehChannelCoC(float signedCoC, float shift)
+{
+    float CoC = signedCoC;
+    if (BOKEH_CHARACTER > 1)
+    {
+        CoC += shift;
+    }
+    return CoC;
+}
+
+// Exact: axial colour: what a channel of the blur writes: 0 red, 1 green and the CoC, 2 blue
+float4 BokehChannelMask(int channel)
+{
+    return float4(float(channel == 0), float(channel == 1), float(channel == 2),
+        float(channel == 1));
+}
+
 // Exact: the samples along one line, as many as it needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/apertures.md).
@@ -1146,9 +1176,10 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
 //   segment       from BokehPolygonEdge
 //   CoC           from BokehFilterCoC, > 0
 //   centerCoC     signed, of this pixel
+//   shift         as in BokehChannelCoC; centerCoC has it already
 //   returns       rgb = mean of colour times weight, a = mean weight
 float4 BokehLineSum(BOKEH_TEXTURE(MapSamp), float2 uv, float4 segment, float CoC, float centerCoC,
-    BokehFilter settings)
+    float shift, BokehFilter settings)
 {
     float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
     float cells = BokehCells(lengthInPixels, settings.spacing);
@@ -1166,7 +1197,8 @@ float4 BokehLineSum(BOKEH_TEXTURE(MapSamp), float2 uv, float4 segment, float CoC
         float cell = clamp(cells - float(i), 0.0, 1.0);
         float4 samplePixel = BokehFetch(BOKEH_ARGUMENT(MapSamp),
             first + cellLength * (float(i) + cell * phase));
-        float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+        float sampleCoC = BokehChannelCoC(samplePixel.a, shift);
+        float weight = cell * BokehSignedLeakageWeight(sampleCoC, centerCoC, settings);
         sum += float4(samplePixel.rgb, 1.0) * weight;
     }
     return sum / cells;
@@ -1195,11 +1227,10 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
     return BokehResolve(sum, sum.a, centerPixel, false);
 }
 
-// Exact: first pass
-//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
-BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon polygon,
-    BokehFilter settings)
+// Exact: BokehExactFirst with one CoC for all channels
+//   shift         as in BokehChannelCoC
+BokehTargets BokehChannelFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon polygon,
+    BokehFilter settings, float shift)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(MapSamp), uv);
     BokehTargets targets;
@@ -1207,29 +1238,30 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon pol
     targets.T3 = centerPixel;
     targets.T4 = centerPixel;
     targets.T5 = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         // the targets come last: until then only the lines take registers
         float4 L1 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(1, polygon, false),
-            CoC, centerPixel.a, settings);
+            CoC, centerCoC, shift, settings);
         float4 L2 = float4(0.0, 0.0, 0.0, 0.0);
         float4 L3 = L2;
         float4 L4 = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(2, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(3, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
             L4 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(4, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
@@ -1248,6 +1280,73 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon pol
     return targets;
 }
 
+// Exact: first pass
+//   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
+//   CoC: three times the fetches.
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   returns       T2 .. T5: as many as the table above says
+BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon polygon,
+    BokehFilter settings)
+{
+    BokehTargets targets;
+    if (BOKEH_CHARACTER > 1)
+    {
+        targets.T2 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.T3 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.T4 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.T5 = float4(0.0, 0.0, 0.0, 0.0);
+        BOKEH_LOOP for (int channel = 0; channel < 3; channel++)
+        {
+            float4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            BokehTargets one = BokehChannelFirst(BOKEH_ARGUMENT(MapSamp), uv, polygon, settings,
+                shift);
+            targets.T2 += one.T2 * mask;
+            targets.T3 += one.T3 * mask;
+            targets.T4 += one.T4 * mask;
+            targets.T5 += one.T5 * mask;
+        }
+    }
+    else
+    {
+        targets = BokehChannelFirst(BOKEH_ARGUMENT(MapSamp), uv, polygon, settings, 0.0);
+    }
+    return targets;
+}
+
+// Exact: BokehExactSecond with one CoC for all channels
+//   shift         as in BokehChannelCoC
+float4 BokehChannelSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
+    BOKEH_TEXELS(T5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings, float shift)
+{
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(T2Samp), uv);
+    float4 result = centerPixel;
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
+    if (CoC > 0.0)
+    {
+        float4 sum = BokehExactWeight(2, polygon) * BokehLineSum(BOKEH_ARGUMENT(T2Samp), uv,
+            BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
+        if (polygon.sides > 4)
+        {
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(BOKEH_SHARED(T3Samp, T2Samp),
+                uv, BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 6)
+        {
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(BOKEH_SHARED(T4Samp, T2Samp),
+                uv, BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 8)
+        {
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(BOKEH_SHARED(T5Samp, T2Samp),
+                uv, BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    return result;
+}
+
 // Exact: second pass, the finished polygon
 //   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
 //                     any of them for the rest: it is not read.
@@ -1255,42 +1354,36 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon pol
 float4 BokehExactSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
     BOKEH_TEXELS(T5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings)
 {
-    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(T2Samp), uv);
-    float4 result = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
+    float4 result;
+    if (BOKEH_CHARACTER > 1)
     {
-        float4 sum = BokehExactWeight(2, polygon) * BokehLineSum(BOKEH_ARGUMENT(T2Samp), uv,
-            BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
-        if (polygon.sides > 4)
+        result = float4(0.0, 0.0, 0.0, 0.0);
+        BOKEH_LOOP for (int channel = 0; channel < 3; channel++)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(BOKEH_SHARED(T3Samp, T2Samp),
-                uv, BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
+            float4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            float4 one = BokehChannelSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv,
+                polygon, settings, shift);
+            result += one * mask;
         }
-        if (polygon.sides > 6)
-        {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(BOKEH_SHARED(T4Samp, T2Samp),
-                uv, BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
-        }
-        if (polygon.sides > 8)
-        {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(BOKEH_SHARED(T5Samp, T2Samp),
-                uv, BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
-        }
-        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    else
+    {
+        result = BokehChannelSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon,
+            settings, 0.0);
     }
     return result;
 }
 
-// Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
-float4 BokehExactEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon polygon,
-    BokehFilter settings)
+// Exact: BokehExactEdge with one CoC for all channels
+//   shift         as in BokehChannelCoC
+float4 BokehChannelEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon polygon,
+    BokehFilter settings, float shift)
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(MapSamp), uv);
     float4 result = centerPixel;
-    float CoC = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    float centerCoC = BokehChannelCoC(centerPixel.a, shift);
+    float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         float angle = 6.28318531 / float(polygon.sides);
@@ -1303,16 +1396,57 @@ float4 BokehExactEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon pol
                 area *= BokehEdgeLength(i, polygon);
             }
             sum += area * BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv,
-                BokehPolygonEdge(i, polygon, false), CoC, centerPixel.a, settings);
+                BokehPolygonEdge(i, polygon, false), CoC, centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
+// Exact: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
+//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+float4 BokehExactEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon polygon,
+    BokehFilter settings)
+{
+    float4 result;
+    if (BOKEH_CHARACTER > 1)
+    {
+        result = float4(0.0, 0.0, 0.0, 0.0);
+        BOKEH_LOOP for (int channel = 0; channel < 3; channel++)
+        {
+            float4 mask = BokehChannelMask(channel);
+            float shift = dot(mask.rb, polygon.axial);
+            float4 one = BokehChannelEdge(BOKEH_ARGUMENT(MapSamp), uv, k, polygon, settings, shift);
+            result += one * mask;
+        }
+    }
+    else
+    {
+        result = BokehChannelEdge(BOKEH_ARGUMENT(MapSamp), uv, k, polygon, settings, 0.0);
+    }
+    return result;
+}
+
 // -------------------------------------------------------------------------------------------------
-// [9] debug views
+// [9] finished picture: lateral colour; debug views
 // -------------------------------------------------------------------------------------------------
+
+// Lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
+//   The last pass after any method; bloom and tone mapping come after it.
+//   PictureSamp   linear filter, clamp
+//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
+//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
+//   returns       green and a are those of this pixel
+float4 BokehLateralColor(BOKEH_TEXTURE(PictureSamp), float2 uv, float amount)
+{
+    float larger = clamp(amount, -0.1, 0.1);
+    float2 place = uv - 0.5;
+    float4 green = BokehFetch(BOKEH_ARGUMENT(PictureSamp), uv);
+    float red = BokehFetch(BOKEH_ARGUMENT(PictureSamp), place / (1.0 + larger) + 0.5).r;
+    float blue = BokehFetch(BOKEH_ARGUMENT(PictureSamp), place / (1.0 - larger) + 0.5).b;
+    return float4(red, green.g, blue, green.a);
+}
 
 // Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
 float4 BokehDebugDepth(float S2, float S1)

@@ -24,6 +24,7 @@
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
 //   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
 //   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
 //
@@ -144,6 +145,9 @@ BOKEH_PARAMETER(float, BokehAxis, 33)
 BOKEH_PARAMETER(float, BokehLayer, 34)
 BOKEH_PARAMETER(float, BokehCatsEye, 35)
 BOKEH_PARAMETER(float, BokehRoundness, 36)
+BOKEH_PARAMETER(float, BokehLateral, 37)
+BOKEH_PARAMETER(float, BokehAxialRed, 38)
+BOKEH_PARAMETER(float, BokehAxialBlue, 39)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -240,6 +244,7 @@ BokehPolygon BokehAperture(float2 uv, int sides)
         BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
         polygon.lengths = cut.lengths;
         polygon.fifth = cut.fifth;
+        polygon.axial = float2(BokehAxialRed, BokehAxialBlue);
     }
     return polygon;
 }
@@ -431,6 +436,13 @@ float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     BokehPolygon polygon = BokehAperture(uv, int(BokehSides + 0.5));
     return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, int(BokehEdge + 0.5), polygon,
         settings);
+}
+
+// the last pass
+float4 BokehLateralColor_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehUseViewport();
+    return BokehLateralColor(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehLateral);
 }
 
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field

@@ -92,7 +92,8 @@
 //   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
 //   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
 //       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
-//   [9] debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
+//   [9] finished picture: BokehLateralColor
+//       debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
 
 // -------------------------------------------------------------------------------------------------
 // [1] configuration
@@ -106,8 +107,9 @@
 //                                              of 0 at run time, which keeps the loop's exit
 //   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
 //                                              BokehSetViewport
-//   BOKEH_CHARACTER         0          0, 1    1: the ready-made passes have the character of a
-//                                              lens, see BokehWithCatsEye
+//   BOKEH_CHARACTER         0          0 .. 2  1: the ready-made passes have the character of a
+//                                              lens, see BokehWithCatsEye; 2: `exact` has axial
+//                                              colour too, see BokehExactFirst
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
@@ -785,6 +787,8 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
 //                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
 //   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
 //                 corners cut off; set it before BokehWithCatsEye
+//   axial         axial colour, with BOKEH_CHARACTER 2 only: what red (x) and blue (y) have more of
+//                 signed CoC than green; fraction of image height
 struct BokehPolygon
 {
     sides: i32,
@@ -793,6 +797,7 @@ struct BokehPolygon
     lengths: vec4f,
     fifth: f32,
     roundness: f32,
+    axial: vec2f,
 }
 
 // Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
@@ -814,6 +819,7 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
     polygon.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
     polygon.fifth = 0.0;
     polygon.roundness = 1.0;
+    polygon.axial = vec2f(0.0, 0.0);
     if (BOKEH_CHARACTER > 0)
     {
         polygon.fifth = sin(3.14159265 / f32(sides));
@@ -1009,6 +1015,25 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     return result;
 }
 
+// Exact: signed CoC of a colour channel
+//   shift         axial colour: how much more of it the channel has than green; fraction of image
+//                 height
+fn BokehChannelCoC(signedCoC: f32, shift: f32) -> f32
+{
+    var CoC: f32 = signedCoC;
+    if (BOKEH_CHARACTER > 1)
+    {
+        CoC += shift;
+    }
+    return CoC;
+}
+
+// Exact: axial colour: what a channel of the blur writes: 0 red, 1 green and the CoC, 2 blue
+fn BokehChannelMask(channel: i32) -> vec4f
+{
+    return vec4f(f32(channel == 0), f32(channel == 1), f32(channel == 2), f32(channel == 1));
+}
+
 // Exact: the samples along one line, as many as it needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/apertures.md).
@@ -1016,9 +1041,10 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
 //   segment       from BokehPolygonEdge
 //   CoC           from BokehFilterCoC, > 0
 //   centerCoC     signed, of this pixel
+//   shift         as in BokehChannelCoC; centerCoC has it already
 //   returns       rgb = mean of colour times weight, a = mean weight
 fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, segment: vec4f,
-    CoC: f32, centerCoC: f32, settings: BokehFilter) -> vec4f
+    CoC: f32, centerCoC: f32, shift: f32, settings: BokehFilter) -> vec4f
 {
     let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
     let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
@@ -1036,7 +1062,8 @@ fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, se
         let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
         let samplePixel: vec4f = BokehFetch(MapSamp, MapSampSampler,
             first + cellLength * (f32(i) + cell * phase));
-        let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+        let sampleCoC: f32 = BokehChannelCoC(samplePixel.a, shift);
+        let weight: f32 = cell * BokehSignedLeakageWeight(sampleCoC, centerCoC, settings);
         sum += vec4f(samplePixel.rgb, 1.0) * weight;
     }
     return sum / cells;
@@ -1065,11 +1092,10 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
     return BokehResolve(sum, sum.a, centerPixel, false);
 }
 
-// Exact: first pass
-//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
-fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter) -> BokehTargets
+// Exact: BokehExactFirst with one CoC for all channels
+//   shift         as in BokehChannelCoC
+fn BokehChannelFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> BokehTargets
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
     var targets: BokehTargets;
@@ -1077,29 +1103,30 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
     targets.T3 = centerPixel;
     targets.T4 = centerPixel;
     targets.T5 = centerPixel;
-    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
+    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         // the targets come last: until then only the lines take registers
         let L1: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(1, polygon,
-            false), CoC, centerPixel.a, settings);
+            false), CoC, centerCoC, shift, settings);
         var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var L3: vec4f = L2;
         var L4: vec4f = L2;
         if (polygon.sides > 4)
         {
             L2 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(2, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(3, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
             L4 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon, false), CoC,
-                centerPixel.a, settings);
+                centerCoC, shift, settings);
         }
         targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
@@ -1118,6 +1145,74 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
     return targets;
 }
 
+// Exact: first pass
+//   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
+//   CoC: three times the fetches.
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   returns       T2 .. T5: as many as the table above says
+fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter) -> BokehTargets
+{
+    var targets: BokehTargets;
+    if (BOKEH_CHARACTER > 1)
+    {
+        targets.T2 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.T3 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.T4 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.T5 = vec4f(0.0, 0.0, 0.0, 0.0);
+        for (var channel: i32 = 0; channel < 3; channel++)
+        {
+            let mask: vec4f = BokehChannelMask(channel);
+            let shift: f32 = dot(mask.rb, polygon.axial);
+            let one: BokehTargets = BokehChannelFirst(MapSamp, MapSampSampler, uv, polygon,
+                settings, shift);
+            targets.T2 += one.T2 * mask;
+            targets.T3 += one.T3 * mask;
+            targets.T4 += one.T4 * mask;
+            targets.T5 += one.T5 * mask;
+        }
+    }
+    else
+    {
+        targets = BokehChannelFirst(MapSamp, MapSampSampler, uv, polygon, settings, 0.0);
+    }
+    return targets;
+}
+
+// Exact: BokehExactSecond with one CoC for all channels
+//   shift         as in BokehChannelCoC
+fn BokehChannelSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_2d<f32>,
+    T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, shift: f32) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(T2Samp, T2SampSampler, uv);
+    var result: vec4f = centerPixel;
+    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
+    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
+    if (CoC > 0.0)
+    {
+        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, T2SampSampler,
+            uv, BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
+        if (polygon.sides > 4)
+        {
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, T2SampSampler, uv,
+                BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 6)
+        {
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, T2SampSampler, uv,
+                BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        if (polygon.sides > 8)
+        {
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, T2SampSampler, uv,
+                BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
+        }
+        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    return result;
+}
+
 // Exact: second pass, the finished polygon
 //   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
 //                     any of them for the rest: it is not read.
@@ -1126,42 +1221,36 @@ fn BokehExactSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
     T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehFilter) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(T2Samp, T2SampSampler, uv);
-    var result: vec4f = centerPixel;
-    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
+    var result: vec4f;
+    if (BOKEH_CHARACTER > 1)
     {
-        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, T2SampSampler,
-            uv, BokehPolygonEdge(2, polygon, true), CoC, centerPixel.a, settings);
-        if (polygon.sides > 4)
+        result = vec4f(0.0, 0.0, 0.0, 0.0);
+        for (var channel: i32 = 0; channel < 3; channel++)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, T2SampSampler, uv,
-                BokehPolygonEdge(3, polygon, true), CoC, centerPixel.a, settings);
+            let mask: vec4f = BokehChannelMask(channel);
+            let shift: f32 = dot(mask.rb, polygon.axial);
+            let one: vec4f = BokehChannelSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv,
+                polygon, settings, shift);
+            result += one * mask;
         }
-        if (polygon.sides > 6)
-        {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, T2SampSampler, uv,
-                BokehPolygonEdge(4, polygon, true), CoC, centerPixel.a, settings);
-        }
-        if (polygon.sides > 8)
-        {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, T2SampSampler, uv,
-                BokehPolygonEdge(5, polygon, true), CoC, centerPixel.a, settings);
-        }
-        result = BokehResolve(sum, sum.a, centerPixel, false);
+    }
+    else
+    {
+        result = BokehChannelSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv, polygon,
+            settings, 0.0);
     }
     return result;
 }
 
-// Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
-fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
-    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
+// Exact: BokehExactEdge with one CoC for all channels
+//   shift         as in BokehChannelCoC
+fn BokehChannelEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
+    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
     var result: vec4f = centerPixel;
-    let CoC: f32 = BokehFilterCoC(abs(centerPixel.a), settings.imageHeight, settings.spacing);
+    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
+    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
         let angle: f32 = 6.28318531 / f32(polygon.sides);
@@ -1174,16 +1263,59 @@ fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, 
                 area *= BokehEdgeLength(i, polygon);
             }
             sum += area * BokehLineSum(MapSamp, MapSampSampler, uv,
-                BokehPolygonEdge(i, polygon, false), CoC, centerPixel.a, settings);
+                BokehPolygonEdge(i, polygon, false), CoC, centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
     }
     return result;
 }
 
+// Exact: one target of the first pass, where a pass can write only one
+//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
+//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
+    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
+{
+    var result: vec4f;
+    if (BOKEH_CHARACTER > 1)
+    {
+        result = vec4f(0.0, 0.0, 0.0, 0.0);
+        for (var channel: i32 = 0; channel < 3; channel++)
+        {
+            let mask: vec4f = BokehChannelMask(channel);
+            let shift: f32 = dot(mask.rb, polygon.axial);
+            let one: vec4f = BokehChannelEdge(MapSamp, MapSampSampler, uv, k, polygon, settings,
+                shift);
+            result += one * mask;
+        }
+    }
+    else
+    {
+        result = BokehChannelEdge(MapSamp, MapSampSampler, uv, k, polygon, settings, 0.0);
+    }
+    return result;
+}
+
 // -------------------------------------------------------------------------------------------------
-// [9] debug views
+// [9] finished picture: lateral colour; debug views
 // -------------------------------------------------------------------------------------------------
+
+// Lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
+//   The last pass after any method; bloom and tone mapping come after it.
+//   PictureSamp   linear filter, clamp
+//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
+//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
+//   returns       green and a are those of this pixel
+fn BokehLateralColor(PictureSamp: texture_2d<f32>, PictureSampSampler: sampler, uv: vec2f,
+    amount: f32) -> vec4f
+{
+    let larger: f32 = clamp(amount, -0.1, 0.1);
+    let place: vec2f = uv - 0.5;
+    let green: vec4f = BokehFetch(PictureSamp, PictureSampSampler, uv);
+    let red: f32 = BokehFetch(PictureSamp, PictureSampSampler, place / (1.0 + larger) + 0.5).r;
+    let blue: f32 = BokehFetch(PictureSamp, PictureSampSampler, place / (1.0 - larger) + 0.5).b;
+    return vec4f(red, green.g, blue, green.a);
+}
 
 // Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
 fn BokehDebugDepth(S2: f32, S1: f32) -> vec4f

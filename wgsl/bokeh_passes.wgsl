@@ -23,6 +23,7 @@
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
 //   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
 //   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle
 //
@@ -101,6 +102,9 @@ struct BokehParameters
     BokehLayer: f32,
     BokehCatsEye: f32,
     BokehRoundness: f32,
+    BokehLateral: f32,
+    BokehAxialRed: f32,
+    BokehAxialBlue: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -187,6 +191,7 @@ fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
             bokehParameters.BokehCatsEye);
         polygon.lengths = cut.lengths;
         polygon.fifth = cut.fifth;
+        polygon.axial = vec2f(bokehParameters.BokehAxialRed, bokehParameters.BokehAxialBlue);
     }
     return polygon;
 }
@@ -398,6 +403,14 @@ struct BokehTargets4
     let polygon: BokehPolygon = BokehAperture(input.uv, i32(bokehParameters.BokehSides + 0.5));
     return BokehExactEdge(BokehColorSamp, BokehLinearClamp, input.uv,
         i32(bokehParameters.BokehEdge + 0.5), polygon, settings);
+}
+
+// the last pass
+@fragment fn BokehLateralColor_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    BokehUseViewport();
+    return BokehLateralColor(BokehColorSamp, BokehLinearClamp, input.uv,
+        bokehParameters.BokehLateral);
 }
 
 // BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field

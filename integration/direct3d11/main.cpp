@@ -154,8 +154,7 @@ static const Shot SHOTS[] = {
 };
 constexpr int NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0];
 
-// The constant buffer b0 of the package's passes, as docs/parameters.md lists it: 37 floats, 160 bytes, since the size
-// of a buffer is a multiple of 16.
+// The constant buffer b0 of the package's passes, as docs/parameters.md lists it: 40 floats, 160 bytes.
 static struct alignas(16) {
     float apertureDiameter, focalLength, focusDistance, sensorHeight = 0.024f, maxCoC, constantCoC;
     float aspectRatio = (float)WIDTH / HEIGHT, angle, angleB;
@@ -164,7 +163,7 @@ static struct alignas(16) {
     float imageWidth = WIDTH, imageHeight = HEIGHT, jitter, frame, sides = 6.0f, edge;
     float depthKind = 1.0f, zNear = Z_NEAR, zFar = Z_FAR; // 1: 0 at the near plane, 1 at the far plane
     float viewportX, viewportY, textureWidth, textureHeight; // not read: the image fills its textures
-    float passIndex, axis, layer, catsEye, roundness;
+    float passIndex, axis, layer, catsEye, roundness, lateral, axialRed, axialBlue;
 } parameters;
 
 static HWND window;

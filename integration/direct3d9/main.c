@@ -102,12 +102,12 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 to c36 of the package's passes, as docs/parameters.md lists them. */
+/* Registers c0 to c39 of the package's passes, as docs/parameters.md lists them. */
 static struct {
     float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
     float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
     float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar, viewportX, viewportY;
-    float textureWidth, textureHeight, passIndex, axis, layer, catsEye, roundness;
+    float textureWidth, textureHeight, passIndex, axis, layer, catsEye, roundness, lateral, axialRed, axialBlue;
 } parameters = {
     .sensorHeight = 0.024f,
     .bleedingBias = 0.02f,

@@ -12,5 +12,5 @@ public struct BokehParameters
     public float Edge, DepthKind, Near, Far;
     public float ViewportX, ViewportY, TextureWidth, TextureHeight;
     public float PassIndex, Axis, Layer, CatsEye;
-    public float Roundness;
+    public float Roundness, Lateral, AxialRed, AxialBlue;
 }

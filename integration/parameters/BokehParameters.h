@@ -13,6 +13,5 @@ struct BokehParameters
     float Edge, DepthKind, Near, Far;
     float ViewportX, ViewportY, TextureWidth, TextureHeight;
     float PassIndex, Axis, Layer, CatsEye;
-    float Roundness;
-    float Unused[3];
+    float Roundness, Lateral, AxialRed, AxialBlue;
 };

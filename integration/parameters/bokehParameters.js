@@ -6,7 +6,7 @@ const BOKEH_PARAMETERS = [
     "DebugMode", "LineLength", "LineCenterX", "LineCenterY", "Squeeze", "Spacing", "ImageWidth",
     "ImageHeight", "Jitter", "Frame", "Sides", "Edge", "DepthKind", "Near", "Far", "ViewportX",
     "ViewportY", "TextureWidth", "TextureHeight", "PassIndex", "Axis", "Layer", "CatsEye",
-    "Roundness",
+    "Roundness", "Lateral", "AxialRed", "AxialBlue",
 ];
 
 // From an object such as { ApertureDiameter: 0.025, FocalLength: 0.05 }

@@ -12,6 +12,5 @@ pub struct BokehParameters {
     pub edge: f32, pub depth_kind: f32, pub near: f32, pub far: f32,
     pub viewport_x: f32, pub viewport_y: f32, pub texture_width: f32, pub texture_height: f32,
     pub pass_index: f32, pub axis: f32, pub layer: f32, pub cats_eye: f32,
-    pub roundness: f32,
-    pub unused: [f32; 3],
+    pub roundness: f32, pub lateral: f32, pub axial_red: f32, pub axial_blue: f32,
 }

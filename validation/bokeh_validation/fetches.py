@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bokeh_validation.entries import COPY, EDGE, FIRST, SECOND
+from bokeh_validation.entries import COPY, EDGE, FIRST, LATERAL, SECOND
 from bokeh_validation.passes import Pass
 from bokeh_validation.reference.lines import lines
 
@@ -19,8 +19,16 @@ def of_pass(item: Pass, in_focus: bool = False) -> dict[str, int]:
     # the other parallelogram of a final pass, whose depth is not looked at
     others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
     samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
+    # red and blue
+    others += 2 * (item.spec.role == LATERAL)
+    # each channel on its own
+    times = 3 if item.spec.role in (FIRST, SECOND, EDGE) and item.constants["BOKEH_CHARACTER"] > 1 else 1
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
-    return {"color": 1 + others + samples, "depth": depth, "table": item.samples if "KernelSamp" in item.inputs else 0}
+    return {
+        "color": times * (1 + others + samples),
+        "depth": depth,
+        "table": item.samples if "KernelSamp" in item.inputs else 0,
+    }
 
 
 def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:

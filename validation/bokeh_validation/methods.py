@@ -44,6 +44,8 @@ class Settings:
     squeeze      width of the bokeh over its height
     cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
     roundness    of octagons in the same: 0 a square, 1 regular
+    axial        how much more signed CoC red has than green, and blue; exact only
+    lateral      how much larger red of the finished picture is than green, and blue smaller
     targets      whether a pass may write several targets; exact and layered only
     quality      of layered, one of QUALITIES
     """
@@ -65,6 +67,8 @@ class Settings:
     squeeze: float = 1.0
     cats_eye: float = 0.0
     roundness: float = 1.0
+    axial: tuple[float, float] = (0.0, 0.0)
+    lateral: float = 0.0
     targets: bool = True
     quality: str = "medium"
 
@@ -204,6 +208,8 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}"
     common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
+    if any(settings.axial):
+        common |= dict(zip(("BokehAxialRed", "BokehAxialBlue"), settings.axial, strict=True))
     names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
     passes = [_coc_pass(settings, "BokehSignedCoCMap")]
     if settings.targets:
@@ -305,7 +311,13 @@ def kernel_texture(table: np.ndarray) -> np.ndarray:
 
 
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
-    """The passes of `settings.method`."""
-    return {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}[
+    """The passes of `settings.method`, and lateral colour after them."""
+    made = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}[
         settings.method
     ](settings, size)
+    if settings.lateral == 0.0:
+        return made
+    *others, last = made.passes
+    finished = replace(last, output="finished")
+    lateral = Pass("BokehLateralColor", {"ColorSamp": "finished"}, "result", {"BokehLateral": settings.lateral})
+    return replace(made, passes=(*others, finished, lateral))

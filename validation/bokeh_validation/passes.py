@@ -47,6 +47,9 @@ PARAMETERS: dict[str, float] = {
     "BokehLayer": 0.0,
     "BokehCatsEye": 0.0,
     "BokehRoundness": 1.0,
+    "BokehLateral": 0.0,
+    "BokehAxialRed": 0.0,
+    "BokehAxialBlue": 0.0,
 }
 
 # Texture slots in the order of their bindings.
@@ -156,7 +159,7 @@ class Pass:
             "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
             # to draw into a part of a target is one thing, to read a part of a texture another
             "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
-            "BOKEH_CHARACTER": int("BokehCatsEye" in self.parameters),
+            "BOKEH_CHARACTER": 2 if "BokehAxialRed" in self.parameters else int("BokehCatsEye" in self.parameters),
             **self.defines,
         }
 

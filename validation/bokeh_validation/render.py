@@ -32,6 +32,11 @@ def check(settings: methods.Settings) -> None:
     _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
     _number("--cats-eye", settings.cats_eye, "", lambda v: 0 <= v <= 0.9, "0 to 0.9, a share of the bokeh's width")
     _number("--roundness", settings.roundness, "", lambda v: 0 <= v <= 1, "0 (a square) to 1 (an octagon)")
+    _number("--lateral", settings.lateral, "", lambda v: abs(v) <= 0.1, "-0.1 to 0.1, a share of the image")
+    for option, value in zip(("--axial-red", "--axial-blue"), settings.axial, strict=True):
+        _number(option, value, "", lambda v: abs(v) <= 1, "-1 to 1, a fraction of the image height")
+        if value and settings.method != "exact":
+            raise UserError(f"{option} {value:g}: {settings.method} has no axial colour. Give --method exact.")
     _number("--rotation", settings.rotation, "degrees", lambda v: True, "any finite number")
     _number("--aperture-diameter", camera.aperture_diameter, "m", lambda v: v >= 0, "0 or more")
     _number("--focal-length", camera.focal_length, "m", lambda v: v > 0, "more than 0")
@@ -109,6 +114,9 @@ def render(
     squeeze: Annotated[float, Option(help="Width of the bokeh over its height: 0.5 for an anamorphic lens.")] = 1.0,
     cats_eye: Annotated[float, Option(help="exact, layered: share of the bokeh's width cut off in corners.")] = 0.0,
     roundness: Annotated[float, Option(help="exact, layered, octagon: 0 makes a square, 1 a regular octagon.")] = 1.0,
+    axial_red: Annotated[float, Option(help="exact, axial colour: how much more signed CoC red has.")] = 0.0,
+    axial_blue: Annotated[float, Option(help="The same of blue, a fraction of the image height.")] = 0.0,
+    lateral: Annotated[float, Option(help="Lateral colour: red larger, blue smaller, a share of the image.")] = 0.0,
     targets: Annotated[bool, Option("--mrt/--no-mrt", help="exact, layered: write several targets in a pass.")] = True,
     quality: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
     rotation: Annotated[float, Option(help="Degrees, from +x towards +y (down).")] = 0.0,
@@ -130,7 +138,7 @@ def render(
     settings = methods.Settings(
         method, aperture, samples, rotation, coc=coc, blur_coc=coc_blur, leak_fix=leak_fix, spacing=spacing,
         max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, quality=quality,
-        cats_eye=cats_eye, roundness=roundness,
+        cats_eye=cats_eye, roundness=roundness, lateral=lateral, axial=(axial_red, axial_blue),
         camera=methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
     )  # fmt: skip
     check(settings)

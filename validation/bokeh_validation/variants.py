@@ -30,12 +30,14 @@ SAMPLES_SM3 = SAMPLES | {
 }
 # For images that are a part of their textures, one of each kind: the longest program of shader model 3 among them
 _FILTERS = "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond"
+_FILTERS += " LateralColor"
 _OF_LAYERS = "LayerReach LayerSplit LayerFill DecagonLayerSecond Layered"
 VIEWPORT = {f"Bokeh{name}": (7,) for name in _FILTERS.split()} | {f"Bokeh{n}": (None,) for n in _OF_LAYERS.split()}
 # With the character of a lens, one of each kind; in shader model 3 only exact polygons with several targets have room
 _CUT = "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond"
 _CUT_LAYERS = "LayerFill DecagonLayerFirst DecagonLayerSecond LayerEdge Layered"
 CHARACTER = {f"Bokeh{name}": (7,) for name in _CUT.split()}
+_AXIAL = "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge"
 CHARACTER_LAYERS = {"BokehExactEdge": (7,)} | {f"Bokeh{name}": (None,) for name in _CUT_LAYERS.split()}
 
 # Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT or BOKEH_CHARACTER
@@ -131,6 +133,7 @@ def load(quick: bool = False) -> list[Program]:
     for language, profile, usual, viewport in VARIANTS:
         name = language if language == profile else f"{language}-{profile}"
         counts = SAMPLES_SM3 if profile == "sm3" else SAMPLES
+        axial = {} if profile == "sm3" else dict.fromkeys((f"Bokeh{one}" for one in _AXIAL.split()), (7,))
         whole = {VERTEX: (None,)}
         cut = CHARACTER if profile == "sm3" else CHARACTER | CHARACTER_LAYERS
         for entry in entries.ENTRIES.values():
@@ -139,6 +142,7 @@ def load(quick: bool = False) -> list[Program]:
             (name, whole, usual, {}),
             (f"{name}-viewport", VIEWPORT, viewport, {"BOKEH_VIEWPORT": 1}),
             (f"{name}-character", cut, viewport, {"BOKEH_CHARACTER": 1}),
+            (f"{name}-axial", axial, viewport, {"BOKEH_CHARACTER": 2}),
         ):
             for entry, samples in chosen.items() if compilers else ():
                 if quick:

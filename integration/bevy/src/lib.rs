@@ -331,6 +331,9 @@ struct BokehParameters {
     layer: f32,
     cats_eye: f32,
     roundness: f32,
+    lateral: f32,
+    axial_red: f32,
+    axial_blue: f32,
 }
 
 #[derive(Resource)]

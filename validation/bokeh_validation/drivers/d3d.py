@@ -41,7 +41,13 @@ class Direct3D(Driver):
         source = shaders.hlsl(self.model, values)
         key = (entry, source)
         if key not in self._compiled:
-            code = fxc.bytecode(source, f"{stage}_{self.model}_0", entry)
+            try:
+                code = fxc.bytecode(source, f"{stage}_{self.model}_0", entry)
+            except RuntimeError as error:
+                if self.model > 3 or not values.get("BOKEH_CHARACTER"):
+                    raise
+                # it has no room for all of a lens's character
+                raise Unavailable(str(error).splitlines()[-1]) from error
             name = f"{hashlib.sha256(code).hexdigest()[:32]}.{stage}"
             (self.server.folder / name).write_bytes(code)
             self._compiled[key] = name

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from bokeh_validation.mutants.killers import CUT, JITTER, LAYERED_TARGET, ROUND
+from bokeh_validation.mutants.killers import AXIAL, CUT, JITTER, LAYERED_TARGET, ROUND
 from bokeh_validation.mutants.mutant import Mutant
 from bokeh_validation.mutants.mutant import row as any_row
 
@@ -34,6 +34,8 @@ IN_PASSES: tuple[Mutant, ...] = (
         *CUT),
     row("aperture-round", "dropped sample", "Aperture", "polygon.roundness = BokehRoundness;", "", *ROUND),
     row("aperture-fifth", "dropped sample", "Aperture", "polygon.fifth = cut.fifth;", "", *CUT),
+    row("aperture-axial", "axis", "Aperture", "BokehAxialRed, ", "BokehAxialBlue, ", *AXIAL),
+    row("lateral-no-viewport", "dropped sample", "LateralColor", "BokehUseViewport();", ""),
     row("line-center", "axis", "AdaptiveLine", "BokehLineCenterX, BokehLineCenterY",
         "BokehLineCenterY, BokehLineCenterX"),
     row("line-squeeze", "aspect", "AdaptiveLine", "BokehSqueeze", "1.0"),

@@ -53,6 +53,14 @@ ROUND = (
     "test_character.py::test_curved_blades[egl 0.5]",
     "test_character.py::test_curved_blades[egl -1.0]",
 )
+LATERAL = (
+    "test_chromatic.py::test_lateral_on_noise[egl 5.0]",
+    "test_chromatic.py::test_lateral_in_a_viewport[egl]",
+)
+AXIAL = (
+    "test_chromatic.py::test_axial_on_noise[egl {} hexagon]",
+    "test_chromatic.py::test_axial_on_noise[egl targets decagon]",
+)
 CUT_LAYERS = (
     "test_character.py::test_layered_on_noise[egl 0.9]",
     "test_character.py::test_layered_on_noise[egl 17.0]",
@@ -99,12 +107,14 @@ FIRST = {
     "NaiveGather": (NAIVE,),
     "NaiveGrid": (GRID,),
     "SignedLeakageWeight MakePolygon Rotated PolygonEdge ExactWeight": (EXACT, HEXAGON),
-    "ExactTarget ExactFirst ExactSecond": (TARGETS, EXACT, HEXAGON, DECAGON),
+    "ExactTarget ExactFirst ExactSecond ChannelFirst ChannelSecond": (TARGETS, EXACT, HEXAGON, DECAGON),
     "LineSum": (JITTER, HEXAGON, EXACT, DENSE, survivor("test_squeezed_lines_have_means")),
-    "ExactEdge": (DECAGON, *OUT_OF_RANGE, JITTER),
+    "ExactEdge ChannelEdge": (DECAGON, *OUT_OF_RANGE, JITTER),
     "Begin First Second Aperture": (JITTER, EXACT, HEXAGON, LEAKS),
     "OctagonFirst DecagonFirst": (TARGETS,),
     "UseViewport ToTexture SetViewport": (LEAKS, COLUMN),
+    "LateralColor": LATERAL,
+    "ChannelMask ChannelCoC": AXIAL,
     "Debug*": (DEBUG, survivor("test_debug_views_of_a_pinhole"), survivor("test_debug_views_of_the_near_field")),
 }
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
-from bokeh_validation.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LINE, SECOND, VIEW
+from bokeh_validation.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, VIEW
 from bokeh_validation.passes import SLOTS, Pass, target_area, target_size
-from bokeh_validation.reference import layered, listings, segments
+from bokeh_validation.reference import aberration, layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.lines import lines
@@ -147,6 +147,8 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
     if role == COPY:
         coc = _coc(item, values, textures)
         return [listings.coc_map(textures[item.inputs["ColorSamp"]], coc, precision is not None)]
+    if role == LATERAL:
+        return [aberration.lateral(live[item.inputs["ColorSamp"]], values["BokehLateral"], precision)]
     if role == VIEW:
         return [_debug(live[item.inputs["ColorSamp"]], textures[item.inputs["DepthSamp"]], values)]
     filters = _Filters(item, values, live, textures, size, precision)
@@ -205,9 +207,19 @@ class _Filters:
             if self.item.spec.role == ADAPTIVE:
                 pattern = pattern.lines[0]
             blur_coc = self.item.spec.role == ADAPTIVE and self.values["BokehBlurCoC"] > 0.5
-            filtered = segments.adaptive(sources, self.depth, pattern, self.leakage, blur_coc, self.precision)
-            images.append(self.combined(filtered))
+            filtered = [
+                segments.adaptive(shifted, self.depth, pattern, self.leakage, blur_coc, self.precision)
+                for shifted in self.per_channel(sources)
+            ]
+            images.append(self.combined(aberration.merged(*filtered) if len(filtered) > 1 else filtered[0]))
         return images
+
+    def per_channel(self, sources: list[Image]) -> list[list[Image]]:
+        """The textures with the CoC that red has, green and blue; once where all channels have the same."""
+        if self.item.constants["BOKEH_CHARACTER"] < 2:
+            return [sources]
+        shifts = (self.values["BokehAxialRed"], 0.0, self.values["BokehAxialBlue"])
+        return [[aberration.shifted(one, shift) for one in sources] for shift in shifts]
 
     def combined(self, image: Image) -> Image:
         """Listing 4, where the pass has a second image."""

@@ -63,9 +63,9 @@ def test_texture_table():
 @pytest.mark.parametrize(
     ("file", "start", "end"),
     [
-        ("integration/parameters/BokehParameters.h", "struct BokehParameters", "float Unused[3];"),
+        ("integration/parameters/BokehParameters.h", "struct BokehParameters", "};"),
         ("integration/parameters/BokehParameters.cs", "struct BokehParameters", "\n}"),
-        ("integration/parameters/bokeh_parameters.rs", "struct BokehParameters", "unused: [f32; 3]"),
+        ("integration/parameters/bokeh_parameters.rs", "struct BokehParameters", "}"),
         ("integration/parameters/bokehParameters.js", "const BOKEH_PARAMETERS", "]"),
         ("integration/bevy/src/lib.rs", "struct BokehParameters {", "}"),
         ("integration/direct3d9/main.c", "    float apertureDiameter", "}"),

@@ -15,7 +15,7 @@ def without(source: str, file: Callable, language: str) -> str:
 
 
 GLSL, GLSL_TEXT = shaders.glsl("BokehDebug"), shaders.text("glsl")
-ONE_SAMPLE, CHARACTER = {"BOKEH_NUM_SAMPLES": 1}, {"BOKEH_CHARACTER": 2}
+ONE_SAMPLE, CHARACTER = {"BOKEH_NUM_SAMPLES": 1}, {"BOKEH_CHARACTER": 3}
 
 
 class TestConfiguration:
@@ -32,7 +32,7 @@ class TestConfiguration:
             ("#version 330\n" + GLSL_TEXT, "define BOKEH_PASS before this file"),
             (f"#version 330\n#define BOKEH_PASS BOKEH_FEILD\n{GLSL_TEXT}", "BOKEH_PASS is none of the names"),
             (shaders.glsl("BokehDebug", values=ONE_SAMPLE), "BOKEH_NUM_SAMPLES must be 2 or more"),
-            (shaders.glsl("BokehDebug", values=CHARACTER), "BOKEH_CHARACTER must be 0 or 1"),
+            (shaders.glsl("BokehDebug", values=CHARACTER), "BOKEH_CHARACTER must be 0, 1 or 2"),
             (GLSL.replace("#version 330", "#version 120", 1), "needs GLSL 3.30 or later"),
             (GLSL.replace("#version 330", "#version 100", 1), "needs GLSL ES 3.00 or later"),
         ],
@@ -57,7 +57,7 @@ class TestConfiguration:
             *((without(shaders.hlsl(model), paths.layers, "hlsl"), "") for model in (4, 5, 6)),
             (without(shaders.hlsl(5), paths.library, "hlsl"), "put bokeh.hlsl before bokeh_layers.hlsl"),
             (shaders.hlsl(5, ONE_SAMPLE), "BOKEH_NUM_SAMPLES must be 2 or more"),
-            (shaders.hlsl(5, CHARACTER), "BOKEH_CHARACTER must be 0 or 1"),
+            (shaders.hlsl(5, CHARACTER), "BOKEH_CHARACTER must be 0, 1 or 2"),
             (shaders.hlsl(7), "BOKEH_HLSL_SM must be 3, 4, 5 or 6"),
         ],
         ids=["4", "5", "6", "4 no layers", "5 no layers", "6 no layers", "no library", "one sample", "character", "7"],

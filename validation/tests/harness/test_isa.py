@@ -14,6 +14,7 @@ from support import called, load
 
 from bokeh_validation import fetches, paths
 from bokeh_validation.bench import rows, session
+from bokeh_validation.entries import EXACT
 from bokeh_validation.isa import compiled, estimate, isa_command
 from bokeh_validation.isa.targets import STOCK, Count
 from bokeh_validation.isa.unrolled import unrolled
@@ -74,6 +75,32 @@ def test_estimates_of_the_document(stock):
             cost = estimate.cost(method, stock.found["navi21"], estimate.DEVICES[0])
             assert cells == [f"{method.fetches:.0f}", cost.text((1920, 1080))], method.name
     assert not shown
+
+
+def test_character_of_the_document():
+    """docs/character.md: instructions of `exact` plain, with a cat's eye, with axial colour; of the same Mesa.
+
+    Axial colour is counted along the path, and fetches three times what one channel does; a compiler may keep the pixel
+    itself from the first channel for the other two.
+    """
+    page = (paths.ROOT / "docs/character.md").read_text(encoding="utf-8")
+    rows_shown = re.findall(r"^\| (\w+) \|" + r" (\d+) \|" * 3, page, re.MULTILINE)
+    shown = {name: list(map(int, cells)) for name, *cells in rows_shown}
+    assert len(shown) == 5
+    for shape in EXACT:
+        one = Settings("exact", shape, spacing=1.5, max_samples=9)
+        kinds = (one, replace(one, cats_eye=0.5), replace(one, axial=(0.01, 0.01)))
+        every = [compiled.Method(str(index), settings) for index, settings in enumerate(kinds)]
+        counts = [isa_command.count([method], ["navi21"]) for method in every]
+        if counts[0].mesa.get("navi21") != "22.3.6":
+            pytest.skip(f"the page is of another Mesa than {counts[0].mesa}")
+        for items in zip(*(method.passes[1:] for method in every), strict=True):
+            found = [
+                estimate.along_path(item, count.found["navi21"]) for item, count in zip(items, counts, strict=True)
+            ]
+            assert 3 * found[0].texture - found[2].texture in (0, 1, 2)
+            name = items[0].entry.removeprefix("Bokeh")
+            assert shown.get(name) in (None, [count.instructions for count in found]), name
 
 
 def test_fetches_on_the_path(stock):

@@ -34,6 +34,11 @@ render --max-samples 1 | --max-samples 1; 2 to
 render --jitter 2 | --jitter 2; 0 to 1
 render --frame -1 | --frame -1
 render --squeeze 0 | --squeeze 0; more than 0
+render --cats-eye 1 | --cats-eye 1; 0 to 0.9
+render --lateral 0.2 | --lateral 0.2; -0.1 to 0.1
+render --axial-red 2 | --axial-red 2; -1 to 1
+render --axial-blue 0.01 --method layered | --axial-blue 0.01; layered; --method exact
+render --axial-red 0.01 --driver d3d9 | --driver d3d9; shader model 4
 render --rotation inf | --rotation inf
 render --driver d3d12 | --driver d3d12; osmesa
 render --driver egl --adapter 'no such card' | no such card

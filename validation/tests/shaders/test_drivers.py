@@ -77,9 +77,9 @@ def test_every_entry(method, driver):
 
 
 def test_every_entry_is_there():
-    """In the table above, but for those of test_inputs.py and test_debug_views."""
+    """In the table above, but for those of test_inputs.py, test_chromatic.py and test_debug_views."""
     drawn = {item.entry for settings in WHOLE.values() for item in methods.plan(settings, (61, 37)).passes}
-    assert drawn | {"BokehLinearDepth", "BokehDebug"} == set(ENTRIES)
+    assert drawn | {"BokehLinearDepth", "BokehLateralColor", "BokehDebug"} == set(ENTRIES)
 
 
 @spread("size", [(61, 37), (1, 1), (1, 64), (96, 2), (257, 33)], [(61, 37)])

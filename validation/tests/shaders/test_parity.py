@@ -213,7 +213,7 @@ BINDINGS = {
         "BokehAngle[[)\nBOKEH_PARAMETER(float, BokehAngleB=>B)\nBOKEH_PARAMETER(float, BokehAngle]])",
         "BokehAngle[[: f32,\n    BokehAngleB=>B: f32,\n    BokehAngle]]: f32,\n",
     ),
-    "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[20=>6]]\n", "BokehAngle[[B=>A]]: f32"),
+    "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[21=>6]]\n", "BokehAngle[[B=>A]]: f32"),
     "a global without the prefix": (
         "Texture2D [[Bokeh=>]]KernelSamp :",
         "uniform sampler2D [[Bokeh=>]]KernelSamp;",

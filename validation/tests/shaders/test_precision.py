@@ -25,7 +25,7 @@ PLANS = {
     "paper star, adaptive": methods.Settings("paper", "star", spacing=1.0, max_samples=17, squeeze=0.7),
     "paper pentagon": methods.Settings("paper", "pentagon", samples=6),
     "exact square": methods.Settings("exact", "square", spacing=0.5, max_samples=9, jitter=0.5),
-    "exact decagon": methods.Settings("exact", "decagon", rotation=11.0),
+    "exact decagon": methods.Settings("exact", "decagon", rotation=11.0, lateral=0.01),
     "exact octagon, one target": methods.Settings("exact", "octagon", targets=False, spacing=1.0, max_samples=9),
     "naive hexagon": methods.Settings("naive", "hexagon", samples=5),
     "naive grid": methods.Settings("naive-grid", "square", samples=4, leak_fix=False),
