@@ -99,7 +99,7 @@ IN_LAYERS: tuple[Mutant, ...] = (
         ("corner-last", "off-by-one", "FirstCorner", "BokehEdgeVector(polygon.sides / 2,",
          "BokehEdgeVector(polygon.sides / 2 - 1,"),
         ("next-edge", "off-by-one", "NextCorner", "edge == 0", "edge == 1"),
-        ("next-half", "condition", "NextCorner", "k >= edges", "k > edges"),
+        ("next-half", "condition", "NextCorner", "k >= edges", "k >= 2 * edges"),
         ("next-sign", "sign", "NextCorner", "corner.x * along.y < corner.y", "corner.x * along.y > corner.y"),
         ("next-length", "constant", "NextCorner", "axis) * 2.0", "axis)"),
         ("share", "sign", "EdgeShare", "- corner.y", "+ corner.y"),

@@ -7,6 +7,7 @@ from bokeh_validation.mutants.killers import (
     AXIAL,
     COUNTED,
     CUT,
+    CUT_MADE,
     DEPTH_ENDS,
     HEXAGON,
     HOSTILE,
@@ -280,8 +281,8 @@ IN_LIBRARY: tuple[Mutant, ...] = (
     row("debug-sides", "condition", "DebugFocus", "S2 < S1", "S2 > S1"),
     row("debug-focus-guard", "guard", "DebugFocus", "max(MaxCoC, BOKEH_MIN_DEPTH)", "MaxCoC"),
     # cat's eye
+    row("cut-made", "off-by-one", "MakePolygon", "float(sides)", "(float(sides) + 1.0)", CUT_MADE),
     *(row(f"cut-{name}", kind, function, old, new, *CUT) for name, kind, function, old, new in (
-        ("made", "off-by-one", "MakePolygon", "float(sides)", "(float(sides) + 1.0)"),
         ("length-second", "axis", "EdgeLength", "polygon.lengths.y", "polygon.lengths.z"),
         ("length-fourth", "axis", "EdgeLength", "polygon.lengths.w", "polygon.fifth"),
         ("length-fifth", "off-by-one", "EdgeLength", "k == 5", "k == 6"),

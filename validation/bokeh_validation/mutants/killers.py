@@ -49,6 +49,7 @@ CUT = (
     "test_character.py::test_exact_on_noise[egl targets decagon]",
     "test_character.py::test_exact_on_noise[egl 5.0 decagon]",
 )
+CUT_MADE = "test_character.py::test_made_for_a_cut"
 ROUND = (
     "test_character.py::test_curved_blades[egl 0.5]",
     "test_character.py::test_curved_blades[egl -1.0]",

@@ -1,5 +1,6 @@
 """The character of a lens: cat's eye, in the exact and in the layered method."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from support import in_each_language, load
 from support_cases import CAMERA, everything, judged, kind, noise_case, result, within
 from support_targets import framed, inside
 
-from bokeh_validation import apertures, methods, metrics
+from bokeh_validation import apertures, methods, metrics, shaders
 from bokeh_validation.methods import Settings
 from bokeh_validation.patterns import cats_eye
 from bokeh_validation.reference import cuts, polygons, segments
@@ -47,6 +48,24 @@ def test_tiling(sides, towards, amount):
     assert total == pytest.approx(abs(polygons.signed_area(corners)), abs=off)
     wrong = held != polygons.inside(corners, x, y)
     assert wrong.mean() <= 4 * off
+
+
+@pytest.mark.parametrize("sides", [4, 6, 8, 10])
+def test_made_for_a_cut(sides):
+    """BokehMakePolygon alone, with BOKEH_CHARACTER 1: the lines of the plain polygon.
+
+    2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
+    """
+    text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehSquareSecond", "330", {"BOKEH_CHARACTER": 1}))
+    text += (
+        f"void main()\n{{\n    BokehPolygon polygon = BokehMakePolygon({sides}, 0.5, 0.75);\n"
+        "    BokehResult = BokehPolygonEdge(2, polygon, true);\n}\n"
+    )
+    case = noise_case((8, 8), replace(EXACT, aperture="square"))
+    item = replace(case.plan.passes[-1], sources={"glsl": text}, inputs={})
+    found = load("osmesa").run([item], {}, (8, 8), "float", keep=item.outputs)[item.outputs[0]][0, 0]
+    wanted = segments.polygon_edge(2, sides, 0.5, 0.75, True)
+    np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
 
 
 @pytest.mark.parametrize(
