@@ -8,7 +8,7 @@ from support import in_each_language, load
 from support_cases import CAMERA, judged, noise_case, result, within
 from support_targets import framed, inside
 
-from bokeh_validation import methods, metrics
+from bokeh_validation import methods, metrics, patterns
 from bokeh_validation.methods import Settings
 from bokeh_validation.patterns import chromatic
 from bokeh_validation.reference.device import Reference
@@ -29,6 +29,12 @@ def test_lateral_on_noise(amount, driver):
 def test_lateral_elsewhere(name):
     """The same in shader model 3 and in a browser."""
     within(load(name), noise_case((61, 48), LATERAL))
+
+
+@pytest.mark.parametrize("name", ["d3d9", "d3d11"])
+def test_lateral_probe_on_direct3d(name):
+    """What it must show, where a last pass that resamples leaves all that is dark a step darker."""
+    assert all(check.ok for check in patterns.run(chromatic.PROBES[0], load(name)).checks)
 
 
 @in_each_language
