@@ -71,7 +71,7 @@ def default(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
     full: Annotated[
-        bool, typer.Option("--full", help="Every driver, compiler, probe, scene and engine's sample: seven minutes.")
+        bool, typer.Option("--full", help="Every driver, compiler, probe, scene and engine's sample: eleven minutes.")
     ] = False,
     adapter: Annotated[
         str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")
