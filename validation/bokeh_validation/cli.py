@@ -20,25 +20,25 @@ EXIT_BAD_INPUT = 2
 # name -> module and function
 COMMANDS = {
     "doctor": ("doctor", "doctor"),
-    "compile": ("matrix", "compile_programs"),
+    "compile": ("compilers.matrix", "compile_programs"),
     "sm3": ("sm3", "sm3"),
     "render": ("render", "render"),
-    "plan": ("frame", "plan"),
-    "aperture": ("aperture_command", "aperture"),
-    "shapes": ("quality", "shapes"),
-    "truth": ("likeness", "truth"),
-    "gallery": ("gallery", "gallery"),
-    "peers": ("peers.peers_command", "peers"),
+    "plan": ("frame.plan", "plan"),
+    "aperture": ("frame.aperture_command", "aperture"),
+    "shapes": ("probes.shapes", "shapes"),
+    "truth": ("truth.likeness", "truth"),
+    "gallery": ("truth.gallery", "gallery"),
+    "peers": ("truth.peers.peers_command", "peers"),
     "demo": ("demo", "demo"),
     "figures": ("figures.command", "figures"),
-    "patterns": ("validate", "run_patterns"),
-    "parity": ("parity", "parity"),
+    "probes": ("run.validate", "run_patterns"),
+    "parity": ("shaders.parity", "parity"),
     "precision": ("half.table", "precision"),
     "bench": ("bench.bench_command", "bench"),
     "port": ("engines.godot", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
-    "engines": ("validate", "run_engines"),
+    "engines": ("run.validate", "run_engines"),
     "release": ("release", "release"),
 }
 
@@ -84,7 +84,7 @@ def default(
     if version:
         print(__version__)
     elif context.invoked_subcommand is None:
-        from bokeh_validation import validate
+        from bokeh_validation.run import validate
 
         validate.validate(full, adapter, output)
 

@@ -31,7 +31,7 @@ def run(jobs: Sequence[Job], step: Callable[[str], None]) -> list:
                 step(str(waiting[future]))
             return [future.result() for future in waiting]
         except BrokenProcessPool as error:
-            raise UserError("a driver or compiler took its process with it. Try validation/run patterns.") from error
+            raise UserError("a driver or compiler took its process with it. Try validation/run probes.") from error
         except BaseException:
             for child in multiprocessing.active_children():
                 child.terminate()
@@ -40,7 +40,7 @@ def run(jobs: Sequence[Job], step: Callable[[str], None]) -> list:
 
 def _begin() -> None:
     """In a new process: the threads that are left for each, and an end of its own."""
-    from bokeh_validation import matrix
+    from bokeh_validation.compilers import matrix
     from bokeh_validation.reference import gather, layers
 
     matrix.THREADS = gather.THREADS = layers.THREADS = max(1, CORES // PROCESSES)

@@ -8,8 +8,9 @@ import numpy as np
 import typer
 from typer import Option
 
-from bokeh_validation import apertures, exr, methods, pictures, terminal
+from bokeh_validation import exr, pictures, terminal
 from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.frame import apertures, methods
 
 # A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
 MAX_KERNEL = 8192

@@ -6,15 +6,17 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bokeh_validation import drivers, files
-from bokeh_validation.drivers import Driver
+from bokeh_validation import files
 from bokeh_validation.errors import Unavailable, UserError
+
+if TYPE_CHECKING:
+    from bokeh_validation.drivers.base import Driver
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[yellow]not run[/]"
@@ -83,8 +85,10 @@ def write_json(path: Path | None, data: object) -> None:
         files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 
-def pick_driver(name: str | None, adapter: str | None) -> Driver:
+def pick_driver(name: str | None, adapter: str | None) -> "Driver":
     """The driver named, or the first that this machine has. Raises UserError."""
+    from bokeh_validation import drivers
+
     if name is not None:
         check_driver(name)
         try:
@@ -99,8 +103,10 @@ def pick_driver(name: str | None, adapter: str | None) -> Driver:
     raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
 
 
-def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list[Driver], dict[str, str]]:
+def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Driver"], dict[str, str]]:
     """The drivers named, and name -> reason for those that are missing. Raises UserError where none is left."""
+    from bokeh_validation import drivers
+
     found, missing = [], {}
     for name in names:
         check_driver(name)
@@ -116,5 +122,7 @@ def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list[Driver
 
 def check_driver(name: str) -> None:
     """Refuse a name that is no driver's. Raises UserError."""
+    from bokeh_validation import drivers
+
     if name not in drivers.NAMES:
         raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")

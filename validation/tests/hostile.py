@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bokeh_validation import methods
-from bokeh_validation.entries import GRID, LINE, TABLE
+from bokeh_validation.frame import methods
 from bokeh_validation.reference import sampling, segments
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
 from bokeh_validation.reference.segments import Segment
+from bokeh_validation.shaders.entries import GRID, LINE, TABLE
 
 # A half-float channel and what it counts as; 6e-8 is the smallest denormal half float
 COLOR = (

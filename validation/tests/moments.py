@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import apertures, methods
-from bokeh_validation.reference import polygons, segments
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.reference import segments
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 from support import load
 
-from bokeh_validation import drivers, methods, metrics, patterns
+from bokeh_validation import drivers, metrics
+from bokeh_validation import probes as patterns
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.patterns import model
-from bokeh_validation.patterns.model import Case
+from bokeh_validation.frame import methods
+from bokeh_validation.probes import model
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import precision
 
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)

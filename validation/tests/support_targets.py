@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bokeh_validation import methods
-from bokeh_validation.passes import Pass
+from bokeh_validation.frame import methods
+from bokeh_validation.shaders.passes import Pass
 
 Area = tuple[int, int, int, int]
 

@@ -18,11 +18,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bokeh_validation.entries import ADAPTIVE, LINE
-from bokeh_validation.passes import Pass
 from bokeh_validation.reference import precision, segments
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.segments import Segment
+from bokeh_validation.shaders.entries import ADAPTIVE, LINE
+from bokeh_validation.shaders.passes import Pass
 
 Outputs = Mapping[str, np.ndarray]
 # one store cuts off a step at most, of 2^-10; two frames' stores differ by as much

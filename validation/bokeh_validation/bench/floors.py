@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.entries import ADAPTIVE, COPYING_ENTRIES, GRID, LINE
-from bokeh_validation.passes import Pass
 from bokeh_validation.reference.lines import Line, lines
 from bokeh_validation.reference.segments import Segment
+from bokeh_validation.shaders.entries import ADAPTIVE, COPYING_ENTRIES, GRID, LINE
+from bokeh_validation.shaders.passes import Pass
 
 ENTRY = "BokehFloor"
 

@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import fetches, methods, suite
 from bokeh_validation.bench import floors
-from bokeh_validation.entries import COPYING_ENTRIES
-from bokeh_validation.passes import Pass
+from bokeh_validation.frame import fetches, methods
 from bokeh_validation.reference import listings, segments
 from bokeh_validation.reference.lines import lines
+from bokeh_validation.shaders.entries import COPYING_ENTRIES
+from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.truth import suite
 
 # Samples on a line for the effective counts of Table 1: 16, 64, 144, 256, 400, 576
 SIDES = (4, 8, 12, 16, 20, 24)

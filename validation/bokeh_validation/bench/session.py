@@ -16,10 +16,11 @@ from importlib import metadata
 
 import numpy as np
 
-from bokeh_validation import __version__, doctor, suite
+from bokeh_validation import __version__, doctor
 from bokeh_validation.bench import rows
 from bokeh_validation.bench.measure import Times, interleaved
 from bokeh_validation.drivers.base import TimedDriver, software_device
+from bokeh_validation.truth import suite
 
 Step = Callable[[str], None]
 SIZE, SOFTWARE_SIZE = (800, 800), (400, 400)

@@ -6,7 +6,7 @@ ANGLE is that of Firefox, Safari and Edge as well; tint is Dawn's.
 from bokeh_validation import browser
 from bokeh_validation.compilers.naga import TARGET_FORMAT, Stage
 from bokeh_validation.compilers.tool import CompileResult, accepted, refused
-from bokeh_validation.passes import SAMPLE_TYPES
+from bokeh_validation.shaders.passes import SAMPLE_TYPES
 
 
 def version(api: str) -> str:

@@ -5,11 +5,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 
-from bokeh_validation import paths, variants
+from bokeh_validation import paths
 from bokeh_validation.compilers import angle_tint, dxc, fxc, glslang, mesa, mojoshader, naga, spirv
 from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.variants import Program
+from bokeh_validation.shaders import variants
+from bokeh_validation.shaders.variants import Program
 
 OK, FAILED, MISSING = "ok", "failed", "missing"
 

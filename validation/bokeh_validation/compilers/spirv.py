@@ -4,8 +4,8 @@ import shutil
 import struct
 from collections import Counter
 
-from bokeh_validation import passes
 from bokeh_validation.compilers.tool import CompileResult, Tool, run
+from bokeh_validation.shaders import passes
 
 VAL = Tool("spirv-val", "spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
 CROSS = Tool("spirv-cross", "spirv-cross", "--revision", r"^(.*)")

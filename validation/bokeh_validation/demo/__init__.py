@@ -14,11 +14,13 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import browser, fetches, files, likeness, methods, paths, peers, shaders, suite, terminal
+from bokeh_validation import browser, files, paths, shaders, terminal
 from bokeh_validation.demo import others
-from bokeh_validation.entries import EXACT
 from bokeh_validation.errors import UserError
-from bokeh_validation.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
+from bokeh_validation.frame import fetches, methods
+from bokeh_validation.shaders.entries import EXACT
+from bokeh_validation.shaders.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
+from bokeh_validation.truth import likeness, peers, suite
 
 PAGE = Path(__file__).parent / "page"
 SHARED = (*(browser.PAGE / name for name in ("job.js", "webgl2.js", "webgpu.js")), peers.PAGE / "lens.js")

@@ -5,9 +5,9 @@ import gzip
 import json
 import re
 
-from bokeh_validation import peers
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.peers.effects import EFFECTS
+from bokeh_validation.truth import peers
+from bokeh_validation.truth.peers.effects import EFFECTS
 
 # Each after those that it imports
 THREE = (

@@ -11,7 +11,7 @@ from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
 from bokeh_validation.drivers.base import Driver, flattened, software_device, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, is_linear
+from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server
 
 RUN_S = 300.0  # the largest scene takes 2 s on two cores

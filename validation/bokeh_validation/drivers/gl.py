@@ -12,7 +12,7 @@ import numpy as np
 from bokeh_validation import shaders
 from bokeh_validation.drivers.base import Draw, Image, TimedDriver, kind_of, software_device, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SLOTS, Pass, is_linear
+from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
 
 class GLDriver(TimedDriver):

@@ -8,7 +8,7 @@ import numpy as np
 from bokeh_validation import browser, shaders
 from bokeh_validation.drivers.base import Driver, Image, flattened, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import SAMPLE_TYPES, Pass, is_linear
+from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
 SOFTWARE_DEVICE = "swiftshader"
 

@@ -17,7 +17,7 @@ from bokeh_validation.drivers.base import (
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
 # half-float targets, but two of 32 bits.

@@ -33,12 +33,13 @@ from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import methods, metrics
+from bokeh_validation import metrics
 from bokeh_validation.drivers.base import precision_of, software_device
-from bokeh_validation.passes import target_size
-from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, expected
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
+from bokeh_validation.shaders.passes import target_size
 
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 

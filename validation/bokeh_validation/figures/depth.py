@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from bokeh_validation import metrics, quality, suite
+from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
 from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
-from bokeh_validation.patterns import scenes as probes
-from bokeh_validation.patterns.model import Case, Probe
+from bokeh_validation.probes import scenes as probes
+from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes.model import Case, Probe
+from bokeh_validation.truth import suite
 
 STREET, CANOPY = suite.DRIVER_SCENES
 # A wider lens than the scenes' own, so that what Figures 2 and 7 are about is large enough to be seen.
@@ -26,7 +28,7 @@ def scene(file: suite.SceneFile, method: str = "paper", diameter: float | None =
 
 
 def measured(driver: Driver, probe: Probe) -> dict[str, float]:
-    """The probe's checks, name -> value. Whether they are right is for `validation/run patterns` to say."""
+    """The probe's checks, name -> value. Whether they are right is for `validation/run probes` to say."""
     seen = {}
     for case in probe.cases:
         outputs = driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep)

@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw
 
-from bokeh_validation import apertures, fetches, methods, quality, sheet
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
 from bokeh_validation.figures.figure import Made, Table, named
-from bokeh_validation.passes import Pass
-from bokeh_validation.patterns import impulse
-from bokeh_validation.reference import polygons
+from bokeh_validation.frame import apertures, fetches, methods, polygons, sheet
+from bokeh_validation.probes import impulse
+from bokeh_validation.probes import shapes as quality
 from bokeh_validation.reference.lines import lines
+from bokeh_validation.shaders.passes import Pass
 
 KERNELS = {"hexagon": "a", "octagon": "b"}
 

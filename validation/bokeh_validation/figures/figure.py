@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.patterns.model import Case
+from bokeh_validation.probes.model import Case
 
 
 class Table(NamedTuple):

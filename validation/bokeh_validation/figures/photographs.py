@@ -15,13 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import exr, files, locks, methods, paths
+from bokeh_validation import exr, files, locks, paths
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.figures import panels
 from bokeh_validation.figures.figure import Made, drawn
 from bokeh_validation.figures.panels import Panel
-from bokeh_validation.patterns.model import Case, depth_of
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, depth_of
 from bokeh_validation.reference import sampling
 
 PACKAGE, VERSION = "@pmndrs/assets", "1.7.0"

@@ -5,14 +5,15 @@ from math import cos, pi
 
 import numpy as np
 
-from bokeh_validation import apertures, methods, pictures, quality
+from bokeh_validation import pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels
 from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
-from bokeh_validation.patterns import impulse, two_points
-from bokeh_validation.patterns.model import Case, depth_of, pixel_center
-from bokeh_validation.reference import polygons
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.probes import impulse, two_points
+from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes.model import Case, depth_of, pixel_center
 
 # The probes' inputs: a CoC of impulse.COC pixels everywhere, two samples a pixel. The truth is as dense.
 CELLS = 2 * impulse.COC

@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import exr, methods, metrics, paths
+from bokeh_validation import exr, metrics, paths
+from bokeh_validation.frame import methods
 from bokeh_validation.half.interpreter import ALL_FLOAT, Choice, Evaluator
-from bokeh_validation.passes import SLOTS, Pass
 from bokeh_validation.reference import images, sampling
+from bokeh_validation.shaders.passes import SLOTS, Pass
 
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
 SCENE = "street_11"

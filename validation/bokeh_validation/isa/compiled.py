@@ -4,13 +4,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from bokeh_validation import fetches, methods, shaders
+from bokeh_validation import shaders
 from bokeh_validation.compilers import glslang
-from bokeh_validation.entries import EDGE, EXACT
 from bokeh_validation.errors import UserError
+from bokeh_validation.frame import fetches, methods
+from bokeh_validation.frame.methods import QUALITIES, Settings
 from bokeh_validation.isa.unrolled import unrolled
-from bokeh_validation.methods import QUALITIES, Settings
-from bokeh_validation.passes import Pass
+from bokeh_validation.shaders.entries import EDGE, EXACT
+from bokeh_validation.shaders.passes import Pass
 
 VERTEX = "BokehFullScreen"
 PATH = " path"  # ends the names of programs with their loops written out

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from bokeh_validation.isa.compiled import Method, Program
 from bokeh_validation.isa.targets import Count
-from bokeh_validation.passes import Pass
+from bokeh_validation.shaders.passes import Pass
 
 COLOR_BYTES = 8  # RGBA16F
 BYTES = {"depth": 4}

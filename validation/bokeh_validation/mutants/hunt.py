@@ -20,10 +20,11 @@ from pathlib import Path
 
 import pytest
 
-from bokeh_validation import parity, paths, rules
+from bokeh_validation import paths
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants.mutant import Mutant, mutated, originals
 from bokeh_validation.mutants.outcomes import ALIVE, ARGUED, BROKEN, CAUGHT, Result
+from bokeh_validation.shaders import parity, rules
 from bokeh_validation.windows import wine
 
 TESTS = paths.VALIDATION / "tests" / "shaders"

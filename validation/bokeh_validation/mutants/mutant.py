@@ -5,10 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from bokeh_validation import parity, paths, shaders
+from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants import killers
-from bokeh_validation.passes import PARAMETERS
+from bokeh_validation.shaders import parity
+from bokeh_validation.shaders.passes import PARAMETERS
 
 KINDS = (
     *("sign", "axis", "dropped sample", "off-by-one", "one language", "min for max", "angle", "aspect", "guard"),

@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from bokeh_validation import apertures
 from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
-from bokeh_validation.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, VIEW
-from bokeh_validation.passes import SLOTS, Pass, target_area, target_size
+from bokeh_validation.frame import apertures
 from bokeh_validation.reference import aberration, layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.reference.precision import Precision
+from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, VIEW
+from bokeh_validation.shaders.passes import SLOTS, Pass, target_area, target_size
 
 
 class Reference:

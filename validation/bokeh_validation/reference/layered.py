@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from bokeh_validation.entries import FIRST, SECOND, Entry
 from bokeh_validation.reference import balls, cuts, segments
 from bokeh_validation.reference.balls import Ball
 from bokeh_validation.reference.images import Image
@@ -25,6 +24,7 @@ from bokeh_validation.reference.layer_terms import (
 )
 from bokeh_validation.reference.layers import Layers
 from bokeh_validation.reference.precision import Precision
+from bokeh_validation.shaders.entries import FIRST, SECOND, Entry
 
 
 class Picture(Layers):

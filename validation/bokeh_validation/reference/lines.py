@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
-from bokeh_validation.passes import Pass
 from bokeh_validation.reference import cuts
 from bokeh_validation.reference.segments import Segment, line_segment, parallelogram, polygon_edge, weight
+from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
+from bokeh_validation.shaders.passes import Pass
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from math import pi, sin
 
 import numpy as np
 
-from bokeh_validation import apertures
+from bokeh_validation.frame import apertures
 from bokeh_validation.reference import cuts
 from bokeh_validation.reference.gather import Leakage, Sample, gather
 from bokeh_validation.reference.images import Image

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 from support import load
 
-from bokeh_validation import methods, passes, paths
-from bokeh_validation.patterns.model import Case, depth_of, flat
+from bokeh_validation import paths
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import listings
+from bokeh_validation.shaders import passes
 
 PARAMETERS_PAGE = (paths.ROOT / "docs/parameters.md").read_text(encoding="utf-8")
 

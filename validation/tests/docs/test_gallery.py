@@ -6,7 +6,8 @@ import numpy as np
 from PIL import Image
 from support import called
 
-from bokeh_validation import gallery, paths
+from bokeh_validation import paths
+from bokeh_validation.truth import gallery
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 MAX_DIFFERENCE = 0.5  # of 255 on average, as other devices round

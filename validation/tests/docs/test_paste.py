@@ -17,9 +17,10 @@ import pytest
 from support import load
 from test_inputs import FAR, NEAR, ROUNDINGS, slope
 
-from bokeh_validation import exr, methods, metrics, paths, shaders
+from bokeh_validation import exr, metrics, paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang
-from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, expected
 from bokeh_validation.reference import listings
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")

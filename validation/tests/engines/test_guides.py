@@ -11,7 +11,7 @@ from support_pages import assert_picture
 
 from bokeh_validation import paths
 from bokeh_validation.engines import direct3d, love, ogre, process, scripts
-from bokeh_validation.entries import ENTRIES
+from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
 NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))

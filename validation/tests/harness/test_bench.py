@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from support import called, load
 
-from bokeh_validation import fetches, methods, shaders
+from bokeh_validation import shaders
 from bokeh_validation.bench import measure, output, rows, session
+from bokeh_validation.frame import fetches, methods
 
 SIZE = (72, 64)
 DRIVERS = ("osmesa", "wgpu")

@@ -17,7 +17,7 @@ from bokeh_validation import browser, drivers, paths, shaders
 from bokeh_validation.compilers import angle_tint, naga
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass
+from bokeh_validation.shaders.passes import Pass
 
 COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehConstantCoC": 0.0})
 NAMES = ("webgl2", "webgpu")

@@ -13,8 +13,8 @@ import pytest
 from rich.console import Console
 from support import compiled, needed, says
 
-from bokeh_validation import matrix, paths, shaders
-from bokeh_validation.compilers import dxc, glslang, mesa, naga, registry, spirv, tool
+from bokeh_validation import paths, shaders
+from bokeh_validation.compilers import dxc, glslang, matrix, mesa, naga, registry, spirv, tool
 from bokeh_validation.compilers.registry import FAILED, MISSING, OK, Cell
 from bokeh_validation.compilers.tool import accepted
 from bokeh_validation.errors import Unavailable

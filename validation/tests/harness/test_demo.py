@@ -18,14 +18,16 @@ import pytest
 from PIL import Image
 from support import called, load, needed, refused
 
-from bokeh_validation import browser, demo, exr, methods, peers, pictures, shaders, suite
+from bokeh_validation import browser, demo, exr, pictures, shaders
 from bokeh_validation.demo import others
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.web import unpacked
 from bokeh_validation.engines.pages import CANVAS
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import is_linear, target_size
-from bokeh_validation.patterns.model import Case, compared
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, compared
+from bokeh_validation.shaders.passes import is_linear, target_size
+from bokeh_validation.truth import peers, suite
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
 SIZE = (160, 90)

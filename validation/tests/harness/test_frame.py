@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from support import called, load
 
-from bokeh_validation import apertures, frame, methods, paths, shaders
+from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
-from bokeh_validation.passes import COPYING_ENTRIES, Pass, target_size
+from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import plan as frame
+from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass, target_size
 
 # The lens blurs the near and the far depths of `picture` by most of the height, so that every pass has work to do.
 CAMERA = methods.Camera(aperture_diameter=0.4, focal_length=0.05, focus_distance=2.0, max_coc=0.8)

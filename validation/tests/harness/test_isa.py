@@ -12,13 +12,14 @@ from pathlib import Path
 import pytest
 from support import called, load
 
-from bokeh_validation import fetches, paths
+from bokeh_validation import paths
 from bokeh_validation.bench import rows, session
-from bokeh_validation.entries import EXACT
+from bokeh_validation.frame import fetches
+from bokeh_validation.frame.methods import Settings, plan
 from bokeh_validation.isa import compiled, estimate, isa_command
 from bokeh_validation.isa.targets import STOCK, Count
 from bokeh_validation.isa.unrolled import unrolled
-from bokeh_validation.methods import Settings, plan
+from bokeh_validation.shaders.entries import EXACT
 
 TABLE = Path(__file__).with_name("isa_stock.tsv")
 # of a count in the table: a compiler may order instructions otherwise, and moves a few copies with it

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation import suite
-from bokeh_validation.methods import Camera
-from bokeh_validation.patterns.model import overlap
-from bokeh_validation.peers import Peers, counted, crate, effects, measured, peers_command
-from bokeh_validation.peers.effects import EFFECTS
+from bokeh_validation.frame.methods import Camera
+from bokeh_validation.probes.model import overlap
+from bokeh_validation.truth import suite
+from bokeh_validation.truth.peers import Peers, counted, crate, effects, measured, peers_command
+from bokeh_validation.truth.peers.effects import EFFECTS
 
 CAMERA = Camera(0.1, 0.05, 2.0, 0.024, 0.15)
 

@@ -11,8 +11,10 @@ import OpenEXR
 import pytest
 from support import called, refused
 
-from bokeh_validation import exr, methods, paths, suite
+from bokeh_validation import exr, paths
+from bokeh_validation.frame import methods
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.truth import suite
 
 STREET = paths.SCENES / "street_11_pin.exr"
 CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-distance", "5", "--max-coc", "0.15"]

@@ -13,9 +13,12 @@ from types import SimpleNamespace
 import pytest
 from support import called
 
-from bokeh_validation import jobs, matrix, paths, patterns, report, validate
+from bokeh_validation import jobs, paths
+from bokeh_validation import probes as patterns
+from bokeh_validation.compilers import matrix
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.sections import Section, of_probe
+from bokeh_validation.run import report, validate
+from bokeh_validation.run.sections import Section, of_probe
 
 LEAKAGE = next(probe for probe in patterns.PROBES if probe.name == "leakage")
 

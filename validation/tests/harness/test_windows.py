@@ -13,7 +13,7 @@ from support import load, needed
 
 from bokeh_validation import paths, shaders, sm3
 from bokeh_validation.compilers import fxc
-from bokeh_validation.passes import Pass
+from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.windows import server, wine
 
 COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")

@@ -10,12 +10,12 @@ import pytest
 from PIL import Image
 from support import called, in_each_language
 
-from bokeh_validation import apertures, convex, decomposition, methods, paths, sheet
-from bokeh_validation.decomposition import Decomposition, decompose
+from bokeh_validation import paths
 from bokeh_validation.errors import UserError
-from bokeh_validation.patterns import impulse
-from bokeh_validation.patterns.model import depth_of, pixel_center
-from bokeh_validation.reference import polygons
+from bokeh_validation.frame import apertures, convex, decomposition, methods, polygons, sheet
+from bokeh_validation.frame.decomposition import Decomposition, decompose
+from bokeh_validation.probes import impulse
+from bokeh_validation.probes.model import depth_of, pixel_center
 from bokeh_validation.reference.device import Reference
 
 DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")

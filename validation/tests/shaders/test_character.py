@@ -9,10 +9,11 @@ from support import in_each_language, load
 from support_cases import CAMERA, everything, judged, kind, noise_case, result, within
 from support_targets import framed, inside
 
-from bokeh_validation import apertures, methods, metrics, shaders
-from bokeh_validation.methods import Settings
-from bokeh_validation.patterns import cats_eye
-from bokeh_validation.reference import cuts, polygons, segments
+from bokeh_validation import metrics, shaders
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import cats_eye
+from bokeh_validation.reference import cuts, segments
 from bokeh_validation.reference.device import Reference
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)

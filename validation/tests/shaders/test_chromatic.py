@@ -8,9 +8,11 @@ from support import in_each_language, load
 from support_cases import CAMERA, judged, noise_case, result, within
 from support_targets import framed, inside
 
-from bokeh_validation import methods, metrics, patterns
-from bokeh_validation.methods import Settings
-from bokeh_validation.patterns import chromatic
+from bokeh_validation import metrics
+from bokeh_validation import probes as patterns
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import chromatic
 from bokeh_validation.reference.device import Reference
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA)

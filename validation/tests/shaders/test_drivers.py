@@ -8,13 +8,15 @@ from hostile import COLOR, DEPTH
 from support import LANGUAGES, in_each_language, load, spread
 from support_cases import CAMERA, kind, noise_case, result, within
 
-from bokeh_validation import apertures, methods, metrics, suite
-from bokeh_validation.entries import ENTRIES
-from bokeh_validation.methods import Settings
-from bokeh_validation.passes import Pass
-from bokeh_validation.patterns.model import Case, expected
+from bokeh_validation import metrics
+from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes.model import Case, expected
 from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.shaders.entries import ENTRIES
+from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.truth import suite
 
 # test_layers.py has the same of layered
 METHODS = ("paper", "exact", "naive", "naive-grid")

@@ -8,12 +8,13 @@ from support import load
 from support_cases import CAMERA, noise_case
 from support_targets import NAN, Area, framed, inside, nan
 
-from bokeh_validation import methods, metrics
+from bokeh_validation import metrics
 from bokeh_validation.drivers import base
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.passes import Pass, target_size
-from bokeh_validation.patterns.model import expected
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import expected
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.shaders.passes import Pass, target_size
 
 SIZE = (13, 9)
 # 5 texels to the left, 2 to the right, 1 above, 4 below: whatever is turned or mirrored lies elsewhere

@@ -9,11 +9,14 @@ import pytest
 from support import LANGUAGES, in_each_language, load
 from support_cases import CAMERA, everything, float_result, noise_case, result, within
 
-from bokeh_validation import apertures, methods, metrics, paths, quality, suite
-from bokeh_validation.methods import Settings
-from bokeh_validation.patterns import exact
-from bokeh_validation.patterns.model import Case
-from bokeh_validation.reference import listings, polygons, segments
+from bokeh_validation import metrics, paths
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import exact
+from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes.model import Case
+from bokeh_validation.reference import listings, segments
+from bokeh_validation.truth import suite
 
 EXACT = tuple(methods.EXACT)
 DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")

@@ -13,9 +13,10 @@ from hostile import COLOR, DEPTH, sprinkled
 from support import load
 from support_cases import result
 
-from bokeh_validation import apertures, drivers, methods, metrics
-from bokeh_validation.methods import Camera, Settings
-from bokeh_validation.patterns.model import Case
+from bokeh_validation import drivers, metrics
+from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import precision
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image

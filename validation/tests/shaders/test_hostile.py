@@ -10,8 +10,8 @@ from support import LANGUAGES, in_each_language, load, spread
 from support_cases import everything, within
 
 from bokeh_validation import drivers
-from bokeh_validation.methods import Camera, Settings
-from bokeh_validation.patterns.model import Case
+from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference.listings import safe_color
 
 SIZE = (96, 64)

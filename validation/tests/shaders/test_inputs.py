@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from bokeh_validation import methods
-from bokeh_validation.passes import Pass
+from bokeh_validation.frame import methods
 from bokeh_validation.reference import listings
 from bokeh_validation.reference.precision import FLOAT_STEP
+from bokeh_validation.shaders.passes import Pass
 
 NEAR, FAR = 0.1, 200.0
 CAMERA = methods.Camera(0.05, 0.05, 5.0, max_coc=1.0)

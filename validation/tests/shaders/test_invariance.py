@@ -14,10 +14,11 @@ from support import LANGUAGES, in_each_language, load
 from support import spread as spread_over
 from support_cases import float_result, kind, noise_case, result
 
-from bokeh_validation import methods, paths
+from bokeh_validation import paths
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.methods import Settings
-from bokeh_validation.patterns.model import Case, depth_of, flat
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import segments
 from bokeh_validation.reference.device import Reference
 

@@ -15,15 +15,16 @@ from support import in_each_language
 from support_cases import CAMERA, kind, noise_case, result
 from test_invariance import ASPECTS, DOCUMENT, LINEAR, PAPER_HEXAGON, PEAK, highlight, named
 
-from bokeh_validation import methods, metrics
+from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.methods import Settings
-from bokeh_validation.passes import Pass
-from bokeh_validation.patterns import lights, near_edges
-from bokeh_validation.patterns.model import Case, depth_of, expected, flat
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import lights, near_edges
+from bokeh_validation.probes.model import Case, depth_of, expected, flat
 from bokeh_validation.reference import precision
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
+from bokeh_validation.shaders.passes import Pass
 
 
 def transformed(case: Case, change, settings: Settings) -> Case:

@@ -1,6 +1,6 @@
 """The layered method on every driver: each pass within the reference's interval, and what must be alike or unchanged.
 
-What its pictures must show: the layered probes of bokeh_validation/patterns, which test_patterns.py runs in every
+What its pictures must show: the layered probes of bokeh_validation/probes, which test_patterns.py runs in every
 language.
 """
 
@@ -12,8 +12,9 @@ from support import LANGUAGES, load, spread
 from support_cases import CAMERA, judged, kind, noise_case, result, within
 from support_targets import framed, inside, poisoned
 
-from bokeh_validation import methods, metrics
-from bokeh_validation.patterns import PROBES, lights, model, near_edges, unchanged
+from bokeh_validation import metrics
+from bokeh_validation.frame import methods
+from bokeh_validation.probes import PROBES, lights, model, near_edges, unchanged
 from bokeh_validation.reference.device import Reference
 
 # No program of layers takes the number of samples: one number for all apertures, or each would be compiled again

@@ -7,11 +7,11 @@ import pytest
 from support import load
 from test_frame import counting
 
-from bokeh_validation import fetches, methods
 from bokeh_validation.bench import bench_command, rows, session
-from bokeh_validation.passes import COPYING_ENTRIES
-from bokeh_validation.patterns import near_edges
-from bokeh_validation.patterns.model import depth_of, flat
+from bokeh_validation.frame import fetches, methods
+from bokeh_validation.probes import near_edges
+from bokeh_validation.probes.model import depth_of, flat
+from bokeh_validation.shaders.passes import COPYING_ENTRIES
 
 pytestmark = pytest.mark.alone
 

@@ -10,9 +10,10 @@ from support_cases import noise_case, within
 from support_targets import framed, inside
 from test_layers import SETTINGS, TEXTURES
 
-from bokeh_validation import methods, shaders
-from bokeh_validation.patterns import near_edges
-from bokeh_validation.patterns.model import Case, depth_of, flat
+from bokeh_validation import shaders
+from bokeh_validation.frame import methods
+from bokeh_validation.probes import near_edges
+from bokeh_validation.probes.model import Case, depth_of, flat
 
 # A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
 FULL = methods.Camera(1.8, 0.05, 8.0, max_coc=0.5)

@@ -4,8 +4,9 @@ import re
 
 import pytest
 
-from bokeh_validation import parity, paths, shaders
+from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
+from bokeh_validation.shaders import parity
 
 # the passes from their entries on, and the whole of them
 FILES = {"library": parity.LIBRARY, "layers": parity.LAYERS, "passes": parity.PASSES, "bindings": parity.PASSES}

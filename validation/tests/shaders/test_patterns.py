@@ -6,8 +6,10 @@ import pytest
 from support import LANGUAGES
 from support_cases import judged
 
-from bokeh_validation import methods, patterns, validate
-from bokeh_validation.patterns import impulse, model
+from bokeh_validation import probes as patterns
+from bokeh_validation.frame import methods
+from bokeh_validation.probes import impulse, model
+from bokeh_validation.run import validate
 
 
 @pytest.mark.parametrize(("name", "driver"), list(zip(validate.FULL_PROBES, cycle(LANGUAGES))), indirect=["driver"])

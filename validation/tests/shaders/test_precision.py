@@ -8,14 +8,15 @@ import pytest
 from support import load
 from support_cases import noise_case
 
-from bokeh_validation import methods, metrics, paths, shaders
+from bokeh_validation import metrics, paths, shaders
 from bokeh_validation.compilers import fxc, glslang
-from bokeh_validation.entries import ENTRIES
+from bokeh_validation.frame import methods
 from bokeh_validation.half import domain, frames, program, table
 from bokeh_validation.half.choice import ALLOWED, LIMITS, MAY_BE_HALF, WHOLE
 from bokeh_validation.half.interpreter import ALL_HALF, FETCHES, RETURNED, Evaluator, convert, is_half, operate
-from bokeh_validation.patterns.model import expected
+from bokeh_validation.probes.model import expected
 from bokeh_validation.reference import device, listings, segments
+from bokeh_validation.shaders.entries import ENTRIES
 
 EXACT = 1e-12
 SIZE = (53, 41)

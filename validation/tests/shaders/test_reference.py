@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from bokeh_validation import apertures, metrics
-from bokeh_validation.reference import listings, polygons, precision, sampling
+from bokeh_validation import metrics
+from bokeh_validation.frame import apertures, polygons
+from bokeh_validation.reference import listings, precision, sampling
 from bokeh_validation.reference.gather import Leakage, Table, gather
 from bokeh_validation.reference.images import Image
 

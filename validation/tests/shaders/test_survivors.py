@@ -9,11 +9,13 @@ from hostile import COLOR
 from support import in_each_language
 from support_cases import noise_case, within
 
-from bokeh_validation import methods, metrics, passes, paths, shaders
+from bokeh_validation import metrics, paths, shaders
+from bokeh_validation.frame import methods
 from bokeh_validation.half.interpreter import Evaluator
-from bokeh_validation.passes import Pass
-from bokeh_validation.patterns.model import depth_of, flat
+from bokeh_validation.probes.model import depth_of, flat
 from bokeh_validation.reference import listings
+from bokeh_validation.shaders import passes
+from bokeh_validation.shaders.passes import Pass
 
 
 def changed(plain: np.ndarray, output: np.ndarray) -> bool:

@@ -14,11 +14,13 @@ import sweep
 from support import LANGUAGES, load
 from support_cases import everything, float_result, noise_case
 
-from bokeh_validation import methods, paths, suite
+from bokeh_validation import paths
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.patterns.model import Case, depth_of, flat
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.truth import suite
 
 DOCUMENT = (paths.ROOT / "docs/invariances.md").read_text(encoding="utf-8")
 PROSE = " ".join(DOCUMENT.split())  # without its line ends

@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 from support import called, load
 
-from bokeh_validation import likeness, methods, paths, quality, suite
-from bokeh_validation.patterns.model import Case
-from bokeh_validation.reference import polygons
-from bokeh_validation.scatter import GROWTH, scatter, signed_pixels
+from bokeh_validation import paths
+from bokeh_validation.frame import methods, polygons
+from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes.model import Case
+from bokeh_validation.truth import likeness, suite
+from bokeh_validation.truth.scatter import GROWTH, scatter, signed_pixels
 
 PAGE = paths.ROOT / "docs" / "likeness.md"
 SCENES = {scene.name: scene for scene in suite.SCENES}

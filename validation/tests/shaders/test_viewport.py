@@ -8,10 +8,11 @@ from support import in_each_language, spread
 from support_cases import kind
 from support_targets import framed, inside, poisoned
 
-from bokeh_validation import methods, metrics
-from bokeh_validation.passes import Pass
+from bokeh_validation import metrics
+from bokeh_validation.frame import methods
 from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
+from bokeh_validation.shaders.passes import Pass
 
 SIZE = (90, 70)
 # not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows

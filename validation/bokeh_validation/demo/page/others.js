@@ -1,7 +1,7 @@
 // Depth of field by three.js's and pmndrs' own libraries, which the page holds packed. They draw on WebGL 2, apart from
 // the page, and what they drew is handed over.
 
-import { MAPPED } from "../../peers/page/lens.js";
+import { MAPPED } from "../../truth/peers/page/lens.js";
 
 let library = null; // promise of peers/page/three_webgl.js
 const opened = new Map(); // name -> { pictures, effect }

@@ -1,0 +1,1 @@
+"""A method's frame as data: settings, passes, apertures, counts."""

@@ -1,0 +1,78 @@
+"""How many texels the passes fetch."""
+
+import numpy as np
+
+from bokeh_validation.reference.lines import lines
+from bokeh_validation.shaders.entries import COPY, EDGE, FIRST, LATERAL, SECOND
+from bokeh_validation.shaders.passes import Pass
+
+KINDS = ("color", "depth", "table")
+
+
+def of_pass(item: Pass, in_focus: bool = False) -> dict[str, int]:
+    """KINDS -> fetches for a texel of a pass's targets where it takes all of its samples.
+
+    in_focus  of the layers: where nothing around is out of focus
+    """
+    if item.spec.layers:
+        return {"color": _of_layers(item, in_focus), "depth": 0, "table": 0}
+    # the other parallelogram of a final pass, whose depth is not looked at
+    others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
+    samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
+    # red and blue
+    others += 2 * (item.spec.role == LATERAL)
+    # each channel on its own
+    times = 3 if item.spec.role in (FIRST, SECOND, EDGE) and item.constants["BOKEH_CHARACTER"] > 1 else 1
+    depth = 1 + samples if "DepthSamp" in item.inputs else 0
+    return {
+        "color": times * (1 + others + samples),
+        "depth": depth,
+        "table": item.samples if "KernelSamp" in item.inputs else 0,
+    }
+
+
+def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:
+    """KINDS -> the same for a pixel of the full size, all passes together."""
+    counts = [(of_pass(item), item.scale**2) for item in passes]
+    return {kind: sum(count[kind] / texel for count, texel in counts) for kind in KINDS}
+
+
+def of_filters(passes: tuple[Pass, ...]) -> float:
+    """Colour fetches a pixel of all filter passes: samples of every line, the pixel itself, other textures read."""
+    return of_frame(tuple(item for item in passes if item.spec.role != COPY))["color"]
+
+
+def tiles_along(item: Pass) -> int:
+    """How many tiles along one axis the passes over tiles of the layers look at; float32 as on the device."""
+    values = item.values()
+    largest = np.float32(values["BokehMaxCoC"]) * np.float32(values["BokehImageHeight"])
+    return min(2 * (int(np.ceil(largest / np.float32(16.0))) + 2) + 1, 255)
+
+
+def _of_layers(item: Pass, in_focus: bool) -> int:
+    """As the loops of bokeh_layers.* count."""
+    values = item.values()
+    sides = round(values["BokehSides"])
+    rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "CELLS", "CUBIC"))
+    along = tiles_along(item)
+
+    if in_focus:
+        cells = 0
+
+    def ring_samples(count: int) -> int:
+        return 0 if in_focus else sum(sides * max(int(6 * ring / sides + 0.5), 1) for ring in range(1, count + 1))
+
+    if item.spec.role in (FIRST, SECOND, EDGE):
+        edges = round(values["BokehEdge"]) - 1 if item.spec.role == EDGE else sides // 2 - 1
+        return 1 + max(edges * cells, 1)
+    return {
+        "LayerTiles": 8 * 8,
+        "LayerReach": along,
+        "LayerSplit": 1 + 2 * 2 + (0 if in_focus else 4 * 4 + 2 * 2),
+        "LayerKernels": 2 * 4 * 4,
+        "LayerSpread": 1 + 2 * along,
+        "LayerSizes": 2 + 2 * along,
+        "LayerHoles": 1 + 4 * 4,
+        "LayerFill": 1 + 3 * (1 + ring_samples(2)),
+        "Layered": 2 + (0 if in_focus else 2 * (5 if cubic else 1) + ring_samples(rings) + 2),
+    }[(item.spec.whole or item.entry).removeprefix("Bokeh")]

@@ -1,0 +1,323 @@
+"""The workflows of Figure 10 and the naive gather, as lists of passes."""
+
+from dataclasses import dataclass, field, replace
+from math import radians
+
+import numpy as np
+
+from bokeh_validation.frame import apertures, decomposition
+from bokeh_validation.shaders.entries import COLORS, EXACT
+from bokeh_validation.shaders.passes import Pass
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Thin lens and sensor, metres; max_coc is a fraction of the image height."""
+
+    aperture_diameter: float = 0.05
+    focal_length: float = 0.05
+    focus_distance: float = 5.0
+    sensor_height: float = 0.024
+    max_coc: float = 0.1
+
+    def parameters(self) -> dict[str, float]:
+        """As the shaders name them."""
+        return {
+            "BokehApertureDiameter": self.aperture_diameter,
+            "BokehFocalLength": self.focal_length,
+            "BokehFocusDistance": self.focus_distance,
+            "BokehSensorHeight": self.sensor_height,
+            "BokehMaxCoC": self.max_coc,
+        }
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What to render.
+
+    samples      on a line; default: see default_samples
+    coc          a constant CoC (fraction of the image height) instead of one from depth
+    spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples
+    max_samples  on a line, where spacing is not 0
+    jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
+    frame        number of the frame: the noise is another in each
+    squeeze      width of the bokeh over its height
+    cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
+    roundness    of octagons in the same: 0 a square, 1 regular
+    axial        how much more signed CoC red has than green, and blue; exact only
+    lateral      how much larger red of the finished picture is than green, and blue smaller
+    targets      whether a pass may write several targets; exact and layered only
+    quality      of layered, one of QUALITIES
+    """
+
+    method: str = "paper"
+    aperture: str = "hexagon"
+    samples: int | None = None
+    rotation: float = 0.0
+    camera: Camera = field(default_factory=Camera)
+    coc: float | None = None
+    blur_coc: bool = True
+    leak_fix: bool = True
+    bleeding_bias: float = 0.02
+    bleeding_mult: float = 30.0
+    spacing: float = 0.0
+    max_samples: int = 65
+    jitter: float = 0.0
+    frame: int = 0
+    squeeze: float = 1.0
+    cats_eye: float = 0.0
+    roundness: float = 1.0
+    axial: tuple[float, float] = (0.0, 0.0)
+    lateral: float = 0.0
+    targets: bool = True
+    quality: str = "medium"
+
+    @property
+    def count(self) -> int:
+        """BOKEH_NUM_SAMPLES of the filter passes."""
+        if self.spacing > 0.0:
+            return self.max_samples
+        return default_samples(self.method, self.aperture) if self.samples is None else self.samples
+
+
+# Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
+QUALITIES = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
+PAPER_SAMPLES = 13
+# An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
+# 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
+EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
+
+
+def default_samples(method: str, aperture: str) -> int:
+    """Samples on a line where nobody says: 13 as in the paper's section 4.3, and as dense in the exact method."""
+    return EDGE_SAMPLES.get(aperture, PAPER_SAMPLES) if method in ("exact", "layered") else PAPER_SAMPLES
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Passes, the tables they need beside colour and depth, and the name of the result.
+
+    Textures 'color' (H, W, 4) and 'depth' (H, W) are to be handed in with `tables`.
+    """
+
+    passes: tuple[Pass, ...]
+    tables: dict[str, np.ndarray]
+    result: str = "result"
+
+
+def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
+    parameters = settings.camera.parameters()
+    if settings.coc is None:
+        return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
+    parameters["BokehConstantCoC"] = settings.coc
+    return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", parameters)
+
+
+def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, float]:
+    # programs without it have no code for it
+    character = {"BokehCatsEye": settings.cats_eye, "BokehRoundness": settings.roundness}
+    character = character if settings.cats_eye > 0.0 or settings.roundness < 1.0 else {}
+    return character | {
+        "BokehAspectRatio": size[0] / size[1],
+        "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 1.0,
+        "BokehBleedingMult": settings.bleeding_mult,
+        "BokehBlurCoC": 1.0 if settings.blur_coc else 0.0,
+        "BokehSqueeze": settings.squeeze,
+        "BokehSpacing": settings.spacing,
+        "BokehImageWidth": float(size[0]),
+        "BokehImageHeight": float(size[1]),
+        "BokehJitter": settings.jitter,
+        "BokehFrame": float(settings.frame),
+    }
+
+
+def paper(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Listings 1 to 4. `size` is (width, height) in pixels.
+
+    Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is made once.
+    """
+    if settings.aperture in apertures.POLYGONS:
+        corners = apertures.regular_polygon(apertures.POLYGONS[settings.aperture])
+        return paper_polygon(decomposition.decompose(corners), settings, size)
+    common = _filter_parameters(settings, size)
+    shapes = apertures.PARALLELOGRAMS[settings.aperture]
+    passes = [_coc_pass(settings)]
+    first_lines: dict[float, str] = {}
+    finished = None
+    for index, shape in enumerate(shapes):
+        if shape.first not in first_lines:
+            first_lines[shape.first] = name = f"line {len(passes)}"
+            passes.append(_line(settings, common, shape.first, "coc", name))
+        source = first_lines[shape.first]
+        if index + 1 < len(shapes):
+            finished = f"line {len(passes)}"
+            passes.append(_line(settings, common, shape.second, source, finished))
+        else:
+            passes.append(_line(settings, common, shape.second, source, "result", finished))
+    return Plan(_numbered(passes), {})
+
+
+def _numbered(passes: list[Pass]) -> tuple[Pass, ...]:
+    """A CoC map and line passes, each of these with noise of its own."""
+    return (
+        passes[0],
+        *(
+            replace(item, parameters={**item.parameters, "BokehPassIndex": float(index)})
+            for index, item in enumerate(passes[1:])
+        ),
+    )
+
+
+def _line(settings: Settings, common: dict, angle: float, source: str, target: str, other: str | None = None) -> Pass:
+    """One line pass; with `other`, the final one that combines with it."""
+    parameters = {**common, "BokehAngle": radians(angle + settings.rotation)}
+    inputs = {"ColorSamp": source, "DepthSamp": "depth"}
+    entry = "BokehAdaptive" if settings.spacing > 0.0 else "BokehDepthOfField"
+    if other is None:
+        return Pass(entry, inputs, target, parameters, settings.count)
+    inputs["ColorSampB"] = other
+    parameters["BokehUseMax"] = 1.0 if settings.aperture in apertures.USES_MAX else 0.0
+    return Pass(entry + "Final", inputs, target, parameters, settings.count)
+
+
+def paper_polygon(shape: decomposition.Decomposition, settings: Settings, size: tuple[int, int]) -> Plan:
+    """The paper's method for any convex polygon, turned by `settings.rotation`; `settings.aperture` is not looked at.
+
+    Names are those of `paper`. The entries are the adaptive ones, which take lines of any length beside the pixel.
+    """
+    common = _filter_parameters(settings, size)
+    common["BokehUseMax"] = 0.0
+    lines = shape.rotated(settings.rotation).lines
+    names = [f"line {index + 1}" for index in range(len(lines) - 1)] + ["result"]
+    passes = [_coc_pass(settings)]
+    for line, name in zip(lines, names, strict=True):
+        inputs = {"ColorSamp": "coc" if line.reads is None else names[line.reads], "DepthSamp": "depth"}
+        if line.combines is not None:
+            inputs["ColorSampB"] = names[line.combines]
+        entry = "BokehAdaptive" if line.combines is None else "BokehAdaptiveFinal"
+        passes.append(Pass(entry, inputs, name, {**common, **line.parameters()}, settings.count))
+    return Plan(_numbered(passes), {})
+
+
+def exact(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Polygons with an even number of sides, added up from parallelograms: docs/apertures.md.
+
+    The first pass writes 'target 2' .. 'target n', n = sides / 2: at once, or one after the other without several
+    targets. The second pass writes 'result'.
+    """
+    sides = EXACT[settings.aperture]
+    stem = f"Bokeh{settings.aperture.capitalize()}"
+    common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
+    if any(settings.axial):
+        common |= dict(zip(("BokehAxialRed", "BokehAxialBlue"), settings.axial, strict=True))
+    names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
+    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
+    if settings.targets:
+        passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count))
+    else:
+        for k, name in enumerate(names, 2):
+            edge = {**common, "BokehSides": float(sides), "BokehEdge": float(k)}
+            passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count))
+    read = dict(zip(COLORS, names, strict=False))
+    passes.append(Pass(stem + "Second", read, "result", common, settings.count))
+    return Plan(tuple(passes), {})
+
+
+def layered(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Near and far layers at half size and a small gather of the rest: bokeh_layers.*. The last pass writes 'result'.
+
+    Without several targets, a pass of several is drawn once for each.
+    """
+    sides = EXACT[settings.aperture]
+    stem = f"Bokeh{settings.aperture.capitalize()}Layer"
+    constants = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
+    defines = dict(zip(constants, QUALITIES[settings.quality], strict=True))
+    common = _filter_parameters(settings, size) | {
+        "BokehMaxCoC": settings.camera.max_coc,
+        "BokehAngle": radians(settings.rotation),
+        "BokehSides": float(sides),
+    }
+    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
+
+    def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
+        values = {**common, **changed}
+        read = dict(zip(COLORS, inputs, strict=False))
+        if len(outputs) == 1 or settings.targets:
+            passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
+            return
+        one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
+        for k, name in enumerate(outputs, 2):
+            values = {**values, "BokehEdge": float(k)}
+            passes.append(Pass(one, read, name, values, settings.count, defines, scale=scale))
+
+    add(8, "BokehLayerTiles", ("coc",), ("tiles",))
+    add(8, "BokehLayerReach", ("tiles",), ("reach along rows",))
+    add(8, "BokehLayerReach", ("reach along rows",), ("reach",), BokehAxis=1.0)
+    add(2, "BokehLayerSplit", ("coc", "reach"), ("near", "far", "sums", "leftovers"))
+    add(8, "BokehLayerKernels", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
+    add(8, "BokehLayerSpread", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
+    add(8, "BokehLayerSizes", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
+    add(4, "BokehLayerHoles", ("coc", "reach"), ("middle with holes", "far with holes", "shares"))
+    add(4, "BokehLayerFill", ("middle with holes", "far with holes", "shares", "reach"), ("middle", "back"))
+    for index, layer in enumerate(("near", "far")):
+        names = tuple(f"{layer} target {k}" for k in range(2, sides // 2 + 1))
+        add(2, stem + "First", (layer, "sizes"), names, BokehLayer=float(index))
+        # the CoC are in the fifth slot, whatever the number of targets
+        read = dict(zip(COLORS, names, strict=False)) | {"ColorSampE": "sizes"}
+        values = {**common, "BokehLayer": float(index)}
+        passes.append(Pass(stem + "Second", read, f"{layer} blurred", values, settings.count, defines, scale=2))
+    add(1, "BokehLayered", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
+    return Plan(tuple(passes), {})
+
+
+def naive(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Section 3: one gather with the aperture's table of offsets."""
+    table = apertures.kernel(settings.aperture, settings.count, settings.rotation)
+    inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
+    gather = Pass("BokehNaiveGather", inputs, "result", _filter_parameters(settings, size), len(table))
+    return Plan((_coc_pass(settings), gather), {"kernel": kernel_texture(table)})
+
+
+def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Section 3 over a samples x samples grid of the aperture's first parallelogram, offsets computed (Table 1)."""
+    shape = apertures.PARALLELOGRAMS[settings.aperture][0]
+    parameters = {
+        **_filter_parameters(settings, size),
+        "BokehAngle": radians(shape.first + settings.rotation),
+        "BokehAngleB": radians(shape.second + settings.rotation),
+    }
+    gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.count)
+    return Plan((_coc_pass(settings), gather), {})
+
+
+def in_viewport(found: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
+    """A plan for an image that is a part of its textures.
+
+    viewport  (x, y, width, height) of the image, texels; `found` was made for its width and height
+    size      (width, height) of the textures and targets
+    """
+    names = ("BokehViewportX", "BokehViewportY", "BokehImageWidth", "BokehImageHeight")
+    place = dict(zip(names, map(float, viewport), strict=True))
+    place |= {"BokehTextureWidth": float(size[0]), "BokehTextureHeight": float(size[1])}
+    passes = (replace(item, viewport=viewport, parameters={**item.parameters, **place}) for item in found.passes)
+    return replace(found, passes=tuple(passes))
+
+
+def kernel_texture(table: np.ndarray) -> np.ndarray:
+    """Offsets (N, 2) as an N x 1 texture, float32 (1, N, 4), rg = offset."""
+    texture = np.zeros((1, len(table), 4), np.float32)
+    texture[0, :, :2] = table
+    return texture
+
+
+def plan(settings: Settings, size: tuple[int, int]) -> Plan:
+    """The passes of `settings.method`, and lateral colour after them."""
+    made = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}[
+        settings.method
+    ](settings, size)
+    if settings.lateral == 0.0:
+        return made
+    *others, last = made.passes
+    finished = replace(last, output="finished")
+    lateral = Pass("BokehLateralColor", {"ColorSamp": "finished"}, "result", {"BokehLateral": settings.lateral})
+    return replace(made, passes=(*others, finished, lateral))

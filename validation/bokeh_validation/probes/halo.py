@@ -1,0 +1,70 @@
+"""A sharp object in front of a blurred background: how much of its light the background shows that should not."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat
+
+SIZE = (160, 126)
+CAMERA = methods.Camera(aperture_diameter=0.1, focal_length=0.05, focus_distance=2.0, max_coc=0.2)
+FAR = 20.0
+# nearly in focus: a CoC of 0.0067, which Listing 3 gives a weight of 0.2, and 0.8 pixels here
+OBJECT = 2.0 / (1.0 - 0.0067 * CAMERA.sensor_height / 0.1 * (2.0 - 0.05) / 0.05)
+# rows and columns of a block and of a bar
+SHAPES = (
+    (slice(40, 86), slice(30, 76)),
+    (slice(20, 106), slice(110, 118)),
+)
+TURN = 7.0  # degrees: no edge of the polygon along an edge of the object
+NAIVE_SAMPLES = 33  # 817 offsets in the hexagon, 848 in the octagon
+
+
+def scene() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Colour and depth, and where the object is (H, W) bool. The object is red, the background has no red."""
+    color, depth = flat(SIZE), depth_of(SIZE, FAR)
+    y, x = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
+    checker = 0.1 + 0.9 * ((x // 13 + y // 13) % 2)
+    color[..., 0], color[..., 1], color[..., 2] = 0.0, 0.6 * checker, checker
+    held = np.zeros(depth.shape, bool)
+    for shape in SHAPES:
+        held[shape] = True
+    color[held] = (1.0, 0.0, 0.0, 1.0)
+    depth[held] = OBJECT
+    return color, depth, held
+
+
+def leaked(red: np.ndarray, held: np.ndarray) -> float:
+    """Red on the background, which begins a pixel from the object, as a share of the object's own."""
+    grown = held.copy()
+    for axis in (0, 1):
+        grown = grown | np.roll(grown, 1, axis) | np.roll(grown, -1, axis)
+    return float(red[~grown].sum() / held.sum())
+
+
+def _judge(held: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
+    found = {label: leaked(output["result"][..., 0], held) for label, output in outputs.items()}
+    exact, untested = found["exact"] / found["naive"], found["naive, no test"] / found["naive"]
+    why = "a gather in two dimensions with the same weights is what exact stands for: no more than that may leak"
+    must = "the object must have light to leak, or this probe shows nothing"
+    return [
+        Check("light of the object on the background, exact / naive", exact, 0.0, 1.0, why),
+        Check("the same, naive without the leakage test / naive with it", untested, 2.0, float("inf"), must),
+    ]
+
+
+def probe(aperture: str) -> Probe:
+    """The probe of one polygon: exact and the gather, a sample a pixel and as dense."""
+    color, depth, held = scene()
+    dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, max_samples=33)
+    naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
+    chosen = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
+    cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())
+    title = f"A sharp object leaks no more than by a gather in two dimensions, {aperture}"
+    shows = "A red object, nearly in focus, with no red around it but what its own small CoC spreads."
+    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, held))
+
+
+PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon"))

@@ -1,0 +1,185 @@
+"""What a probe is: pictures to render, checks on them, and the comparison with the reference."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
+
+import numpy as np
+
+from bokeh_validation import metrics
+from bokeh_validation.drivers.base import Driver, precision_of
+from bokeh_validation.frame import methods
+from bokeh_validation.metrics import Comparison
+from bokeh_validation.reference import precision
+from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference.images import Image
+
+Outputs = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One rendering of a probe.
+
+    color, depth  (H, W, 4) float16 and (H, W) float32
+    keep          textures to look at, the result last
+    exposure      factor for the picture in the report, cut off at 1
+    tone_map      whether the picture is tone-mapped instead
+    """
+
+    label: str
+    settings: methods.Settings
+    color: np.ndarray
+    depth: np.ndarray
+    keep: tuple[str, ...] = ("result",)
+    exposure: float = 1.0
+    tone_map: bool = False
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height)"""
+        return self.color.shape[1], self.color.shape[0]
+
+    @property
+    def plan(self) -> methods.Plan:
+        """Its passes."""
+        return methods.plan(self.settings, self.size)
+
+    @cached_property
+    def content(self) -> bytes:
+        """Hash of colour and depth: unlike id(), it is never that of another image that was freed."""
+        digest = blake2b(repr((self.color.shape, self.color.dtype, self.depth.shape, self.depth.dtype)).encode())
+        for pixels in (self.color, self.depth):
+            digest.update(np.ascontiguousarray(pixels))
+        return digest.digest()
+
+    def textures(self) -> dict[str, np.ndarray]:
+        """Everything the passes read."""
+        return {"color": self.color, "depth": self.depth, **self.plan.tables}
+
+
+@dataclass(frozen=True)
+class Check:
+    """A measured number and the interval it must be in; `why` derives the interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    why: str
+
+    @property
+    def ok(self) -> bool:
+        """NaN is not ok."""
+        return self.low <= self.value <= self.high
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A test image with what it must show.
+
+    judge   takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
+    figure  of the paper, if it has one
+    but     drivers that have no room for its programs
+    """
+
+    name: str
+    title: str
+    shows: str
+    cases: tuple[Case, ...]
+    judge: Callable[[Mapping[str, Outputs]], list[Check]]
+    figure: str = ""
+    but: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """Pictures of one case on one driver and on the reference, and how far they are apart."""
+
+    case: Case
+    outputs: Outputs
+    expected: Mapping[str, Image]
+    comparisons: Mapping[str, Comparison]
+
+
+@dataclass(frozen=True)
+class ProbeResult:
+    """A probe on one driver."""
+
+    probe: Probe
+    driver: str
+    cases: list[CaseResult]
+    checks: list[Check]
+
+
+# Scenes are 20 MB each; the oldest go when there are more than fit.
+KEPT_BYTES = 400e6
+_expected: dict[tuple, dict[str, Image]] = {}
+
+
+def expected(case: Case, software: bool, rounding: str) -> dict[str, Image]:
+    """The reference's outputs with the acceptance interval of a class of devices; kept, since drivers share them."""
+    key = (case.content, case.settings, case.keep, software, rounding)
+    if key not in _expected:
+        kind = precision.SOFTWARE if software else precision.GPU
+        images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
+        # what nobody looks at is not kept: a scene's passes are a hundred megabytes
+        _expected[key] = {name: images[name] for name in case.keep}
+        while len(_expected) > 1 and sum(map(_bytes, _expected.values())) > KEPT_BYTES:
+            del _expected[next(iter(_expected))]
+    return _expected[key]
+
+
+def compared(case: Case, driver: Driver) -> CaseResult:
+    """A case on a driver: its outputs, the reference's, and how far they are apart, for each of case.keep.
+
+    The layered method is compared pass by pass, each with what the device had in its inputs: all of its targets must
+    be within their intervals. From end to end they would say nothing: whether a pixel is near is a matter of a step in
+    a tile's CoC.
+    """
+    passes, textures, software = case.plan.passes, case.textures(), driver.software
+    if case.settings.method != "layered":
+        outputs = driver.run(passes, textures, case.size, keep=case.keep)
+        wanted = expected(case, software, driver.rounding)
+        return CaseResult(case, outputs, wanted, {k: metrics.compare(outputs[k], wanted[k], software) for k in wanted})
+    names = [name for item in passes for name in item.outputs]
+    outputs = driver.run(passes, textures, case.size, keep=names)
+    kind = precision.SOFTWARE if software else precision_of(driver.adapter)
+    wanted = Reference().images(passes, textures, case.size, "half", kind, driver.rounding, given=outputs)
+    # bounds in steps are for pictures: sums and shares are often small differences
+    comparisons = {k: metrics.compare(outputs[k], wanted[k], software and k in case.keep) for k in names}
+    return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: wanted[k] for k in case.keep}, comparisons)
+
+
+def _bytes(images: Mapping[str, Image]) -> int:
+    return sum(image.value.nbytes + image.error.nbytes + image.undecided.nbytes for image in images.values())
+
+
+def run(probe: Probe, driver: Driver) -> ProbeResult:
+    """Render every case on a driver, compare with the reference, and judge."""
+    results = [compared(case, driver) for case in probe.cases]
+    checks = probe.judge({r.case.label: {k: v.astype(np.float64) for k, v in r.outputs.items()} for r in results})
+    return ProbeResult(probe, driver.name, results, checks)
+
+
+def flat(size: tuple[int, int], value: float = 0.0, alpha: float = 1.0) -> np.ndarray:
+    """A grey image (H, W, 4) float16."""
+    image = np.full((size[1], size[0], 4), value, np.float16)
+    image[..., 3] = alpha
+    return image
+
+
+def depth_of(size: tuple[int, int], metres: float) -> np.ndarray:
+    """A constant depth (H, W) float32."""
+    return np.full((size[1], size[0]), metres, np.float32)
+
+
+def overlap(seen: np.ndarray, wanted: np.ndarray) -> float:
+    """Of two shapes: the sum of the smaller over the sum of the larger."""
+    return float(np.minimum(seen, wanted).sum() / np.maximum(seen, wanted).sum())
+
+
+def pixel_center(column: int, row: int) -> tuple[float, float]:
+    """Place of a pixel's centre, in pixels from the image's corner."""
+    return column + 0.5, row + 0.5

@@ -1,0 +1,118 @@
+"""Two bright pixels that expose min and max: Figures 12 and 13. The paper's method has them, so they must show."""
+
+from functools import partial
+
+import numpy as np
+
+from bokeh_validation.frame import apertures, polygons
+from bokeh_validation.probes import impulse
+from bokeh_validation.probes.model import Check, Outputs, Probe, pixel_center
+
+SIZE = (160, 128)
+
+# Second point relative to the first, pixels, for a CoC of 36: where a corner that min discards around one point falls
+# on one discarded around the other (found by a scan of the analytic shapes, largest light in false shapes).
+OFFSETS = {"hexagon": (0, 38), "octagon": (38, 16), "star": (36, 16)}
+
+
+def ripple(aperture: str) -> float:
+    """How far the bilinear samples of a parallelogram's two lines are from adding up to a constant, relative.
+
+    A wide blur of a point is a lattice of tent filters, one for each pair of samples. On a lattice that is not aligned
+    with the pixels their sum varies: 34 % at a sample a pixel and 45 degrees, 5 % at two.
+    """
+    spacing = impulse.COC / (impulse.SAMPLES - 1)
+    shape = apertures.PARALLELOGRAMS[aperture][-1]
+    along, across = (apertures.direction(np.radians(angle)) for angle in (shape.first, shape.second))
+    steps = np.arange(-10.0, 10.0 + spacing, spacing)
+    i, j = np.meshgrid(steps, steps)
+    lattice = i[..., None] * along + j[..., None] * across
+    cell = spacing**2 * abs(along[0] * across[1] - along[1] * across[0])
+    places = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 11)] * 2), axis=-1).reshape(-1, 2)
+    sums = [np.maximum(0.0, 1.0 - np.abs(lattice - p)).prod(axis=-1).sum() * cell for p in places]
+    return float(np.abs(np.array(sums) - 1.0).max())
+
+
+def points(aperture: str) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Both pixels, (column, row), about the middle of the image."""
+    dx, dy = OFFSETS[aperture]
+    first = ((SIZE[0] - dx) // 2, (SIZE[1] - dy) // 2)
+    return first, (first[0] + dx, first[1] + dy)
+
+
+def shapes(aperture: str) -> list[list[np.ndarray]]:
+    """Coverage of parallelogram p of point k: [k][p], each (H, W)."""
+    return [
+        [polygons.coverage(p, SIZE, pixel_center(*point)) for p in impulse.parallelograms(aperture, 0.0)]
+        for point in points(aperture)
+    ]
+
+
+def correct_sum(aperture: str, combine) -> np.ndarray:
+    """Both apertures, added where they overlap, in units of the plateau, (H, W)."""
+    first, second = shapes(aperture)
+    return combine(*first) + combine(*second)
+
+
+def combined(aperture: str, combine) -> np.ndarray:
+    """What the paper's method makes of it: each parallelogram blur has both points, then min or max."""
+    first, second = shapes(aperture)
+    return combine(first[0] + second[0], first[1] + second[1])
+
+
+def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
+    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
+    truth, predicted = correct_sum(aperture, np.minimum), combined(aperture, np.minimum)
+    # a pixel away from the true shapes, so that their soft edges do not count as false light
+    outside = grown(truth > 0) == 0
+    one_shape = truth.sum() / 2
+    seen, expected = value[outside].sum() / one_shape, predicted[outside].sum() / one_shape
+    border = 0.5 * boundary_pixels(predicted * outside) / one_shape
+    least, most = max(expected - border, 0.25 * expected), expected + border
+    why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
+    bright = "both blurs have light 1, but for the ripple of their samples"
+    return [
+        Check("light in false shapes (share of one highlight)", seen, least, most, why),
+        Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), bright),
+    ]
+
+
+def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
+    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
+    truth, predicted = correct_sum(aperture, np.maximum), combined(aperture, np.maximum)
+    # where the formula says that one of two highlights is missing; a pixel away from the edges of that place
+    missing = truth - predicted > 0.5
+    inner, off = ~grown(~missing), ripple(aperture)
+    shown, expected = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
+    area, why = float(missing.sum()), f"the analytic shapes give {expected:.3f}, but for the ripple of the samples"
+    return [
+        Check("area with light missing (pixels)", area, 10.0, float("inf"), "the artefact must show"),
+        Check("light shown there, share of the correct sum", shown, expected - off, expected + off, why),
+    ]
+
+
+def grown(mask: np.ndarray) -> np.ndarray:
+    """A mask and the pixels next to it."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(mask, 1), (3, 3)).any(axis=(2, 3))
+
+
+def boundary_pixels(image: np.ndarray) -> float:
+    """Number of pixels at which a picture of plateaus changes: the length of its boundary."""
+    across, down = (np.abs(np.diff(image, axis=axis)) > 0.01 for axis in (1, 0))
+    return float((across[:-1] | down[:, :-1]).sum())
+
+
+def probe(aperture: str) -> Probe:
+    """Two points for one aperture."""
+    case = impulse.point_case("two points", impulse.constant_coc(aperture, 0.0, SIZE), points(aperture), SIZE)
+    if aperture == "star":
+        title = "Two highlights that do not add up under max"
+        shows = "Where the stars overlap the light should be twice as bright; max shows it once."
+        return Probe("two-points-max", title, shows, (case,), partial(_judge_max, aperture), "13")
+    title = f"Two highlights make false ones under min, {aperture}"
+    shows = "Beside the two shapes there is light that belongs to neither: discarded corners that met."
+    figure = {"hexagon": "12a", "octagon": "12b"}[aperture]
+    return Probe(f"two-points-{aperture}", title, shows, (case,), partial(_judge_min, aperture), figure)
+
+
+PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon", "star"))

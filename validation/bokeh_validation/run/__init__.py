@@ -1,0 +1,1 @@
+"""The brief and the full run, and their report."""

@@ -1,0 +1,251 @@
+"""Three languages, one text: HLSL, GLSL and WGSL are rewritten to common words and compared statement by statement.
+
+Comments, blank lines and the order of everything are part of the text; spaces and line breaks in a statement are not.
+Two languages are compared in what both can say: samplers as parameters and arguments between HLSL and WGSL, `#` lines
+between HLSL and GLSL. What is not written as the rest of its language is cannot be rewritten, and so is a difference.
+Not compared, because it is each language's own business, is
+
+  in the library   the header's PASTE block, and section [2] up to where the image lies in its textures
+  in the passes    all before the last heading (bindings, vertex shader) but the rows of the table of passes
+  in both          of a function that reads a texture itself, which rules.py allows in section [2] only: its body, and
+                   its comment after the first line
+
+A statement that has to deviate ends in `// differs: reason`, and the reason stands in docs/paper.md.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from functools import lru_cache, partial
+from itertools import combinations
+from typing import NamedTuple
+
+from bokeh_validation import paths, shaders, terminal
+from bokeh_validation.errors import UserError
+from bokeh_validation.shaders import rules
+from bokeh_validation.shaders.entries import ENTRIES
+
+PAPER = "docs/paper.md"
+LIBRARY, LAYERS, PASSES = (
+    {language: f"{language}/{name}.{language}" for language in paths.LANGUAGES}
+    for name in ("bokeh", "bokeh_layers", "bokeh_passes")
+)
+_HEADING = re.compile(r"^// (?:pixel|fragment) shaders\n", re.MULTILINE)
+
+_PASS_NAMES = {shaders.glsl_pass(entry): f"{entry}_PS" for entry in ENTRIES}
+_TABLE_ROW = re.compile(rf"//   (?:{'|'.join(_PASS_NAMES)}|Bokeh\w+_PS)  ")
+
+# Common words, and what each language calls them
+_WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>")
+_TYPES = {
+    "hlsl": ("float", "float2", "float3", "float4", "int", "Texture2D"),
+    "glsl": ("float", "vec2", "vec3", "vec4", "int", "sampler2D"),
+    "wgsl": ("f32", "vec2f", "vec3f", "vec4f", "i32", "texture_2d<f32>"),
+}
+
+
+def _own_body(found: re.Match) -> str:
+    """A function that reads a texture, to its head and the first line of its comment."""
+    first = found["doc"].partition("\n")[0]
+    return f"{first}\n{found['head']};" if re.search(rf"{rules.SAMPLING}\(", found["body"]) else found[0]
+
+
+def _glsl_head(found: re.Match) -> str:
+    return f"\n\n{found[2]}ENTRY {_PASS_NAMES.get(found[1], found[1])}()"
+
+
+def _wgsl_head(found: re.Match) -> str:
+    parameters = re.sub(r"(\w+): ([\w<>]+)", r"\2 \1", found[2])
+    return f"{found[3] or 'void'} {found[1]}({parameters})"
+
+
+def _wgsl_targets(found: re.Match) -> str:
+    return " ".join(f"target{i} = {value};" for i, value in enumerate(found[1].split(", ")))
+
+
+# (pattern, replacement), in the order in which they are carried out: of the whole text, then of the code
+_Rewrites = tuple[tuple[str, str | Callable[[re.Match], str]], ...]
+_EVERYWHERE: _Rewrites = (
+    (r"^// PASTE(?s:.*?)(?=^// CONTENTS)", ""),
+    (r"^(// \[2\] .*\n// -+\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
+    (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
+    (r"^( *)(?! |//)(.*?) *// differs:.*$", "\\1\0\\2"),
+    (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
+    # WGSL has no preprocessor: there the layers are always in the program
+    (r"^#ifdef BOKEH_LAYERS\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),
+)
+_CODE: Mapping[str, _Rewrites] = {
+    "hlsl": (
+        (r"^(?=float\d? \w+ =)", "?"),  # without `static` it were a uniform
+        (r"^static ", ""),
+        (r"(?<!BOKEH_LOOP )\bfor\b", "?for"),
+        (r"\bBOKEH_LOOP for\b", "for"),
+        (r"\bBOKEH_TEXTURE\((\w+)\)", r"Texture2D \1, sampler \1Sampler"),
+        (r"\bBOKEH_TEXELS\((\w+)\)", r"Texture2D \1"),
+        (r"\bBOKEH_ARGUMENT\((\w+)\)", r"\1, \1Sampler"),
+        (r"\bBOKEH_SHARED\((\w+), (\w+)\)", r"\1, \2Sampler"),
+        (r"\bBokehColorSampB?Sampler\b", "BokehLinearClamp"),
+        (r"^float4 (Bokeh\w+_PS)\(BOKEH_INPUT\) : BOKEH_OUTPUT$", r"ENTRY \1()"),
+        (r"^void (Bokeh\w+_PS)\(BOKEH_INPUT(?:,\s+out float4 target(\d) : BOKEH_TARGET\(\2\))+\)$", r"ENTRY \1()"),
+        (r"\btarget0 = (?=[^;]*;\n\})", "return "),
+    ),
+    "glsl": (
+        (r"^#(?:el)?if BOKEH_PASS == (\w+)\n\n((?://\d+\n)*)void main\(\)$", _glsl_head),
+        (r"\n#endif\n#endif\n\Z", "\n"),
+        (r"\bBokehUV\b", "uv"),
+        (r"\bBokehResult = (?=[^;]*;\n\})", "return "),
+        (r"\bBokehResult([BCD]?) =", lambda found: f"target{'_BCD'.index(found[1] or '_')} ="),
+    ),
+    "wgsl": (
+        (r"^struct BokehTargets\d\n\{\n(?:    @location\((\d)\) target\1: vec4f,\n)+\}$", ""),
+        (r"^@fragment fn (\w+)\(input: BokehVertex\) -> (?:@location\(0\) vec4f|BokehTargets\d)$", r"ENTRY \1()"),
+        (r"\breturn BokehTargets\d\(([^()]*)\);", _wgsl_targets),
+        (r"\binput\.uv\b", "uv"),
+        (r"\bbokehParameters\.", ""),
+        (r"^fn (\w+)\(([^)]*)\)(?: -> (\w+))?(?=;?$)", _wgsl_head),
+        (r"^(    \w+: \w+,\n)\}$", r"\1};"),
+        (r"^    (\w+): (\w+),$", r"    \2 \1;"),
+        (shaders.WGSL_SETTING, r"\1 = \2\3;"),
+        (r"(^ *|\bfor \()(?:let|var|var<private>) (\w+): (\w+)(?=;| =)", r"\1\3 \2"),
+    ),
+}
+# A blank line, comment or `#` line; the head of a loop; any other statement or head
+_LINE = re.compile(
+    r"^\n|//\d+|^#.*|\0?for\b(?:(?!//)[^{}])*[{}]?|(?!//)[^\s{};](?:(?!//)[^{};])*[{};]?|[{};]", re.MULTILINE
+)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One thing that is not the same in the languages, or breaks a rule; `text`: what stands where."""
+
+    where: str
+    what: str
+    text: tuple[tuple[str, str], ...] = ()
+
+    def __str__(self) -> str:
+        return "\n".join([f"{self.where}: {self.what}", *(f"    {place}  {text}" for place, text in self.text)])
+
+
+class Line(NamedTuple):
+    """What _LINE finds, in common words, with a NUL before it where it is marked; `where`: function or section."""
+
+    common: str
+    number: int
+    where: str
+    source: str
+
+
+def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
+    """Every difference between the languages, and every broken rule; empty where all is well.
+
+    `texts`: path from the top of the checkout ('hlsl/bokeh.hlsl', ..., 'docs/paper.md') -> text that stands in for
+    that file; files not named are read from the checkout.
+    """
+    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values(), PAPER)}
+    if unknown := sorted(set(texts or ()) - set(files)):
+        raise UserError(f"{unknown[0]}: not a file of the parity check. It knows {', '.join(files)}.")
+    files |= texts or {}
+    found: list[Difference] = []
+    for keys in (LIBRARY, LAYERS, PASSES):
+        for language, key in keys.items():
+            found += _ruled(language, key, files[key])
+            for reason in re.findall(r"^ *(?! |//).*// differs:(.*)$", files[key], re.MULTILINE):
+                if not reason.strip() or " ".join(reason.split()) not in " ".join(files[PAPER].split()):
+                    found.append(Difference(key, f"a deviation of which {PAPER} has no reason", ((key, reason),)))
+        for pair in combinations(keys, 2):
+            found += _compared(pair, tuple((keys[language], files[keys[language]]) for language in pair))
+    return found
+
+
+def parity() -> None:
+    """Compare the three languages statement by statement."""
+    differences = check()
+    terminal.tell(*map(str, differences), f"{len(differences)} unmarked differences between HLSL, GLSL and WGSL")
+    terminal.end(not differences)
+
+
+@lru_cache(maxsize=64)
+def _ruled(language: str, key: str, text: str) -> list[Difference]:
+    found = rules.findings(text, language, key != PASSES[language])
+    return [Difference(f"{key}:{number}", what, ((language, row),)) for number, what, row in found]
+
+
+def _read(key: str) -> str:
+    try:
+        # As it is: what is not UTF-8, and every kind of line end, is for the rules to see.
+        folder = paths.ROOT if key == PAPER else paths.shaders()
+        return (folder / key).read_bytes().decode("utf-8", errors="surrogateescape")
+    except OSError as error:
+        raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
+
+
+# The tests change one file a thousand times over: what was found in the others is kept.
+@lru_cache(maxsize=64)
+def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list[Difference]:
+    """Two languages' files, each a path and a text. A marked statement may differ from the one that it faces."""
+    sides = [_said(_lines(pair[i], files[i][1]), pair[1 - i]) for i in (0, 1)]
+    one, other = ([line.common for line in side] for side in sides)
+    found = []
+    for tag, i, j, k, m in SequenceMatcher(None, one, other, autojunk=False).get_opcodes() if one != other else ():
+        if tag == "equal" or (j - i == m - k == 1 and "\0" in one[i] + other[k]):
+            continue
+        text = [
+            (f"{path}:{part[0].number}", " ".join(line.source for line in part[:4])) if part else (path, "(nothing)")
+            for (path, _), part in zip(files, (sides[0][i:j], sides[1][k:m]), strict=True)
+        ]
+        found.append(Difference((sides[0][i:j] or sides[1][k:m])[0].where, "not the same", tuple(text)))
+    return found
+
+
+def _said(lines: Sequence[Line], other: str) -> list[Line]:
+    """What another language can say too; several blank lines are one."""
+    found: list[Line] = []
+    for line in lines:
+        if other == "glsl":
+            line = line._replace(common=re.sub(r",(?:sampler )?(?:\w+Sampler|BokehLinearClamp)\b", "", line.common))
+        if not (other == "wgsl" and line.common.startswith("#")) and (line.common or (found and found[-1].common)):
+            found.append(line)
+    return found if found and found[-1].common else found[:-1]
+
+
+@lru_cache(maxsize=64)
+def _lines(language: str, text: str) -> tuple[Line, ...]:
+    """A file in common words."""
+    sources = text.split("\n")
+    if heading := _HEADING.search(text):
+        before = text[: heading.end()].split("\n")
+        text = "\n".join(row if _TABLE_ROW.match(row) else "" for row in before) + text[heading.end() :]
+    plain = shaders.presets(text).get("", {})
+    named = rf"\b{language.upper()}(?=\. Version )|(?<=\.){language}\b"
+    setting = (shaders.SETTING, lambda one: f"{one[1]} = {plain.get(one[2], one[2])};")
+    text = _rewritten(text, (*_EVERYWHERE, (named, "LANGUAGE"), setting))
+    comments = shaders.COMMENT.findall(text)
+    numbers = iter(range(len(comments)))
+    words = tuple((rf"\b{own}(?!\w)", word) for own, word in zip(_TYPES[language], _WORDS, strict=True))
+    text = _rewritten(shaders.COMMENT.sub(lambda _: f"//{next(numbers)}", text), (*_CODE[language], *words[::-1]))
+    where, found = "header", []
+    for one in _LINE.finditer(text):
+        if one[0].startswith("//"):
+            common = " ".join(comments[int(one[0][2:])].split())
+        else:
+            common = re.sub(r"\s*([^\w\s])\s*", r"\1", " ".join(one[0].split()))
+        line = text.count("\n", 0, one.start())
+        if sources[line][:1].strip() and (name := re.match(r"// (\[\d+\])|\0?[\w<>]+[ >](\w+)", common)):
+            where = name[1] or name[2]
+        source = " ".join(" ".join(sources[line : line + 1 + one[0].rstrip().count("\n")]).split())
+        found.append(Line(common, line + 1, where, source or "(empty)"))
+    return tuple(found)
+
+
+def _rewritten(text: str, rewrites: _Rewrites) -> str:
+    """With as many lines as before."""
+
+    def same_height(new, found: re.Match) -> str:
+        changed = found.expand(new) if isinstance(new, str) else new(found)
+        return changed + "\n " * (found[0].count("\n") - changed.count("\n"))
+
+    for pattern, new in rewrites:
+        text = re.sub(pattern, partial(same_height, new), text, flags=re.MULTILINE)
+    return text

@@ -1,0 +1,175 @@
+"""What a driver is asked to run: a list of passes over named textures."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, ENTRIES, Entry
+
+# Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/parameters.md).
+# The values are used where a pass does not say otherwise.
+PARAMETERS: dict[str, float] = {
+    "BokehApertureDiameter": 0.05,
+    "BokehFocalLength": 0.05,
+    "BokehFocusDistance": 5.0,
+    "BokehSensorHeight": 0.024,
+    "BokehMaxCoC": 0.1,
+    "BokehConstantCoC": 0.0,
+    "BokehAspectRatio": 1.0,
+    "BokehAngle": 0.0,
+    "BokehAngleB": 0.0,
+    "BokehBleedingBias": 0.02,
+    "BokehBleedingMult": 30.0,
+    "BokehBlurCoC": 1.0,
+    "BokehUseMax": 0.0,
+    "BokehDebugMode": 0.0,
+    "BokehLineLength": 1.0,
+    "BokehLineCenterX": 0.0,
+    "BokehLineCenterY": 0.0,
+    "BokehSqueeze": 1.0,
+    "BokehSpacing": 0.0,
+    "BokehImageWidth": 1.0,
+    "BokehImageHeight": 1.0,
+    "BokehJitter": 0.0,
+    "BokehFrame": 0.0,
+    "BokehSides": 6.0,
+    "BokehEdge": 1.0,
+    "BokehDepthKind": 0.0,
+    "BokehNear": 0.1,
+    "BokehFar": 1000.0,
+    "BokehViewportX": 0.0,
+    "BokehViewportY": 0.0,
+    "BokehTextureWidth": 1.0,
+    "BokehTextureHeight": 1.0,
+    "BokehPassIndex": 0.0,
+    "BokehAxis": 0.0,
+    "BokehLayer": 0.0,
+    "BokehCatsEye": 0.0,
+    "BokehRoundness": 1.0,
+    "BokehLateral": 0.0,
+    "BokehAxialRed": 0.0,
+    "BokehAxialBlue": 0.0,
+}
+
+# Texture slots in the order of their bindings.
+SLOTS = (
+    "ColorSamp",
+    "DepthSamp",
+    "ColorSampB",
+    "ColorSampC",
+    "ColorSampD",
+    "KernelSamp",
+    "ColorSampE",
+    "ColorSampF",
+)
+# Set 0 in Vulkan and WebGPU: the parameters at binding 0, the linear sampler, the textures at what is left.
+FIRST_TEXTURE = 1
+FIRST_SAMPLER = 7
+BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
+# Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
+SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
+
+
+# What Pass.scale may be
+SCALES = (1, 2, 4, 8)
+
+
+def is_linear(entry: str, slot: str) -> bool:
+    """Whether a pass samples a slot with the linear filter.
+
+    Filter passes do with their colours. All else is fetched texel by texel, and needs a nearest filter in Direct3D 9
+    only; so is the colour that the first pass copies.
+    """
+    return slot in COLORS and entry not in COPYING_ENTRIES
+
+
+def target_size(scale: int, size: tuple[int, int]) -> tuple[int, int]:
+    """(width, height) of a pass's targets; `size` is the full one, that run() is told."""
+    return -(-size[0] // scale), -(-size[1] // scale)
+
+
+def target_area(scale: int, viewport: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+    """Pass.viewport in texels of the pass's targets: (x, y, width, height).
+
+    Raises ValueError where it begins within a texel.
+    """
+    x, y, width, height = viewport
+    if x % scale or y % scale:
+        raise ValueError(f"viewport {viewport} begins within a texel of targets of scale {scale}")
+    return (x // scale, y // scale, *target_size(scale, (width, height)))
+
+
+@dataclass(frozen=True)
+class Pass:
+    """One full-screen pass.
+
+    entry       one of entries.ENTRIES
+    inputs      slot -> name of a texture: one that was handed in, or the output of an earlier pass
+    output      name of the texture it writes; a tuple of names where it writes several targets at once
+    parameters  those that differ from PARAMETERS
+    samples     BOKEH_NUM_SAMPLES
+    defines     other constants of the program, name -> value
+    sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program of the harness in place of the package's; its
+                entry is named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
+    viewport    (x, y, width, height) in texels of the full size, y from the first row in memory: the part of the
+                targets that is drawn, over what an earlier pass has left in a target of that name; None: all of it,
+                into new targets. x and y are multiples of `scale`; see target_area()
+    scale       one of SCALES: the targets have the full size divided by it, rounded up; see target_size()
+
+    Raises ValueError where the entry writes another number of targets or does not read a slot, and for other scales.
+    """
+
+    entry: str
+    inputs: Mapping[str, str]
+    output: str | tuple[str, ...]
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    samples: int = 13
+    defines: Mapping[str, int] = field(default_factory=dict)
+    sources: Mapping[str, str] | None = None
+    viewport: tuple[int, int, int, int] | None = None
+    scale: int = 1
+
+    def __post_init__(self):
+        if self.scale not in SCALES:
+            raise ValueError(f"{self.entry}: scale is one of {', '.join(map(str, SCALES))}, not {self.scale}")
+        if self.sources is None and len(self.outputs) != self.spec.targets:
+            raise ValueError(f"{self.entry} writes {self.spec.targets} targets, not {self.outputs}")
+        unread = set(self.inputs) - set(SLOTS if self.sources else self.spec.textures)
+        if unread:
+            raise ValueError(f"{self.entry} does not read {', '.join(sorted(unread))}")
+
+    @property
+    def spec(self) -> Entry:
+        """What its entry is."""
+        return ENTRIES[self.entry]
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of all textures it writes, in the order of the targets."""
+        return (self.output,) if isinstance(self.output, str) else self.output
+
+    @property
+    def constants(self) -> dict[str, int]:
+        """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
+        values = self.values()
+        adaptive = values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0
+        return {
+            "BOKEH_NUM_SAMPLES": self.samples,
+            "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
+            # to draw into a part of a target is one thing, to read a part of a texture another
+            "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
+            "BOKEH_CHARACTER": 2 if "BokehAxialRed" in self.parameters else int("BokehCatsEye" in self.parameters),
+            **self.defines,
+        }
+
+    def values(self) -> dict[str, float]:
+        """All parameters, in layout order."""
+        unknown = set(self.parameters) - set(PARAMETERS)
+        if unknown:
+            raise KeyError(f"no such parameter: {', '.join(sorted(unknown))}")
+        return {**PARAMETERS, **self.parameters}
+
+    def given(self) -> dict[str, float]:
+        """`values` as a device gets them, in float32: depth in focus is exactly the focus distance there."""
+        return {name: float(np.float32(value)) for name, value in self.values().items()}

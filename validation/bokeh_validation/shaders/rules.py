@@ -1,0 +1,119 @@
+"""What every shader file has to keep on its own, whatever the other languages do."""
+
+import re
+from collections.abc import Iterator
+
+import bokeh_validation
+from bokeh_validation import shaders
+from bokeh_validation.shaders.entries import ENTRIES
+from bokeh_validation.shaders.passes import PARAMETERS
+
+SPDX = "// SPDX-License-Identifier: MIT\n"
+TOO_LONG = "more than 100 characters in a line"
+# A user counts what they have to write in a call: with samplers beside the textures WGSL needs more
+MAX_PARAMETERS = {"glsl": 8, "hlsl": 8, "wgsl": 12}
+# Everything that reads or asks a texture, or needs derivatives; section [2] is the one place for it
+SAMPLING = (
+    r"\b(?a:tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather\w*|Load\w*"
+    r"|Sample(?:Level|Grad|Bias|Cmp\w*)?|GetDimensions|CalculateLevelOfDetail\w*|dd[xy](?:_\w+)?|dFd[xy]\w*|dpd[xy]\w*"
+    r"|fwidth\w*)\b(?!<f32>)"
+)
+# Of a line, and of the code in a line of the common text
+LINE = {
+    "a character that is not ASCII": r"[^\t\r\n -~]",
+    "a tab": r"\t",
+    "a carriage return": r"\r",
+    "a backslash at the end of a line: GLSL would join the next one to it": r"\\[ \t\r]*$",
+    TOO_LONG: r".{101}",
+    "a block comment: use //": r"/\*|\*/",
+}
+COMMON = {
+    "only section [2] of the library reads a texture": SAMPLING,
+    "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
+    "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
+}
+DECLARED = re.compile(
+    r"^#(?:define|undef) (\w+)|^(?:cbuffer|struct) (\w+)|^(?:const|override|alias) (\w+)"
+    r"|^(?:@\w+(?:\([^)]*\))? ?)*(?:fn|var(?:<[^>]*>)?) (\w+)"
+    r"|^(?:layout\([^)]*\) )?(?!layout|precision|struct|return)(?:\w+ )+(\w+) *(?=[(=;:\[]|$)"
+    r"|^BOKEH_PARAMETER\(\w+, (\w+)",
+    re.MULTILINE,
+)
+# Words that the comments do without: a loop has iterations, and one thing comes after another. 'Turns off' is right,
+# and 'behind' where it means deeper in the scene.
+WORDS = re.compile(
+    r"\bturns\b(?!\s+(?:it|them|the\s[a-z\s]+?)\s+(?:off|on)\b)"
+    r"|(?<!from )\bbehind\b(?!\s+(?:the\s+focus|the\s+camera|an?\s+\w+\s+(?:object|pixel)|it|them)\b)"
+    r"|\bcounts?\s+as\b|\bat\s+hand\b|\bhands\s+on\b|\btold\b|\bspelt\b",
+    re.IGNORECASE,
+)
+
+
+def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
+    """All that is wrong with a file, as (line, what, text of the line). `is_library`: bokeh.* or bokeh_layers.*."""
+    lines = text.split("\n")
+    for place, what in _findings(text, language, is_library):
+        number = text.count("\n", 0, place)
+        yield number + 1, what, lines[number]
+
+
+def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str]]:
+    """(offset, what)."""
+    version, header = f"Version {bokeh_validation.__version__}.", re.match(r"(?://.*\n)*", text)[0]
+    if not text.startswith(SPDX) or re.findall(r"Version [\d.]+", header) != [version]:
+        yield 0, f"not {SPDX.strip()!r} first, and {version!r} once in the header"
+    if not text.endswith("\n"):
+        yield len(text), "no line end at the end of the file: the next one begins right there"
+    code = re.sub("//.*", _blank, text)
+    comments = re.sub(r"^(?! *//).*|//", _blank, text, flags=re.MULTILINE)
+    begins = re.search(r"^// (?:\[3\]|Layers:) ", text, re.MULTILINE) if is_library else None
+    common = begins.start() if begins else 0
+    for what, pattern in LINE.items():
+        yield from ((found.start(), what) for found in re.compile(pattern, re.MULTILINE).finditer(text))
+    for what, pattern in COMMON.items():
+        yield from ((found.start(), what) for found in re.compile(pattern).finditer(code, common))
+    for found in DECLARED.finditer(code):
+        name = found[found.lastindex]
+        if not re.match(r"Bokeh|BOKEH_|bokeh", name) and (is_library or name != "main"):
+            yield found.start(), f"{name} does not begin with Bokeh, BOKEH_ or bokeh"
+    for found in WORDS.finditer(comments):
+        yield found.start(), f"{found[0]!r} in a comment: say it in plainer words"
+    if not is_library:
+        yield from _interface(text, language)
+        return
+    for function in shaders.FUNCTION.finditer(text, common):
+        if not re.match(r"// \S[^:\n]*: \S", function["doc"]):
+            yield function.start("head"), f"{function['name']} has no tag line '// Listing n: what it is'"
+        if function["head"].count(",") >= MAX_PARAMETERS[language]:
+            yield function.start("head"), f"more than {MAX_PARAMETERS[language]} parameters"
+    if language != "wgsl":
+        yield from _tables(text, language)
+
+
+def _blank(found: re.Match) -> str:
+    return " " * len(found[0])
+
+
+def _tables(text: str, language: str) -> Iterator[tuple[int, str]]:
+    """The tables in the comment of the configuration say what the code does."""
+    configuration = next(iter(shaders.sections(text).values()), "").partition("// Layers: ")[0]
+    rows = [row.split() for row in re.findall(r"^//   (BOKEH_\w+ .*)", configuration, re.MULTILINE)]
+    presets = {f"BOKEH_PRESET_{name}": values for name, values in shaders.presets(text).items()}
+    default = presets.pop("BOKEH_PRESET_", {})
+    presets |= {row[0]: default for row in rows if row[-2:] == ["the", "default"]}
+    code = {(name, *values.values()) for name, values in presets.items()} | {*shaders.settings(language, text).items()}
+    table = {tuple(row[: 1 + (len(default) if "_PRESET_" in row[0] else 1)]) for row in rows}
+    for odd in sorted(code ^ table):
+        yield 0, f"{' '.join(odd)}: {'not in the table' if odd in code else 'not in the code'}"
+
+
+def _interface(text: str, language: str) -> Iterator[tuple[int, str]]:
+    """Parameters, and in GLSL values of BOKEH_PASS, are those of the harness in its order."""
+    form = {"hlsl": "BOKEH_PARAMETER(float, {0}, {1})", "glsl": "BOKEH_PARAMETER(float, {0})", "wgsl": "    {0}: f32,"}
+    names = [*map(shaders.glsl_pass, ENTRIES), "BOKEH_FULL_SCREEN"]
+    blocks = {"parameters": [form[language].format(name, number) for number, name in enumerate(PARAMETERS)]}
+    if language == "glsl":
+        blocks["values of BOKEH_PASS"] = [f"#define {name} {number}" for number, name in enumerate(names, 1)]
+    for what, rows in blocks.items():
+        if not re.search(r"[\n{]\n" + re.escape("\n".join(rows)) + r"\n[\n}]", text):
+            yield 0, f"{what}: not those of the harness"

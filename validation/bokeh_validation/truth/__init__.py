@@ -1,0 +1,1 @@
+"""What a lens sees, and how near each method comes to it."""

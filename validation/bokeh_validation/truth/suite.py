@@ -1,0 +1,66 @@
+"""The ray-traced scenes of validation/scenes with their cameras and their truth."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bokeh_validation import exr, paths
+from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import Case
+
+# aperture -> tag of the truth file
+TRUTHS = {"hexagon": "hex", "octagon": "oct"}
+# aperture -> degrees that turn ours as it is in the truth, where a corner is straight up
+TRUTH_ROTATION = {"hexagon": 0.0, "octagon": 22.5}
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A ray-traced scene of validation/scenes with its camera: NAME_pin.exr, and NAME_hex.exr, its truth.
+
+    pinhole    name of the scene whose pinhole picture it has; None: its own
+    apertures  those of TRUTHS that there is a file for
+    """
+
+    name: str
+    camera: methods.Camera
+    pinhole: str | None = None
+    apertures: tuple[str, ...] = ("hexagon",)
+
+    @property
+    def source(self) -> Path:
+        """Colour and depth."""
+        return paths.SCENES / f"{self.pinhole or self.name}_pin.exr"
+
+
+MARKET = SceneFile("market_7", methods.Camera(0.0714, 0.05, 2.42, 0.024, 0.15))
+STREET = SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15), None, tuple(TRUTHS))
+CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15), None, tuple(TRUTHS))
+# the same with three times the aperture
+WIDE_STREET = SceneFile("street_11x3", methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15), "street_11")
+WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 0.15), "canopy_12")
+SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
+# The small ones, that every driver draws in every method
+DRIVER_SCENES = (STREET, CANOPY)
+
+
+def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
+    """A scene through its own camera."""
+    image = picture(scene)
+    return Case(scene.name, methods.Settings(method, aperture, camera=scene.camera), image.color, image.depth)
+
+
+_pictures: dict[Path, exr.Scene] = {}
+
+
+def picture(scene: SceneFile) -> exr.Scene:
+    """Colour and depth through a pinhole, kept."""
+    if scene.source not in _pictures:
+        _pictures[scene.source] = exr.read(scene.source)
+    return _pictures[scene.source]
+
+
+def truth(scene: SceneFile, aperture: str) -> np.ndarray:
+    """What a thin lens sees, ray traced, (H, W, 4)."""
+    return exr.read(paths.SCENES / f"{scene.name}_{TRUTHS[aperture]}.exr", None).color
