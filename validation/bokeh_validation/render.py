@@ -28,7 +28,7 @@ def check(settings: methods.Settings) -> None:
             f"--aperture {settings.aperture}: {settings.method} makes {', '.join(methods.EXACT)} only. "
             f"Give --method paper."
         )
-    _one_of("--quality", settings.quality, tuple(methods.QUALITIES))
+    _one_of("--preset", settings.preset, tuple(methods.PRESETS))
     _check_samples(settings)
     _number("--squeeze", settings.squeeze, "", lambda v: 0 < v <= 16, "more than 0, at most 16")
     _number("--cats-eye", settings.cats_eye, "", lambda v: 0 <= v <= 0.9, "0 to 0.9, a share of the bokeh's width")
@@ -71,7 +71,7 @@ def _check_samples(settings: methods.Settings) -> None:
         raise UserError(f"--frame {settings.frame}: not allowed. Give 0 or more.")
     if settings.method == "layered" and (settings.spacing > 0 or settings.samples is not None):
         option = f"--spacing {settings.spacing:g}" if settings.spacing > 0 else f"--samples {settings.samples}"
-        raise UserError(f"{option}: layered takes its samples from a preset. Give --quality.")
+        raise UserError(f"{option}: layered takes its samples from a preset. Give --preset.")
     if settings.spacing > 0 and settings.method == "naive":
         raise UserError(f"--spacing {settings.spacing:g}: naive has a table of samples. Give --method exact or paper.")
     if settings.spacing > 0 and settings.samples is not None:
@@ -119,7 +119,7 @@ def render(
     axial_blue: Annotated[float, Option(help="The same of blue, a fraction of the image height.")] = 0.0,
     lateral: Annotated[float, Option(help="Lateral colour: red larger, blue smaller, a share of the image.")] = 0.0,
     targets: Annotated[bool, Option("--mrt/--no-mrt", help="exact, layered: write several targets in a pass.")] = True,
-    quality: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
+    preset: Annotated[str, Option(help="layered: low, medium, high or ultra.")] = "medium",
     rotation: Annotated[float, Option(help="Degrees, from +x towards +y (down).")] = 0.0,
     aperture_diameter: Annotated[float, Option(help="Metres.")] = 0.05,
     focal_length: Annotated[float, Option(help="Metres.")] = 0.05,
@@ -138,7 +138,7 @@ def render(
     """Blur an EXR with the shaders on a real driver."""
     settings = methods.Settings(
         method, aperture, samples, rotation, coc=coc, blur_coc=coc_blur, leak_fix=leak_fix, spacing=spacing,
-        max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, quality=quality,
+        max_samples=max_samples, jitter=jitter, frame=frame, squeeze=squeeze, targets=targets, preset=preset,
         cats_eye=cats_eye, roundness=roundness, lateral=lateral, axial=(axial_red, axial_blue),
         camera=methods.Camera(aperture_diameter, focal_length, focus_distance, sensor_height, max_coc),
     )  # fmt: skip

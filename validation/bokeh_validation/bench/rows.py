@@ -138,7 +138,7 @@ def layers(size: tuple[int, int]) -> list[Row]:
     """`layered` against the paper's hexagon with 13 samples, all with the CoC from depth; and a picture in focus."""
     camera = LAYERS_SCENE.camera
     layered = methods.Settings("layered", "hexagon", camera=camera)
-    every = {f"layered {quality}": replace(layered, quality=quality) for quality in ("low", "medium", "high")}
+    every = {f"layered {preset}": replace(layered, preset=preset) for preset in ("low", "medium", "high")}
     every["layered in focus"] = replace(layered, coc=0.0)
     paper = _row(LAYERS_PAPER, "layers", methods.Settings("paper", "hexagon", camera=camera), size)
     return [paper, *(_row(key, "layers", one, size, paper=LAYERS_PAPER) for key, one in every.items())]

@@ -28,7 +28,7 @@ MODULES = (*SHARED, *sorted(PAGE.glob("*.js")))
 IMPORT = re.compile(r'(from|import) "[./\w]*?(\w+\.js)"')
 
 SCENES = (suite.MARKET, suite.STREET, suite.CANOPY)
-PRESETS = tuple(methods.QUALITIES)
+PRESETS = tuple(methods.PRESETS)
 # what the page's controls set; the size does not matter, the page puts in its own
 SIZE = (960, 540)
 HOST = "127.0.0.1"
@@ -47,7 +47,7 @@ def settings() -> dict[str, methods.Settings]:
                 spacing=float(chosen["BOKEH_PRESET_SPACING"]),
                 max_samples=int(chosen["BOKEH_PRESET_SAMPLES"]),
             )
-            found[f"layered {aperture} {preset}"] = methods.Settings("layered", aperture, quality=preset)
+            found[f"layered {aperture} {preset}"] = methods.Settings("layered", aperture, preset=preset)
     return found
 
 

@@ -10,7 +10,7 @@ from bokeh_validation.figures import panels
 from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.probes import scenes as probes
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case, Probe
 from bokeh_validation.truth import suite
 
@@ -120,7 +120,7 @@ def canopy(driver: Driver) -> Made:
     for key, diameter in (("wide", WIDE), ("own", None)):
         paper = scene(CANOPY, diameter=diameter)
         found = {"paper": drawn(driver, paper), "exact": drawn(driver, scene(CANOPY, "exact", diameter))}
-        found["truth"] = quality.brute_force(driver, paper)
+        found["truth"] = shapes.brute_force(driver, paper)
         for name, image in {"pinhole": pinhole, **found}.items():
             # FLIP takes seconds: only where it says most
             flip = key == "own" and name != "pinhole"

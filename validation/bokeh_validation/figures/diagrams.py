@@ -11,8 +11,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.figures import panels, points
 from bokeh_validation.figures.figure import Made, Table, named
 from bokeh_validation.frame import apertures, fetches, methods, polygons, sheet
-from bokeh_validation.probes import impulse
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import impulse, shapes
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.shaders.passes import Pass
 
@@ -39,7 +38,7 @@ def kernels(_: Driver | None = None) -> Made:
 
 
 def _outline(aperture: str) -> np.ndarray:
-    return quality.outline(methods.Settings("paper", aperture))
+    return shapes.outline(methods.Settings("paper", aperture))
 
 
 COMBINED = {"hexagon": "a", "octagon": "b", "star": "c"}

@@ -12,7 +12,7 @@ from bokeh_validation.figures.figure import Made, Table, drawn, named
 from bokeh_validation.figures.panels import Panel
 from bokeh_validation.frame import apertures, methods, polygons
 from bokeh_validation.probes import impulse, two_points
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import shapes as measured
 from bokeh_validation.probes.model import Case, depth_of, pixel_center
 
 # The probes' inputs: a CoC of impulse.COC pixels everywhere, two samples a pixel. The truth is as dense.
@@ -43,7 +43,7 @@ def truth(driver: Driver, case: Case) -> np.ndarray:
     """The paper's shape gathered with two samples a pixel, (H, W, 4)."""
     if case.settings.aperture in apertures.USES_MAX:
         return drawn(driver, replace(case, settings=replace(case.settings, method="naive", samples=CELLS + 1)))
-    return quality.brute_force(driver, case, CELLS)
+    return measured.brute_force(driver, case, CELLS)
 
 
 def shown(image: np.ndarray, exposure: float, zoom: int) -> np.ndarray:
@@ -141,7 +141,7 @@ def maximum(driver: Driver) -> Made:
     captions = ("(a) paper, star by max", "(b) truth: intensities added", "exact: octagons, it makes no star")
     squares = two_points.shapes("star")
     stars = [np.maximum(*shape) for shape in squares]
-    outline = quality.outline(methods.Settings("paper", "octagon")) * impulse.COC
+    outline = measured.outline(methods.Settings("paper", "octagon")) * impulse.COC
     octagons = [polygons.coverage(outline, size, pixel_center(*place)) for place in near]
     # where max can show one highlight only: no parallelogram of both has them both
     single = np.logical_and.reduce([first + second <= 1.0 for first, second in zip(*squares, strict=True)])

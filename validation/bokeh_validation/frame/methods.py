@@ -47,7 +47,7 @@ class Settings:
     axial        how much more signed CoC red has than green, and blue; exact only
     lateral      how much larger red of the finished picture is than green, and blue smaller
     targets      whether a pass may write several targets; exact and layered only
-    quality      of layered, one of QUALITIES
+    preset      of layered, one of PRESETS
     """
 
     method: str = "paper"
@@ -70,7 +70,7 @@ class Settings:
     axial: tuple[float, float] = (0.0, 0.0)
     lateral: float = 0.0
     targets: bool = True
-    quality: str = "medium"
+    preset: str = "medium"
 
     @property
     def count(self) -> int:
@@ -81,7 +81,7 @@ class Settings:
 
 
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
-QUALITIES = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
+PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
 PAPER_SAMPLES = 13
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
@@ -231,7 +231,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}Layer"
     constants = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
-    defines = dict(zip(constants, QUALITIES[settings.quality], strict=True))
+    defines = dict(zip(constants, PRESETS[settings.preset], strict=True))
     common = _filter_parameters(settings, size) | {
         "BokehMaxCoC": settings.camera.max_coc,
         "BokehAngle": radians(settings.rotation),

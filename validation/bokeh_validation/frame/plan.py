@@ -57,7 +57,7 @@ def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
         "version": __version__,
         "method": settings.method,
         "aperture": settings.aperture,
-        "quality": settings.quality if settings.method == "layered" else None,
+        "preset": settings.preset if settings.method == "layered" else None,
         "several_targets": settings.targets,
         "size": list(size),
         "passes": steps,
@@ -144,9 +144,9 @@ WORDS = {"color": "colour", "depth": "depth", "table": "the table"}
 def lines(found: dict) -> Iterator[str]:
     """A frame as text."""
     wide, high = found["size"]
-    quality = f" {found['quality']}" if found["quality"] else ""
+    preset = f" {found['preset']}" if found["preset"] else ""
     targets = "several targets" if found["several_targets"] else "one target"
-    yield f"{found['method']}{quality} {found['aperture']}, {wide} x {high}, {targets} a pass"
+    yield f"{found['method']}{preset} {found['aperture']}, {wide} x {high}, {targets} a pass"
     given = {name: value for name, value in found["parameters"].items() if value != PARAMETERS[name]}
     yield f"in every pass: {_values(given)}; what is not named has its default"
     yield f"constants: {_values(constants(found))}"
@@ -237,7 +237,7 @@ def _page_lines() -> Iterator[str]:
 
 
 def _section(found: dict) -> Iterator[str]:
-    preset = f", preset {found['quality'].upper()}" if found["quality"] else ""
+    preset = f", preset {found['preset'].upper()}" if found["preset"] else ""
     yield from (f"## {found['method']}, {found['aperture']}{preset}", "")
     yield from (f"Constants: {_values({n: v for n, v in constants(found).items() if v})}.", "")
     yield "| | entry | reads | writes | size | sets | fetches |"
@@ -279,7 +279,7 @@ def plan(
     targets: Annotated[
         bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
     ] = True,
-    quality: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
+    preset: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
     json_file: terminal.JsonFile = None,
     docs: Annotated[
         bool, typer.Option("--docs", help="Rewrite the tables of docs/passes.md, and nothing else.")
@@ -291,7 +291,7 @@ def plan(
         files.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
         return
     found = frame(
-        methods.Settings(method, aperture, targets=targets, quality=quality),
+        methods.Settings(method, aperture, targets=targets, preset=preset),
         terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE),
     )
     terminal.write_json(json_file, found)

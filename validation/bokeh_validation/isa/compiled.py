@@ -8,7 +8,7 @@ from bokeh_validation import shaders
 from bokeh_validation.compilers import glslang
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.frame.methods import QUALITIES, Settings
+from bokeh_validation.frame.methods import Settings
 from bokeh_validation.isa.unrolled import unrolled
 from bokeh_validation.shaders.entries import EDGE, EXACT
 from bokeh_validation.shaders.passes import Pass
@@ -17,7 +17,7 @@ VERTEX = "BokehFullScreen"
 PATH = " path"  # ends the names of programs with their loops written out
 SIZE = (1920, 1080)  # for which the tiles that the largest CoC reaches are counted
 # preset of `exact` -> BOKEH_NUM_SAMPLES, pixels between samples
-PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
+EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ def all_methods() -> list[Method]:
     """`paper`, `exact` and `layered`, with all presets."""
     found = [Method(f"paper {shape}", Settings("paper", shape)) for shape in ("hexagon", "octagon")]
     for shape in EXACT:
-        for preset, (samples, spacing) in PRESETS.items():
+        for preset, (samples, spacing) in EXACT_PRESETS.items():
             settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
         found += [
-            Method(f"layered {shape} {preset}", Settings("layered", shape, quality=preset)) for preset in QUALITIES
+            Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in EXACT_PRESETS
         ]
     return found
 

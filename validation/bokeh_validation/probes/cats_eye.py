@@ -68,7 +68,7 @@ def layered_case(sign: int) -> Case:
     depth = depth_of(SIZE, near_edges.metres(COC, SIZE[1]) if sign > 0 else near_edges.CAMERA.focus_distance)
     image[(*rows, slice(0, 3))] = 0.0, 0.0, LIGHT + AMBIENT
     depth[tuple(rows)] = near_edges.metres(sign * COC, SIZE[1])
-    chosen = near_edges.settings(quality="high", cats_eye=AMOUNT, rotation=ROTATION)
+    chosen = near_edges.settings(preset="high", cats_eye=AMOUNT, rotation=ROTATION)
     exposure = impulse.PICTURE / (truth("hexagon").max() * LIGHT * PIXELS**2)
     return Case("far" if sign > 0 else "near", chosen, image, depth, exposure=exposure)
 

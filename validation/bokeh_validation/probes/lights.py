@@ -31,12 +31,12 @@ LIGHT_PIXELS = {1: 0.9, 3: 0.94, 9: 0.97}
 LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
 
 
-def light_label(coc: float, pixels: int, quality: str) -> str:
+def light_label(coc: float, pixels: int, preset: str) -> str:
     """Names of cases and checks."""
-    return f"{pixels} px at CoC {coc}" + (", 16 samples" if quality == "high" else "")
+    return f"{pixels} px at CoC {coc}" + (", 16 samples" if preset == "high" else "")
 
 
-def light_case(coc: float, pixels: int, quality: str = "medium") -> Case:
+def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
     """A blue light over a dark far plane of its own depth, or a near one over a green checker in focus."""
     side = abs(coc) + pixels + 24
     size = side + 8, side
@@ -49,7 +49,7 @@ def light_case(coc: float, pixels: int, quality: str = "medium") -> Case:
     color[rows, columns, :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
     depth[rows, columns] = metres(coc, side)
     exposure = 0.3 * abs(polygons.signed_area(polygon_of("hexagon", 0.0, coc))) / (LIGHT * pixels**2)
-    return Case(light_label(coc, pixels, quality), settings(quality=quality), color, depth, exposure=exposure)
+    return Case(light_label(coc, pixels, preset), settings(preset=preset), color, depth, exposure=exposure)
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
@@ -70,15 +70,15 @@ def half_pixel_overlap(coc: float, off: float = 0.5) -> float:
 
 def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
     checks = []
-    for coc, quality in LIGHTS:
-        label = light_label(coc, pixels, quality)
+    for coc, preset in LIGHTS:
+        label = light_label(coc, pixels, preset)
         blue, total = outputs[label]["result"][..., 2], LIGHT * pixels**2
         spread = light_spread(coc, pixels, blue.shape[::-1])
         # a near light hides what is behind it
         around = AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
         checks.append(Check(f"light kept, {label}", (blue - around).sum() / total, 0.99, 1.01, "asked for"))
         found = overlap((blue - around) / total, spread)
-        if quality == "high":
+        if preset == "high":
             least, why = LIGHT_PIXELS[pixels], "asked for at 16 samples"
         elif abs(coc) < 80:
             # far light below 12.4 pixels is gathered, in rings 1/7 of the CoC apart
@@ -92,7 +92,7 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
 
 def light_probe(pixels: int) -> Probe:
     """Lights of one size at every CoC; and at 80 pixels with more samples."""
-    cases = tuple(light_case(coc, pixels, quality) for coc, quality in LIGHTS)
+    cases = tuple(light_case(coc, pixels, preset) for coc, preset in LIGHTS)
     title = f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far"
     shows = "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots."
     return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels))

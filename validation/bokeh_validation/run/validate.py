@@ -18,9 +18,8 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import ENGINES, Broken
 from bokeh_validation.engines import run as run_engine
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.probes import PROBES, QUICK_PROBES, Check
+from bokeh_validation.probes import PROBES, QUICK_PROBES, Check, shapes
 from bokeh_validation.probes import run as run_probe
-from bokeh_validation.probes import shapes as quality
 from bokeh_validation.probes.model import compared
 from bokeh_validation.run import report
 from bokeh_validation.run.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
@@ -110,7 +109,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     distances = [f"untouched {metrics.psnr(case.color, lens):.1f} dB", f"{method} {metrics.psnr(whole, lens):.1f} dB"]
     text = f"Against the lens: {', '.join(distances)}."
     if method != "layered":
-        text += f" Against brute force: {metrics.psnr(whole, quality.brute_force(there[0], case)):.1f} dB."
+        text += f" Against brute force: {metrics.psnr(whole, shapes.brute_force(there[0], case)):.1f} dB."
     shown = {"input": case.color, "ray traced through a lens": lens, f"{method}, {there[0].name}": whole}
     panels = [Panel(k, pictures.jpeg_uri(pictures.display(v, tone_map=True), 320)) for k, v in shown.items()]
     middle = replace(case, color=case.color[ROWS, COLUMNS].copy(), depth=case.depth[ROWS, COLUMNS].copy())

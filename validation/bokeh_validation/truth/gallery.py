@@ -73,7 +73,7 @@ def color(driver: Driver) -> np.ndarray:
     """Chromatic aberration: lateral in a corner, axial of lights behind the focus and in front of it, 8-bit rgb."""
     rows = []
     for (caption, amount), (side, camera) in zip(LATERAL.items(), SIDES.items(), strict=True):
-        corner = drawn(driver, "layered", "octagon", lateral=amount, quality="ultra")
+        corner = drawn(driver, "layered", "octagon", lateral=amount, preset="ultra")
         row = [panels.Panel(panels.crop(corner, *CORNER), caption)]
         for lens, axial in AXIAL.items():
             settings = {"camera": camera, "axial": axial, "spacing": 1.0, "max_samples": 65}

@@ -13,17 +13,17 @@ from bokeh_validation import metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import UserError
 from bokeh_validation.figures import panels
-from bokeh_validation.frame.methods import QUALITIES
-from bokeh_validation.probes import shapes as qualities
+from bokeh_validation.frame.methods import PRESETS
+from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import suite
 from bokeh_validation.truth.scatter import scatter
 from bokeh_validation.truth.suite import SceneFile
 
-# gather: qualities.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
+# gather: shapes.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
 METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
 # What is drawn of layered where nobody says
-PRESETS = ("low", "medium")
+SHOWN_PRESETS = ("low", "medium")
 
 
 class Row(NamedTuple):
@@ -51,8 +51,8 @@ def chosen(option: str, given: Iterable[str] | None, known: Iterable[str], defau
 
 
 def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None = None) -> list[str]:
-    """Of the rows for --method and --quality; all by default. Raises UserError."""
-    layered = [f"layered {name}" for name in chosen("--quality", presets, QUALITIES, PRESETS)]
+    """Of the rows for --method and --preset; all by default. Raises UserError."""
+    layered = [f"layered {name}" for name in chosen("--preset", presets, PRESETS, SHOWN_PRESETS)]
     wanted = chosen("--method", methods, METHODS, METHODS)
     return [method for method in wanted if method != "layered"] + (layered if "layered" in wanted else [])
 
@@ -62,7 +62,7 @@ def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> 
     method, _, preset = label.partition(" ")
     kind = {"paper": "paper", "layered": "layered"}.get(method, "exact")
     changes = {"rotation": suite.TRUTH_ROTATION[aperture], **changes}
-    changes |= {"spacing": 1.0} if method == "exact" else {"quality": preset} if preset else {}
+    changes |= {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
     found = suite.scene_case(scene, kind, aperture)
     return replace(found, settings=replace(found.settings, **changes))
 
@@ -73,7 +73,7 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
     if method == "pinhole":
         return asked.color
     if method == "gather":
-        return qualities.brute_force(driver, asked)
+        return shapes.brute_force(driver, asked)
     if method == "scatter":
         return scatter(asked)
     return driver.run(asked.plan.passes, asked.textures(), asked.size)["result"]
@@ -140,7 +140,7 @@ def truth(
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
     ] = None,
-    quality: Annotated[
+    preset: Annotated[
         list[str] | None, typer.Option(help="layered: low, medium, high or ultra. Default: low and medium.")
     ] = None,
     driver: terminal.OneDriver = None,
@@ -152,7 +152,7 @@ def truth(
 ) -> None:
     """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
     known = {scene.name: scene for scene in suite.SCENES}
-    wanted, scenes = labels(method, quality), [known[name] for name in chosen("--scene", scene, known, known)]
+    wanted, scenes = labels(method, preset), [known[name] for name in chosen("--scene", scene, known, known)]
     terminal.check_writable(json_file)
     if folder is not None and not folder.is_dir():
         raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")

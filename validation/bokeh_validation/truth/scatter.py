@@ -8,7 +8,7 @@ spreading alone makes of one colour and depth image.
 import numpy as np
 
 from bokeh_validation.frame import polygons
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
 
@@ -61,7 +61,7 @@ class Scatter:
     def __init__(self, case: Case) -> None:
         signed = signed_pixels(case)
         self.kernels = diameters(float(np.abs(signed).max()))
-        self.corners = quality.outline(case.settings)
+        self.corners = shapes.outline(case.settings)
         self.reach = int(np.ceil(self.kernels[-1] / 2)) + 2
         # up to sizes that the FFT is quick with
         around = [(self.reach, self.reach + -(length + 2 * self.reach) % 32) for length in signed.shape]

@@ -116,7 +116,7 @@ def test_costs_of_the_readme():
     readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     page = (paths.ROOT / "docs/performance.md").read_text(encoding="utf-8")
     presets = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (.*) \|$", readme, re.MULTILINE)
-    assert [name.lower() for name, _ in presets] == list(methods.QUALITIES)
+    assert [name.lower() for name, _ in presets] == list(methods.PRESETS)
     for name, cells in presets:
         wanted = []
         for method in ("exact", "layered"):

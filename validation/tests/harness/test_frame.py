@@ -160,11 +160,11 @@ def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:
     return replace(item, output=outputs, sources={"glsl": text})
 
 
-@pytest.mark.parametrize(("aperture", "quality", "targets"), [("hexagon", "medium", True), ("octagon", "low", False)])
-def test_fetches_of_layered(aperture, quality, targets):
+@pytest.mark.parametrize(("aperture", "preset", "targets"), [("hexagon", "medium", True), ("octagon", "low", False)])
+def test_fetches_of_layered(aperture, preset, targets):
     """The largest number that any texel of a pass fetches, counted on a driver, is the one that is stated."""
     driver, size = load("osmesa"), (160, 120)
-    settings = methods.Settings("layered", aperture, camera=CAMERA, quality=quality, targets=targets)
+    settings = methods.Settings("layered", aperture, camera=CAMERA, preset=preset, targets=targets)
     found = frame.frame(settings, size)
     passes, names = [], []
     for number, item in enumerate(methods.plan(settings, size).passes):
@@ -215,9 +215,9 @@ def test_layers_page():
     found = {}
     for name, rings, cells, enlarged, fetches in rows:
         found[name.lower()] = (int(rings), int(cells), {"bilinear": 0, "cubic": 1}[enlarged])
-        stated = frame.frame(methods.Settings("layered", quality=name.lower()), frame.PAGE_SIZE)["fetches"]["color"]
+        stated = frame.frame(methods.Settings("layered", preset=name.lower()), frame.PAGE_SIZE)["fetches"]["color"]
         assert round(stated) == int(fetches), name
-    assert found == methods.QUALITIES
+    assert found == methods.PRESETS
     named = list(dict.fromkeys(re.findall(r"^\d+\. \*\*(\w+)\*\*", text, re.MULTILINE)))
     steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][1:]
     entries = dict.fromkeys(re.sub(r"Bokeh(?:Hexagon)?(?:Layer(?=[A-Z]))?", "", step["entry"]) for step in steps)

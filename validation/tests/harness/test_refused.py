@@ -47,7 +47,7 @@ render --png /no/such/folder/x.png | /no/such/folder
 render --nonsense | --nonsense
 plan --method best | --method best; layered
 plan --method layered --aperture star | --aperture star; octagon
-plan --method layered --quality best | --quality best; ultra
+plan --method layered --preset best | --preset best; ultra
 plan --size 1920 | --size 1920; 1920x1080
 plan --size 0x7 | --size 0x7; 2 to 16384
 plan --size 99999x9 | --size 99999x9; 2 to 16384

@@ -12,8 +12,7 @@ from support_cases import CAMERA, everything, float_result, noise_case, result, 
 from bokeh_validation import metrics, paths
 from bokeh_validation.frame import apertures, methods, polygons
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import exact
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import exact, shapes
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings, segments
 from bokeh_validation.truth import suite
@@ -134,7 +133,7 @@ def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     driver = load("egl")
     chosen = next(s for s in suite.DRIVER_SCENES if s.name == scene)
     cases = {method: suite.scene_case(chosen, method, aperture) for method in ("paper", "exact")}
-    found = {m: metrics.psnr(result(driver, one), quality.brute_force(driver, one)) for m, one in cases.items()}
+    found = {m: metrics.psnr(result(driver, one), shapes.brute_force(driver, one)) for m, one in cases.items()}
     assert found["exact"] - found["paper"] >= better[aperture == "octagon"], found
     told = re.search(rf"^\| {scene} \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \|", DOCUMENT, re.MULTILINE)
     # a driver that rounds the stores differently is a few hundredths of a decibel away
@@ -176,7 +175,7 @@ def test_no_false_halo(aperture):
     for method in ("exact", "paper"):
         case = Case("", Settings(method, aperture, camera=MARKET), image.color, image.depth)
         # both against the inscribed polygon that exact is for
-        truth = quality.brute_force(driver, case) if truth is None else truth
+        truth = shapes.brute_force(driver, case) if truth is None else truth
         found[method] = metrics.psnr(result(driver, case), truth, around)
     assert found["exact"] >= found["paper"] and found["exact"] >= HALO_BEFORE[aperture] + 2.0, found
     row = rf"^\| market_7, around the head \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \| ([\d.]+) dB \|"
@@ -192,7 +191,7 @@ def test_table_of_shapes(method, aperture):
     """docs/apertures.md says what `validation/run shapes` measures, to a step of its last digit and a half."""
     (row,) = re.findall(rf"^\| {aperture} \| {method} \| (.*) \|$", DOCUMENT, re.MULTILINE)
     told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
-    found = quality.shape(load("egl"), method, aperture)
+    found = shapes.shape(load("egl"), method, aperture)
     assert told[:3] == [found.passes, found.targets, found.fetches]
     assert told[3] == pytest.approx(found.light, abs=0.0015)
     assert told[4:] == pytest.approx([100 * found.error, 100 * found.sum_off], abs=1.5)

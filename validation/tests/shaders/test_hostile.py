@@ -29,7 +29,7 @@ METHODS = {
     "naive": Settings("naive", "hexagon", camera=CAMERA),
     "naive-grid": Settings("naive-grid", "square", 5, camera=CAMERA, rotation=20.0),
     "layered": Settings("layered", "hexagon", camera=CAMERA, squeeze=0.7),
-    "layered, one target": Settings("layered", "octagon", 7, camera=CAMERA, quality="low", jitter=1.0, targets=False),
+    "layered, one target": Settings("layered", "octagon", 7, camera=CAMERA, preset="low", jitter=1.0, targets=False),
 }
 # Those that have an entry of their own, in every compiler
 EVERYWHERE = [name for name in METHODS if name not in ("paper star, CoC kept", "paper triangle", "exact adaptive")]

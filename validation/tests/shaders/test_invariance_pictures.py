@@ -181,10 +181,10 @@ def told(pattern: str) -> list[float]:
     return [float(value) for value in ([found] if isinstance(found, str) else found)]
 
 
-@pytest.mark.parametrize("quality", methods.QUALITIES)
+@pytest.mark.parametrize("preset", methods.PRESETS)
 @pytest.mark.parametrize("size", ASPECTS, ids=str)
 @in_each_language
-def test_layered_aspect_and_presets(size, quality, driver):
+def test_layered_aspect_and_presets(size, preset, driver):
     """A far light, at each aspect ratio and preset: the polygon's second moments, but for what half size adds.
 
     Square pixels on each axis. Off by: 2 x 2 pixels in a texel, 1/4; each of two passes adds up to 1/4 square texel of
@@ -195,7 +195,7 @@ def test_layered_aspect_and_presets(size, quality, driver):
     color = flat(size)
     middle = [length // 2 for length in size]
     color[middle[1] - 1 : middle[1] + 2, middle[0] - 1 : middle[0] + 2, :3] = PEAK / 9
-    case = Case("", replace(LAYERED, quality=quality), color, depth_of(size, near_edges.metres(BLUR, size[1])))
+    case = Case("", replace(LAYERED, preset=preset), color, depth_of(size, near_edges.metres(BLUR, size[1])))
     found = moments.measured(layered(driver, case)[..., 1], (middle[0] + 0.5, middle[1] + 0.5))
     share = (2.0 + np.cos(2.0 * np.pi / 6)) / 12.0
     off = np.diag(found.second) - (9 - 1) / 12 - share * BLUR**2 / 4

@@ -37,9 +37,9 @@ def test_sizes(size, driver):
         {"jitter": 1.0, "frame": 3},
         *({"aperture": aperture, "rotation": 5.0} for aperture in ("square", "octagon", "decagon")),
         *({"aperture": aperture, "targets": False} for aperture in ("square", "octagon", "decagon")),
-        *({"quality": quality} for quality in methods.QUALITIES if quality != "medium"),
+        *({"preset": preset} for preset in methods.PRESETS if preset != "medium"),
         {"camera": WIDE},
-        {"camera": WIDE, "aperture": "decagon", "jitter": 0.5, "quality": "low"},
+        {"camera": WIDE, "aperture": "decagon", "jitter": 0.5, "preset": "low"},
         {"coc": 0.0},
         {"coc": 0.05},
         {"coc": 0.25},
@@ -103,25 +103,25 @@ def test_viewport(viewport, driver):
 
 
 @pytest.mark.parametrize(
-    ("quality", "driver"),
+    ("preset", "driver"),
     [*(("medium", name) for name in LANGUAGES), *zip(("low", "high", "ultra"), LANGUAGES, strict=True)],
     indirect=["driver"],
 )
-def test_every_preset(quality, driver):
+def test_every_preset(preset, driver):
     """A picture in focus, or with a CoC of up to a pixel, which spreads nothing, is copied to the bit; one colour stays
     as it is; and 0.99 to 1.01 of an isolated light of one pixel, the hardest, is kept. See the probes.
     """
     case = unchanged.focus_case()
     for coc in (0.0, 0.9, -0.9):
         depth = model.depth_of(case.size, near_edges.metres(coc, case.size[1]))
-        found = result(driver, replace(case, settings=near_edges.settings(quality=quality), depth=depth))
+        found = result(driver, replace(case, settings=near_edges.settings(preset=preset), depth=depth))
         np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
     for case in unchanged.constant_cases():
-        output = result(driver, replace(case, settings=replace(case.settings, quality=quality)))[..., :3]
+        output = result(driver, replace(case, settings=replace(case.settings, preset=preset)))[..., :3]
         off = np.abs(output.astype(np.float64) / case.color[..., :3].astype(np.float64) - 1.0)
         assert off.max() <= 4 * near_edges.STEP, case.label
     for coc in lights.LIGHT_COCS:
-        case = lights.light_case(coc, 1, quality)
+        case = lights.light_case(coc, 1, preset)
         around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
         kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / lights.LIGHT
         assert kept == pytest.approx(1.0, abs=0.01), coc

@@ -54,8 +54,8 @@ COC = 80
 SIZE = (256, 2 * COC)
 
 
-@pytest.mark.parametrize("quality", MOST_FETCHES)
-def test_fetches_at_the_worst(quality):
+@pytest.mark.parametrize("preset", MOST_FETCHES)
+def test_fetches_at_the_worst(preset):
     """Of the picture, and of a pixel for which every pass takes all that it can.
 
     Patches of 2 pixels of the largest CoC near and far, a third of them and none: layers and gather have most to do
@@ -64,20 +64,20 @@ def test_fetches_at_the_worst(quality):
     depths = [near_edges.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
     coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
     camera = replace(near_edges.CAMERA, max_coc=COC / SIZE[1])
-    settings = replace(near_edges.settings(quality=quality), camera=camera)
+    settings = replace(near_edges.settings(preset=preset), camera=camera)
     found = counted(settings, flat(SIZE, 1.0), coarse.repeat(2, 0).repeat(2, 1))
     mean, most = (sum(counts[i] for counts in found.values()) for i in (0, 1))
-    allowed = MOST_FETCHES[quality]
+    allowed = MOST_FETCHES[preset]
     assert mean <= allowed[0] and most <= allowed[1], (mean, most, found)
     # the CoC map besides
     assert most + 1 == pytest.approx(fetches.of_frame(methods.plan(settings, SIZE).passes)["color"])
 
 
-@pytest.mark.parametrize("quality", methods.QUALITIES)
-def test_fetches_in_focus(quality):
+@pytest.mark.parametrize("preset", methods.PRESETS)
+def test_fetches_in_focus(preset):
     """What the bench says of that row, to the fetch."""
     depth = depth_of(SIZE, near_edges.CAMERA.focus_distance)
-    settings = near_edges.settings(quality=quality)
+    settings = near_edges.settings(preset=preset)
     found = counted(settings, flat(SIZE, 1.0), depth)
     total = sum(mean for mean, _ in found.values())
     assert total <= IN_FOCUS, found

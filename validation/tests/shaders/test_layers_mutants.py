@@ -36,9 +36,9 @@ def plane(coc: float) -> Case:
 # much of either layer; the last: edges with fewer samples than texels
 BOTH = {
     "hexagon": {"jitter": 1.0, "squeeze": 0.7},
-    "decagon": {"aperture": "decagon", "quality": "low", "jitter": 0.5, "rotation": 20.0},
-    "one target": {"aperture": "decagon", "quality": "ultra", "targets": False},
-    "square": {"aperture": "square", "quality": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
+    "decagon": {"aperture": "decagon", "preset": "low", "jitter": 0.5, "rotation": 20.0},
+    "one target": {"aperture": "decagon", "preset": "ultra", "targets": False},
+    "square": {"aperture": "square", "preset": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
 }
 CASES = {
     **{f"both {k}": noise_case((75, 50), replace(SETTINGS, **{"camera": FULL, **one})) for k, one in BOTH.items()},

@@ -13,7 +13,7 @@ from support import called, load
 
 from bokeh_validation import paths
 from bokeh_validation.frame import methods, polygons
-from bokeh_validation.probes import shapes as quality
+from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import likeness, suite
 from bokeh_validation.truth.scatter import GROWTH, scatter, signed_pixels
@@ -145,7 +145,7 @@ def test_scatter_of_one_light(coc):
     result = scatter(case)[..., 0]
     assert result.sum() == pytest.approx(1000.0, rel=1e-6)
     step = max(GROWTH * abs(coc), 0.5)
-    outline, center = quality.outline(SETTINGS), (48.5, 40.5)
+    outline, center = shapes.outline(SETTINGS), (48.5, 40.5)
     core = polygons.coverage((abs(coc) - step - 3.0) * outline, SIZE, center) == 1.0
     beyond = polygons.coverage((abs(coc) + step + 3.0) * outline, SIZE, center) == 0.0
     assert np.ptp(result[core]) <= 1e-6 * result.max() and np.abs(result[beyond]).max() <= 1e-6 * result.max()
