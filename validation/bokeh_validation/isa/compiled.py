@@ -47,7 +47,7 @@ def all_methods() -> list[Method]:
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
         found += [
-            Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in EXACT_PRESETS
+            Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in PRESETS
         ]
     return found
 
