@@ -9,13 +9,43 @@
 validation=$(CDPATH='' cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd -P)
 cache=${BOKEH_CACHE:-${XDG_CACHE_HOME:-${HOME:-~}/.cache}/bokeh-validation}
 [[ $cache == /* ]] || cache=$PWD/$cache
-packages=(python3-venv glslang-tools glslc libmojoshader-dev spirv-tools spirv-cross mesa-vulkan-drivers libvulkan1
-    libosmesa6 libgl1-mesa-dri libegl1 libgl1 libatomic1 wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth mono-mcs love
-    default-jre-headless ivy g++ pkg-config libogre-1.12-dev)
-# Ubuntu has Chromium as a snap; there google-chrome will do, or what $BOKEH_CHROMIUM names
-if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then packages+=(chromium); fi
-# Node.js from elsewhere brings its own npm, which the system's would not go with
-command -v npm >/dev/null || packages+=(npm)
+
+# System packages by what needs them. Ubuntu has Chromium as a snap; there google-chrome will do, or what
+# $BOKEH_CHROMIUM names. Node.js from elsewhere brings its own npm, which the system's would not go with.
+opengl="libosmesa6 libgl1-mesa-dri libegl1 libgl1"
+vulkan="mesa-vulkan-drivers libvulkan1 libatomic1"
+compilers="glslang-tools glslc libmojoshader-dev spirv-tools spirv-cross"
+windows="wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
+browser=""
+if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then browser="chromium"; fi
+command -v npm >/dev/null || browser+=" npm"
+engines="mono-mcs love default-jre-headless ivy g++ pkg-config libogre-1.12-dev"
+everything="$opengl $vulkan $compilers $windows $browser $engines"
+
+# The packages that a command line of validation/run needs, in $@: nobody gets Wine who asks for the version.
+packages_for() {
+    local argument command=''
+    case " $* " in *" --help "* | *" -h "* | *" --version "*) return 0 ;; esac
+    for argument in "$@"; do
+        case $argument in
+        d3d9 | d3d11 | --driver=d3d*) printf '%s ' "$windows" ;;
+        webgl2 | webgpu | --driver=web*) printf '%s ' "$browser" ;;
+        --full) printf '%s ' "$everything" ;;
+        -*) ;;
+        *) command=${command:-$argument} ;;
+        esac
+    done
+    case $command in
+    parity | plan | port | aperture | release | doctor) ;;
+    demo) printf '%s ' "$opengl $browser" ;;
+    peers) printf '%s ' "$opengl $vulkan $browser" ;;
+    compile | engines) printf '%s ' "$everything" ;;
+    render | truth | gallery | figures | shapes | compare) printf '%s ' "$opengl" ;;
+    isa) printf '%s ' "$opengl $vulkan $compilers" ;;
+    bench | check | mutants | probes) printf '%s ' "$opengl $vulkan $compilers" ;;
+    *) printf '%s ' "$opengl $vulkan $compilers $windows" ;;
+    esac
+}
 
 say() {
     printf 'set-up: %s\n' "$*" >&2
@@ -76,7 +106,6 @@ install_packages() {
 
 apt_install() {
     local log="$cache/apt.log" updated='' offered name
-    say "installing $*"
     : >"$log"
     mapfile -t offered < <(offered_packages "$@")
     if [ "${#offered[@]}" -lt "$#" ]; then
@@ -93,6 +122,9 @@ apt_install() {
         done
     fi
     [ "${#offered[@]}" -gt 0 ] || return 0
+    say "installing ${offered[*]} ($(LC_ALL=C apt-get install --assume-no --no-install-recommends "${offered[@]}" 2>/dev/null |
+        sed -n 's/^Need to get \(.*\) of archives.*/\1 to fetch/p; s/^After this operation, \(.*\) of additional.*/\1 on disk/p' |
+        paste -sd, - | sed 's/,/, /'))"
     local install=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y
         --no-install-recommends "${offered[@]}")
     "${install[@]}" >>"$log" 2>&1 && return 0
@@ -124,7 +156,7 @@ print(hashlib.sha256(lock + sys.version.encode() + sys.base_prefix.encode()).hex
 
 make_environment() {
     local base=$1 target=$2
-    say "making the virtual environment $target"
+    say "making the virtual environment $target (about 100 MB to fetch, 400 MB on disk)"
     rm -rf "$target"
     "$base" -m venv "$target" >&2 || { say "$base cannot make virtual environments"; return 1; }
     # the line of each package is the sign of progress
@@ -137,10 +169,10 @@ make_environment() {
 
 set_up() {
     local found base environment
-    install_packages "${packages[@]}"
+    install_packages "$@"
     found=$(find_python) || {
-        # a release whose own Python is older may have a later one beside it
-        [ "$EUID" -ne 0 ] || install_packages python3.11 python3.11-venv
+        # Debian has the module for virtual environments apart, and an older release may have a later Python beside its own
+        [ "$EUID" -ne 0 ] || install_packages python3-venv python3.11 python3.11-venv
         found=$(find_python) ||
             { say "needs Python 3.11 or later: sudo apt-get install -y python3.11 python3.11-venv"; return 1; }
     }
@@ -157,7 +189,11 @@ set_up() {
 }
 
 mkdir -p -- "$cache" && [ -w "$cache" ] || { say "cannot write to the cache folder $cache; set BOKEH_CACHE"; exit 1; }
-set_up || exit 1
+# shellcheck disable=SC2046
+case ${BASH_SOURCE[1]##*/} in
+test) set_up $everything ;;
+*) set_up $(packages_for "$@") ;;
+esac || exit 1
 
 # Only this package and what the lock file pins: other folders could shadow either.
 export PYTHONPATH="$validation"
