@@ -34,7 +34,7 @@ def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1)
 
 def kind(driver: drivers.Driver) -> precision.Precision:
     """What the driver's samplers may be off by."""
-    return precision.SOFTWARE if driver.software else precision.GPU
+    return driver.precision
 
 
 def result(driver: drivers.Driver, case: Case, storage: str = "half") -> np.ndarray:

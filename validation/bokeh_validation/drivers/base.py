@@ -70,6 +70,11 @@ class Driver:
     adapter: str
     software: bool
 
+    @property
+    def precision(self) -> precision.Precision:
+        """What the reference has to allow it."""
+        return precision_of(self.adapter)
+
     @cached_property
     def rounding(self) -> str:
         """How its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()."""

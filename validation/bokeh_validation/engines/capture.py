@@ -113,7 +113,7 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
             passes = case.plan.passes
             wanted = Reference().images(passes, case.textures(), size, "half", kind, rounding, given=outputs)
         else:
-            wanted = expected(case, mesa, rounding)
+            wanted = expected(case, kind, rounding)
         # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
         outside = {name: metrics.compare(pixels, wanted[name], False).outside for name, pixels in outputs.items()}
         comparison = replace(metrics.compare(result, wanted["result"], False), outside=sum(outside.values()))

@@ -8,7 +8,7 @@ from hashlib import blake2b
 import numpy as np
 
 from bokeh_validation import metrics
-from bokeh_validation.drivers.base import Driver, precision_of
+from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.reference import precision
@@ -118,11 +118,10 @@ KEPT_BYTES = 400e6
 _expected: dict[tuple, dict[str, Image]] = {}
 
 
-def expected(case: Case, software: bool, rounding: str) -> dict[str, Image]:
+def expected(case: Case, kind: precision.Precision, rounding: str) -> dict[str, Image]:
     """The reference's outputs with the acceptance interval of a class of devices; kept, since drivers share them."""
-    key = (case.content, case.settings, case.keep, software, rounding)
+    key = (case.content, case.settings, case.keep, kind, rounding)
     if key not in _expected:
-        kind = precision.SOFTWARE if software else precision.GPU
         images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
         # what nobody looks at is not kept: a scene's passes are a hundred megabytes
         _expected[key] = {name: images[name] for name in case.keep}
@@ -141,12 +140,11 @@ def compared(case: Case, driver: Driver) -> CaseResult:
     passes, textures, software = case.plan.passes, case.textures(), driver.software
     if case.settings.method != "layered":
         outputs = driver.run(passes, textures, case.size, keep=case.keep)
-        wanted = expected(case, software, driver.rounding)
+        wanted = expected(case, driver.precision, driver.rounding)
         return CaseResult(case, outputs, wanted, {k: metrics.compare(outputs[k], wanted[k], software) for k in wanted})
     names = [name for item in passes for name in item.outputs]
     outputs = driver.run(passes, textures, case.size, keep=names)
-    kind = precision.SOFTWARE if software else precision_of(driver.adapter)
-    wanted = Reference().images(passes, textures, case.size, "half", kind, driver.rounding, given=outputs)
+    wanted = Reference().images(passes, textures, case.size, "half", driver.precision, driver.rounding, given=outputs)
     # bounds in steps are for pictures: sums and shares are often small differences
     comparisons = {k: metrics.compare(outputs[k], wanted[k], software and k in case.keep) for k in names}
     return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: wanted[k] for k in case.keep}, comparisons)

@@ -297,7 +297,7 @@ def test_the_chain_runs(name):
     assert (np.abs(found["metres"] - metres) <= allowed).all()
     settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA, spacing=1.0, max_samples=13)
     case = Case(name, settings, scene()["color"], found["metres"])
-    wanted = expected(case, driver.software, driver.rounding)["result"]
+    wanted = expected(case, driver.precision, driver.rounding)["result"]
     comparison = metrics.compare(found["result"], wanted, driver.software)
     assert comparison.ok, comparison
     # there is something to compare: the picture is blurred, and its CoC has both signs

@@ -44,7 +44,7 @@ def test_scenes(scene, method, aperture, all_drivers):
         distance = metrics.steps(first.setdefault(driver.rounding, output), output)
         assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE, driver.name
         # two results that are both within the bounds of the reference may be twice as far from each other
-        undecided = expected(case, driver.software, driver.rounding)["result"].undecided
+        undecided = expected(case, driver.precision, driver.rounding)["result"].undecided
         assert distance[~undecided].max() <= 2 * metrics.FAR_STEPS, driver.name
 
 

@@ -159,7 +159,7 @@ def test_several_targets(new, driver):
     case = noise_case(area[2:], methods.Settings("exact", "hexagon", coc=0.15, camera=CAMERA))
     first, second = case.plan.passes[:2]
     case = replace(case, keep=second.outputs)
-    wanted = expected(case, driver.software, driver.rounding)
+    wanted = expected(case, driver.precision, driver.rounding)
     stored = driver.run([first], case.textures(), case.size, keep=first.outputs)
     before = [nan(name) for name in ("a", "b") if name not in new]
     drawn = [*before, replace(second, output=("a", "b"), viewport=area)]

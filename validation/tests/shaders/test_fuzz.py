@@ -90,15 +90,14 @@ def draw(method: str, samples: tuple[int, ...], seed: int) -> Case:
     return Case(f"seed {seed}", settings, color, sprinkled(random, depth, DEPTH, one([0.0, 0.02, 0.3])))
 
 
-def interval(case: Case, software: bool, rounding: str) -> dict[str, Image]:
+def interval(case: Case, kind: precision.Precision, rounding: str) -> dict[str, Image]:
     """Every texture of the reference with the interval of a class of devices. Kept nowhere: no case comes twice."""
-    kind = precision.SOFTWARE if software else precision.GPU
     return Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
 
 
 def agrees(driver: drivers.Driver, case: Case) -> dict[str, Image]:
     """Fail where a driver's result is not finite, negative or outside the interval; the interval."""
-    wanted = interval(case, driver.software, driver.rounding)
+    wanted = interval(case, driver.precision, driver.rounding)
     output = result(driver, case)
     # the CoC of exact is signed
     numbers = output[..., :3] if case.settings.method == "exact" else output
@@ -150,7 +149,7 @@ def test_slips_would_be_noticed():
     left = set(SLIPS)
     for index in range(300):
         case = draw("paper", SAMPLES["paper"], SEED + index)
-        wanted = interval(case, True, "nearest")["result"]
+        wanted = interval(case, precision.SOFTWARE, "nearest")["result"]
         for name in sorted(left):
             other = replace(case, settings=replace(case.settings, **SLIPS[name](case.settings)))
             if metrics.compare(result(Reference(), other), wanted, True).outside:

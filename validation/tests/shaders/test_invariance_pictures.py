@@ -39,7 +39,7 @@ def check_same(driver: Driver, case: Case, change, settings: Settings, border: i
     """
     other = transformed(case, change, settings)
     outputs = [result(driver, c) for c in (case, other)]
-    truth = [expected(c, driver.software, driver.rounding)["result"] for c in (case, other)]
+    truth = [expected(c, driver.precision, driver.rounding)["result"] for c in (case, other)]
     wanted = Image(
         change(outputs[0]).astype(np.float64),
         change(truth[0].error) + truth[1].error,

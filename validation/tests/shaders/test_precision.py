@@ -127,7 +127,7 @@ def test_float32_is_the_device(name):
     drawn = driver.run(case.plan.passes, case.textures(), case.size)["result"]
     given = case.plan.passes, case.textures(), case.size, np.float32
     found, _ = frames.run(*given, storage="half", rounding=driver.rounding)
-    wanted = expected(case, driver.software, driver.rounding)["result"]
+    wanted = expected(case, driver.precision, driver.rounding)["result"]
     for image in (drawn, found.astype(np.float16)):
         comparison = metrics.compare(image, wanted, driver.software)
         assert comparison.ok, comparison
