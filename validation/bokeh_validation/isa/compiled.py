@@ -46,7 +46,9 @@ def all_methods() -> list[Method]:
             settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
-        found += [Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in PRESETS]
+        found += [
+            Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in methods.PRESETS
+        ]
     return found
 
 
