@@ -21,7 +21,6 @@ EXIT_BAD_INPUT = 2
 COMMANDS = {
     "doctor": ("doctor", "doctor"),
     "compile": ("compilers.matrix", "compile_programs"),
-    "sm3": ("sm3", "sm3"),
     "render": ("render", "render"),
     "plan": ("frame.plan", "plan"),
     "aperture": ("frame.aperture_command", "aperture"),

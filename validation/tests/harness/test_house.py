@@ -82,7 +82,7 @@ LEVELS = (
         "frame.tiling",
         "frame.aperture_command",
     ),
-    ("probes", "isa", "sm3", "half", "doctor"),
+    ("probes", "isa", "half", "doctor"),
     ("truth", "engines", "figures"),
     ("run", "bench", "demo", "mutants", "release"),
     ("cli", "__main__"),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from support import load, needed
 
-from bokeh_validation import paths, shaders, sm3
+from bokeh_validation import paths, shaders
 from bokeh_validation.compilers import fxc
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.windows import server, wine
@@ -44,7 +44,9 @@ class TestBudgets:
     """Shader model 3: 512 slots, 224 constants, 16 samplers, 32 temporaries."""
 
     def test_one_over_names_its_limit(self, compiler):
-        text = sm3.source("BokehNaiveGather", 64, "[unroll]")
+        text = shaders.hlsl(3, {"BOKEH_NUM_SAMPLES": 64})
+        assert text.count("#define BOKEH_LOOP\n") == 1
+        text = text.replace("#define BOKEH_LOOP\n", "#define BOKEH_LOOP [unroll]\n")
         result = compiler.compile(text, "ps_3_0", "BokehNaiveGather_PS")
         assert not result.ok
         assert result.messages.startswith(f"over the budget of ps_3_0: {result.facts['slots']} instruction slots, 512 ")
@@ -71,22 +73,6 @@ class TestBudgets:
         assert fxc.facts(listing) == {
             "slots": 3, "texture_slots": 2, "arithmetic_slots": 1, "temporaries": 1, "constants": 2, "samplers": 1,
         }  # fmt: skip
-
-    def test_naive_gather_and_the_kind_of_loop(self, compiler):
-        """Rolled, the slots do not grow with the samples; unrolled, 64 samples are too many already."""
-
-        def tried(entry: str, count: int, loop: str):
-            return compiler.compile(sm3.source(entry, count, loop), "ps_3_0", f"{entry}_PS")
-
-        for entry in ("BokehNaiveGather", "BokehNaiveGrid"):
-            # two sizes of the gather: its outer loop turns once up to 128 samples, and is gone then
-            for rolled in (tried(entry, count, "as it is") for count in (16, 64, 144, 256)):
-                assert rolled.ok and rolled.facts["slots"] <= 100
-            assert tried(entry, 144, "[loop]").ok
-            assert tried(entry, 16, "[unroll]").ok and not tried(entry, 64, "[unroll]").ok
-        # with 256 fxc takes 20 s to refuse it
-        assert tried(sm3.ONE_LOOP, 144, "as it is").ok
-        assert len(sm3.lines(sm3.attempts((16,)))) == 2 + len(sm3.ENTRIES)
 
 
 class TestFxc:
