@@ -27,9 +27,28 @@ DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, d3d11, webgl2, webgpu or reference.
 OneDriver = Annotated[str | None, typer.Option("--driver", help=DRIVER_HELP)]
 SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVER_HELP)]
 Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
-JsonFile = Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")]
 
 console = Console(soft_wrap=True)
+# What stands for standard output where a file is asked for
+STANDARD_OUTPUT = Path("-")
+
+
+def json_target(context: typer.Context, path: Path | None) -> Path | None:
+    """The file of an option for JSON. Where that is '-', all other text of the command goes to standard error."""
+    if path == STANDARD_OUTPUT:
+        console.stderr = True
+        context.call_on_close(lambda: setattr(console, "stderr", False))
+    return path
+
+
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", callback=json_target, help="Write everything here as well; -: standard output.")
+]
+
+
+def table_console(width: int) -> Console:
+    """The terminal; for a file or a pipe, which have no width of their own, a console of `width` characters."""
+    return console if console.is_terminal else Console(width=width, stderr=console.stderr)
 
 
 def tell(*lines: str) -> None:
@@ -74,14 +93,18 @@ def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
 def check_writable(*targets: Path | None) -> None:
     """Refuse, before any work is done, files that cannot be written. Raises UserError."""
     for path in targets:
-        if path is not None:
+        if path not in (None, STANDARD_OUTPUT):
             files.check_writable(path)
 
 
 def write_json(path: Path | None, data: object) -> None:
-    """Write a file as a whole, if it was asked for."""
-    if path is not None:
-        text = json.dumps(data, indent=1) + "\n"
+    """Write a file as a whole, or to standard output, if it was asked for."""
+    if path is None:
+        return
+    text = json.dumps(data, indent=1) + "\n"
+    if path == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+    else:
         files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from bokeh_validation import files, terminal
@@ -55,8 +54,7 @@ def isa(
     names = [target.name for target in (*STOCK, *(OTHERS if every else ()))]
     counts = count(methods, names)
     old = count(methods, list(counts.found), against) if against else Counts()
-    # a table in a file or a pipe needs a width of its own
-    wide = terminal.console if terminal.console.is_terminal else Console(width=130)
+    wide = terminal.table_console(130)
     for name, found in counts.found.items():
         wide.print(
             passes_table(f"{TARGETS[name].title} ({name}), Mesa {counts.mesa[name]}", found, old.found.get(name))

@@ -33,6 +33,13 @@ def cut_area(polygon: np.ndarray, moved: np.ndarray) -> float:
     return abs(polygons.signed_area(polygons.clip_convex(polygon + moved, polygon - moved)))
 
 
+def cut_at_light(aperture: str) -> np.ndarray:
+    """The polygon as the lens barrel cuts it for the place of the light, (N, 2)."""
+    polygon = COC * np.asarray(exact.polygon(aperture, ROTATION)) / exact.COC
+    moved = rim(*pixel_center(*PLACE), polygon)
+    return polygons.clip_convex(polygon + moved, polygon - moved)
+
+
 @lru_cache
 def truth(aperture: str) -> np.ndarray:
     """Share of the light that each pixel gets, (H, W): its own polygon, cut as it is there, holds the light's pixel.
@@ -57,7 +64,7 @@ def exact_case(aperture: str) -> Case:
     image = flat(SIZE, impulse.AMBIENT)
     image[PLACE[1], PLACE[0], :3] += impulse.PEAK
     chosen = replace(exact.settings(aperture, ROTATION, SIZE, COC), cats_eye=AMOUNT)
-    exposure = impulse.PICTURE / (truth(aperture).max() * impulse.PEAK)
+    exposure = impulse.PICTURE * abs(polygons.signed_area(cut_at_light(aperture))) / impulse.PEAK
     return Case(aperture, chosen, image, depth_of(SIZE, 10.0), exposure=exposure)
 
 
@@ -69,15 +76,14 @@ def layered_case(sign: int) -> Case:
     image[(*rows, slice(0, 3))] = 0.0, 0.0, LIGHT + AMBIENT
     depth[tuple(rows)] = near_edges.metres(sign * COC, SIZE[1])
     chosen = near_edges.settings(preset="high", cats_eye=AMOUNT, rotation=ROTATION)
-    exposure = impulse.PICTURE / (truth("hexagon").max() * LIGHT * PIXELS**2)
+    exposure = impulse.PICTURE * abs(polygons.signed_area(cut_at_light("hexagon"))) / (LIGHT * PIXELS**2)
     return Case("far" if sign > 0 else "near", chosen, image, depth, exposure=exposure)
 
 
 def checks(label: str, aperture: str, value: np.ndarray, light: float, off: float) -> list[Check]:
     """Light and shape of a light's bokeh, (H, W) without what is around; its outline may be off by `off` pixels."""
-    wanted, polygon = truth(aperture), COC * np.asarray(exact.polygon(aperture, ROTATION)) / exact.COC
-    moved = rim(*pixel_center(*PLACE), polygon)
-    shape = polygons.clip_convex(polygon + moved, polygon - moved)
+    wanted, shape = truth(aperture), cut_at_light(aperture)
+    polygon = COC * np.asarray(exact.polygon(aperture, ROTATION)) / exact.COC
     area, edge = abs(polygons.signed_area(shape)), off * polygons.perimeter(shape)
     least = (area - edge) / (area + edge)
     whole = polygons.coverage(polygon, SIZE, pixel_center(*PLACE)) / abs(polygons.signed_area(polygon))

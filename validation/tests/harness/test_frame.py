@@ -195,6 +195,17 @@ def test_the_command(tmp_path):
     assert "ColorSampE <- middle  (linear)" in done.stdout and "DepthSamp <- depth  (nearest)" in done.stdout
 
 
+def test_json_to_standard_output(tmp_path, monkeypatch):
+    """`--json -`: there is nothing but the JSON; the text for people goes to standard error, of this command alone."""
+    monkeypatch.chdir(tmp_path)
+    done = called("plan", "--method", "layered", "--json", "-")
+    found = frame.frame(methods.Settings("layered"), (1920, 1080))
+    assert done.returncode == 0 and json.loads(done.stdout) == through_json(found)
+    assert done.stderr.splitlines() == list(frame.lines(found))
+    assert called("plan", "--method", "layered").stdout == done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_passes_page_is_up_to_date():
     """Otherwise: validation/run plan --docs."""
     text = frame.PAGE.read_text(encoding="utf-8")

@@ -72,7 +72,12 @@ def peers(
     ] = None,
     json_file: terminal.JsonFile = None,
     search: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Search the best parameters anew, and write them as JSON.")
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            callback=terminal.json_target,
+            help="Search the best parameters anew, and write them as JSON.",
+        ),
     ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
