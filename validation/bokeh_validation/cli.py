@@ -32,7 +32,6 @@ COMMANDS = {
     "figures": ("figures.command", "figures"),
     "probes": ("run.validate", "run_patterns"),
     "parity": ("shaders.parity", "parity"),
-    "precision": ("half.table", "precision"),
     "bench": ("bench.bench_command", "bench"),
     "port": ("engines.godot", "port"),
     "isa": ("isa.isa_command", "isa"),

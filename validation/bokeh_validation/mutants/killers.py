@@ -99,7 +99,7 @@ FIRST = {
     "SignedCoC*": (SIGNED,),
     "LineEnd LeakageWeight DepthOfField Combine DepthOfFieldFinal": (PAPER,),
     "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample", PAPER),
-    "DefaultFilter": ("test_precision.py::test_float64_is_the_reference",),
+    "DefaultFilter": (survivor("test_default_settings"),),
     "FilterCoC": (survivor("test_half_a_pixel_is_in_focus"), ADAPTIVE, HEXAGON),
     "Cells": (survivor("test_a_line_of_no_length"), JITTER, ADAPTIVE, HEXAGON),
     "Noise": (survivor("test_noise_comes_again"), JITTER, ADAPTIVE, HEXAGON),

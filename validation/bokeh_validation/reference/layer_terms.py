@@ -11,9 +11,8 @@ from math import ceil, cos, floor, pi, sin
 
 import numpy as np
 
-from bokeh_validation.reference import balls, cuts
+from bokeh_validation.reference import balls, cuts, gather
 from bokeh_validation.reference.balls import Ball, Texture
-from bokeh_validation.reference.gather import BAND_ROWS, THREADS
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
@@ -54,14 +53,14 @@ class Run:
     def banded(self, function: Callable[[np.ndarray, np.ndarray, slice], Sequence[Ball]]) -> list[Image]:
         """`function(x, y, rows)` for all rows, in bands that stay in the cache; x, y texel centres (rows, W)."""
         width, height = self.size
-        step = max(1, BAND_ROWS * 512 // max(width, 1))
+        step = max(1, gather.BAND_ROWS * 512 // max(width, 1))
 
         def band(start: int) -> Sequence[Ball]:
             rows = slice(start, min(start + step, height))
             y, x = np.mgrid[rows, 0:width] + 0.5
             return function(x, y, rows)
 
-        with ThreadPoolExecutor(THREADS) as pool:
+        with ThreadPoolExecutor(gather.THREADS) as pool:
             parts = list(pool.map(band, range(0, height, step)))
         return [_image([part[i] for part in parts]) for i in range(len(parts[0]))]
 

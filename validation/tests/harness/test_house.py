@@ -82,7 +82,7 @@ LEVELS = (
         "frame.tiling",
         "frame.aperture_command",
     ),
-    ("probes", "isa", "half", "doctor"),
+    ("probes", "isa", "doctor"),
     ("truth", "engines", "figures"),
     ("run", "bench", "demo", "mutants", "release"),
     ("cli", "__main__"),

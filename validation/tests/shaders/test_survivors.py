@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hostile import COLOR
-from support import in_each_language
+from support import in_each_language, load
 from support_cases import noise_case, within
 
 from bokeh_validation import metrics, paths, shaders
 from bokeh_validation.frame import methods
-from bokeh_validation.half.interpreter import Evaluator
 from bokeh_validation.probes.model import depth_of, flat
 from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes
@@ -21,6 +20,14 @@ from bokeh_validation.shaders.passes import Pass
 def changed(plain: np.ndarray, output: np.ndarray) -> bool:
     """Whether a switch matters, or testing it would mean nothing."""
     return (metrics.steps(plain, output) > metrics.FAR_STEPS).mean() > 0.02
+
+
+def evaluated(expression: str) -> np.ndarray:
+    """The value (4,) of an expression of GLSL, a vec4, beside the functions of the library."""
+    library = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehConstantCoC", "330", {}))
+    text = f"{library}void main()\n{{\n    BokehResult = {expression};\n}}\n"
+    item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "value", sources={"glsl": text})
+    return load("osmesa").run([item], {"color": flat((1, 1))}, (1, 1), "float", keep=("value",))["value"][0, 0]
 
 
 def test_a_sensor_of_no_height(driver):
@@ -59,9 +66,20 @@ def test_a_line_of_one_sample():
 
     WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
     """
-    line, evaluator = np.array([[0.25, 0.5]]), Evaluator(np.float64)
-    for sample, count, wanted in ((0, 1, -line), (0, 2, -line), (1, 2, line)):
-        np.testing.assert_array_equal(evaluator.call("BokehMakeOffsets", line, sample, count), wanted)
+    line = [0.25, 0.5]
+    for sample, count, sign in ((0, 1, -1.0), (0, 2, -1.0), (1, 2, 1.0)):
+        offset = evaluated(f"vec4(BokehMakeOffsets(vec2(0.25, 0.5), {sample}, {count}), 0.0, 0.0)")[:2]
+        np.testing.assert_array_equal(offset, sign * np.array(line))
+
+
+def test_default_settings():
+    """BokehDefaultFilter: what section [1] configures, for an image of a size."""
+    made = "BokehDefaultFilter(vec2(1920.0, 1080.0))"
+    of_image = evaluated(f"vec4({made}.aspectRatio, {made}.imageHeight, {made}.spacing, {made}.jitter)")
+    np.testing.assert_array_equal(of_image, np.float32([1920.0 / 1080.0, 1080.0, 1.0, 0.0]))
+    given = methods.Settings()
+    leakage = evaluated(f"vec4({made}.bleedingBias, {made}.bleedingMult, 0.0, 0.0)")
+    np.testing.assert_array_equal(leakage[:2], np.float32([given.bleeding_bias, given.bleeding_mult]))
 
 
 def test_a_line_of_no_length(driver):

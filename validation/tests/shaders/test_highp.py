@@ -1,0 +1,43 @@
+"""The libraries are float throughout, and stay so in a program that begins with mediump."""
+
+import re
+import struct
+
+import pytest
+
+from bokeh_validation import paths, shaders
+from bokeh_validation.compilers import glslang
+
+RELAXED_PRECISION, DECORATE, MEMBER_DECORATE = 0, 71, 72
+
+
+def test_libraries_have_no_half():
+    """No word in any of the three that makes a variable 16 bits; comments may have it."""
+    for language in paths.LANGUAGES:
+        for file in (paths.library(language), paths.layers(language), paths.passes(language)):
+            code = re.sub(r"//.*", "", file.read_text(encoding="ascii"))
+            halves = re.findall(r"\b(?:half\d?|min\w+float\d?|float16_t\d?|mediump|lowp|f16|vec\dh)\b", code)
+            assert not halves, f"{file.name}: {halves}"
+
+
+@pytest.mark.parametrize("entry", ["BokehDepthOfField", "BokehLayered"])
+def test_highp_wins_over_mediump(entry):
+    """`precision mediump float;` before the library relaxes nothing; without the library's own lines it would."""
+    head = f"#version 310 es\nprecision mediump float;\n#define BOKEH_PASS {shaders.glsl_pass(entry)}\n"
+    text = shaders.text("glsl")
+    without_highp = re.sub(r"^precision highp \w+;\n", "", text, flags=re.MULTILINE)
+    for library, is_relaxed in ((text, False), (without_highp, True)):
+        compiled = glslang.spirv(head + library, "frag", glslang.VULKAN)
+        assert compiled.ok and (relaxed(compiled.binary) > 0) == is_relaxed, compiled.messages
+
+
+def relaxed(binary: bytes) -> int:
+    """RelaxedPrecision decorations of a SPIR-V module."""
+    words = struct.unpack(f"<{len(binary) // 4}I", binary)
+    index, count = 5, 0
+    while index < len(words):
+        length, opcode = words[index] >> 16, words[index] & 0xFFFF
+        place = {DECORATE: 2, MEMBER_DECORATE: 3}.get(opcode)
+        count += place is not None and words[index + place] == RELAXED_PRECISION
+        index += length
+    return count
