@@ -25,7 +25,7 @@ COMMANDS = {
     "plan": ("frame.plan", "plan"),
     "aperture": ("frame.aperture_command", "aperture"),
     "shapes": ("probes.shapes", "shapes"),
-    "truth": ("truth.likeness", "truth"),
+    "truth": ("truth", "truth"),
     "gallery": ("truth.gallery", "gallery"),
     "peers": ("truth.peers.peers_command", "peers"),
     "demo": ("demo", "demo"),

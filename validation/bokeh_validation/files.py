@@ -31,3 +31,9 @@ def check_writable(path: Path) -> None:
         raise UserError(f"{path}: there is no folder {folder}. Make it first.")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
         raise UserError(f"{path}: may not be written. Check the permissions, or name another place.")
+
+
+def check_folder(option: str, folder: Path | None) -> None:
+    """Refuse a folder that an option names and that is not there."""
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"{option} {folder}: there is no such folder. Make it first.")

@@ -41,6 +41,11 @@ def enlarged(pixels: np.ndarray, factor: int) -> np.ndarray:
     return np.repeat(np.repeat(pixels, factor, axis=0), factor, axis=1)
 
 
+def halved(pixels: np.ndarray) -> np.ndarray:
+    """8-bit rgb at half its size."""
+    return np.asarray(Image.fromarray(pixels).reduce(2))
+
+
 def coarse(pixels: np.ndarray, step: int = 4) -> np.ndarray:
     """8-bit rgb in steps: its PNG is half as large, and nobody sees it."""
     return np.minimum((pixels.astype(int) + step // 2) // step * step, 255).astype(np.uint8)

@@ -90,6 +90,16 @@ def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
     return size
 
 
+def chosen(
+    option: str, given: Iterable[str] | None, known: Iterable[str], default: Iterable[str] | None = None
+) -> list[str]:
+    """What an option names, in the order of `known`; by default all of them. Raises UserError."""
+    for name in given or ():
+        if name not in known:
+            raise UserError(f"{option} {name}: unknown. Give one of {', '.join(known)}.")
+    return [name for name in known if name in (given or default or known)]
+
+
 def check_writable(*targets: Path | None) -> None:
     """Refuse, before any work is done, files that cannot be written. Raises UserError."""
     for path in targets:

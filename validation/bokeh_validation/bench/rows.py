@@ -14,14 +14,14 @@ from bokeh_validation.reference import listings, segments
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.shaders.entries import COPYING_ENTRIES
 from bokeh_validation.shaders.passes import Pass
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 # Samples on a line for the effective counts of Table 1: 16, 64, 144, 256, 400, 576
 SIDES = (4, 8, 12, 16, 20, 24)
 QUICK_SIDES = (4, 12, 24)
-SCENE = suite.STREET
+SCENE = ray_traced.STREET
 # Of the layers: much of it is out of focus, near and far
-LAYERS_SCENE = suite.MARKET
+LAYERS_SCENE = ray_traced.MARKET
 LAYERS_PAPER = "paper hexagon, layers"
 # Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
 COC = 0.1
@@ -176,9 +176,9 @@ def with_size(size: tuple[int, int]) -> dict[str, list[Point]]:
     }
 
 
-def textures(size: tuple[int, int], file: suite.SceneFile = SCENE) -> dict[str, np.ndarray]:
+def textures(size: tuple[int, int], file: ray_traced.SceneFile = SCENE) -> dict[str, np.ndarray]:
     """A scene at (width, height), nearest texel: 'color', 'depth', and 'sharp' with alpha 0."""
-    scene = suite.picture(file)
+    scene = ray_traced.picture(file)
     width, height = scene.size
     columns, lines = np.arange(size[0]) * width // size[0], np.arange(size[1]) * height // size[1]
     color = scene.color[lines][:, columns]

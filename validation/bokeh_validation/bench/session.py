@@ -20,7 +20,7 @@ from bokeh_validation import __version__, doctor
 from bokeh_validation.bench import rows
 from bokeh_validation.bench.measure import Times, interleaved
 from bokeh_validation.drivers.base import TimedDriver, software_device
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 Step = Callable[[str], None]
 SIZE, SOFTWARE_SIZE = (800, 800), (400, 400)
@@ -65,7 +65,7 @@ def measure_rows(
     rounds: int,
     step: Step = lambda _: None,
     clock: str | None = None,
-    scene: suite.SceneFile = rows.SCENE,
+    scene: ray_traced.SceneFile = rows.SCENE,
 ) -> tuple[list[dict], Times]:
     """Time rows and their floors, all interleaved."""
     images = rows.textures(size, scene)

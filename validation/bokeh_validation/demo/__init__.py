@@ -14,20 +14,20 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import browser, files, paths, shaders, terminal
+from bokeh_validation import browser, files, paths, shaders, terminal, truth
 from bokeh_validation.demo import others
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.shaders.entries import EXACT
 from bokeh_validation.shaders.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
-from bokeh_validation.truth import likeness, peers, suite
+from bokeh_validation.truth import peers, ray_traced
 
 PAGE = Path(__file__).parent / "page"
 SHARED = (*(browser.PAGE / name for name in ("job.js", "webgl2.js", "webgpu.js")), peers.PAGE / "lens.js")
 MODULES = (*SHARED, *sorted(PAGE.glob("*.js")))
 IMPORT = re.compile(r'(from|import) "[./\w]*?(\w+\.js)"')
 
-SCENES = (suite.MARKET, suite.STREET, suite.CANOPY)
+SCENES = (ray_traced.MARKET, ray_traced.STREET, ray_traced.CANOPY)
 PRESETS = tuple(methods.PRESETS)
 # what the page's controls set; the size does not matter, the page puts in its own
 SIZE = (960, 540)
@@ -64,8 +64,8 @@ def data() -> dict:
         "wgsl": shaders.wgsl(),
         "slots": SAMPLE_TYPES,
         "vertex": shaders.glsl("BokehFullScreen", "300es"),
-        "sensor": suite.MARKET.camera.sensor_height,
-        "maxCoC": suite.MARKET.camera.max_coc,
+        "sensor": ray_traced.MARKET.camera.sensor_height,
+        "maxCoC": ray_traced.MARKET.camera.max_coc,
         "others": others.listed(),
         "scenes": [_scene(scene) for scene in SCENES],
     }
@@ -92,15 +92,15 @@ def _pass(item: Pass, glsl: str) -> dict:
     }
 
 
-def _scene(scene: suite.SceneFile) -> dict:
+def _scene(scene: ray_traced.SceneFile) -> dict:
     camera = scene.camera
     return {
         "name": scene.name,
         "stop": camera.focal_length / camera.aperture_diameter,
         "focal": camera.focal_length,
         "focus": camera.focus_distance,
-        "exposure": likeness.EXPOSURE.get(scene.name, 1.0),
-        "rotation": suite.TRUTH_ROTATION["hexagon"],
+        "exposure": truth.EXPOSURE.get(scene.name, 1.0),
+        "rotation": ray_traced.TRUTH_ROTATION["hexagon"],
     }
 
 
@@ -115,7 +115,7 @@ def page() -> str:
     if others.listed():
         parts.append(f'<script type="text/plain" id="others">{others.packed()}</script>')
     for scene in SCENES:
-        truth = paths.SCENES / f"{scene.name}_{suite.TRUTHS['hexagon']}.exr"
+        truth = paths.SCENES / f"{scene.name}_{ray_traced.TRUTHS['hexagon']}.exr"
         for kind, file in (("pinhole", scene.source), ("truth", truth)):
             packed = base64.b64encode(file.read_bytes()).decode("ascii")
             parts.append(f'<script type="text/plain" id="{scene.name} {kind}">{packed}</script>')

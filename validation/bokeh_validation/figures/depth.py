@@ -12,16 +12,16 @@ from bokeh_validation.figures.panels import Panel
 from bokeh_validation.probes import scenes as probes
 from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case, Probe
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
-STREET, CANOPY = suite.DRIVER_SCENES
+STREET, CANOPY = ray_traced.DRIVER_SCENES
 # A wider lens than the scenes' own, so that what Figures 2 and 7 are about is large enough to be seen.
 WIDE = 0.15
 
 
-def scene(file: suite.SceneFile, method: str = "paper", diameter: float | None = None, **changes) -> Case:
+def scene(file: ray_traced.SceneFile, method: str = "paper", diameter: float | None = None, **changes) -> Case:
     """A scene through a hexagon; `diameter` of the aperture in metres, else the scene's own."""
-    case = suite.scene_case(file, method, "hexagon")
+    case = ray_traced.scene_case(file, method, "hexagon")
     if diameter is not None:
         changes["camera"] = replace(file.camera, aperture_diameter=diameter)
     return replace(case, settings=replace(case.settings, **changes), tone_map=True)
@@ -69,7 +69,7 @@ MARKS = {"a": ((330.0, 330.0), (222.0, 262.0)), "b": ((60.0, 390.0), (172.0, 330
 
 def silhouette(driver: Driver) -> Made:
     """Figure 3: a near post, out of focus, before a focused ball; beside it what a lens sees."""
-    ours, lens = drawn(driver, scene(STREET)), suite.truth(STREET, "hexagon")
+    ours, lens = drawn(driver, scene(STREET)), ray_traced.truth(STREET, "hexagon")
     shown = {"paper, hexagon": ours, "truth: ray traced through a lens": lens}
     row = [Panel(panels.marked(_cut(image, POST, POST_ZOOM), MARKS), caption) for caption, image in shown.items()]
     found = measured(driver, probes.SILHOUETTE)
@@ -116,7 +116,7 @@ def canopy(driver: Driver) -> Made:
 
     Three pictures: all of it through a wide aperture, a detail of that, and the same detail through its own aperture.
     """
-    lens, pinhole, rows, details, images = suite.truth(CANOPY, "hexagon"), scene(CANOPY).color, [], {}, {}
+    lens, pinhole, rows, details, images = ray_traced.truth(CANOPY, "hexagon"), scene(CANOPY).color, [], {}, {}
     for key, diameter in (("wide", WIDE), ("own", None)):
         paper = scene(CANOPY, diameter=diameter)
         found = {"paper": drawn(driver, paper), "exact": drawn(driver, scene(CANOPY, "exact", diameter))}

@@ -12,7 +12,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from bokeh_validation import drivers, jobs, metrics, paths, pictures, terminal
+from bokeh_validation import drivers, jobs, metrics, paths, pictures, terminal, truth
 from bokeh_validation.compilers import matrix
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import ENGINES, Broken
@@ -24,7 +24,7 @@ from bokeh_validation.probes.model import compared
 from bokeh_validation.run import report
 from bokeh_validation.run.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
 from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
-from bokeh_validation.truth import likeness, suite
+from bokeh_validation.truth import ray_traced
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 # One driver for each language: GLSL, WGSL, HLSL
@@ -77,13 +77,13 @@ def probe(name: str, names: Sequence[str], adapter: str | None, brief: bool) -> 
 def market(name: str, adapter: str | None) -> Section:
     """Every method on market_7 beside the truth, by one driver."""
     there, said = _found([name], adapter)
-    lens = suite.truth(suite.MARKET, "hexagon")
-    shown = {"input": suite.picture(suite.MARKET).color}
+    lens = ray_traced.truth(ray_traced.MARKET, "hexagon")
+    shown = {"input": ray_traced.picture(ray_traced.MARKET).color}
     for driver in there:
-        naive = suite.scene_case(suite.MARKET, "naive", "hexagon")
+        naive = ray_traced.scene_case(ray_traced.MARKET, "naive", "hexagon")
         shown["naive, 127 samples"] = driver.run(naive.plan.passes, naive.textures(), naive.size)["result"]
         for label in ("paper", "exact", "layered medium"):
-            shown[label] = likeness.picture(driver, suite.MARKET, label)
+            shown[label] = truth.picture(driver, ray_traced.MARKET, label)
     panels = [Panel(k, _exposed(image), f"{metrics.psnr(image, lens):.1f} dB") for k, image in shown.items()]
     panels.append(Panel("truth: ray traced through a lens", _exposed(lens)))
     text = f"Hexagon, on {name}. PSNR of tone-mapped colour against the truth; validation/run truth has more."
@@ -91,20 +91,20 @@ def market(name: str, adapter: str | None) -> Section:
 
 
 def _exposed(image: np.ndarray) -> str:
-    return pictures.jpeg_uri(pictures.filmic(image, likeness.EXPOSURE["market_7"]), 640)
+    return pictures.jpeg_uri(pictures.filmic(image, truth.EXPOSURE["market_7"]), 640)
 
 
 def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: str | None) -> Section:
     """A scene by a method: the whole by the first driver against the lens, its middle by all against the reference."""
-    file = next(one for one in suite.DRIVER_SCENES if one.name == name)
-    case = suite.scene_case(file, method, aperture)
-    settings = replace(case.settings, rotation=suite.TRUTH_ROTATION[aperture])
+    file = next(one for one in ray_traced.DRIVER_SCENES if one.name == name)
+    case = ray_traced.scene_case(file, method, aperture)
+    settings = replace(case.settings, rotation=ray_traced.TRUTH_ROTATION[aperture])
     case = replace(case, settings=settings, tone_map=True)
     there, said = _found(names, adapter)
     title = f"{name}-{method}-{aperture}"
     if not there:
         return Section(title, title, "", [], {}, **said)
-    lens = suite.truth(file, aperture)
+    lens = ray_traced.truth(file, aperture)
     whole = there[0].run(case.plan.passes, case.textures(), case.size)["result"]
     distances = [f"untouched {metrics.psnr(case.color, lens):.1f} dB", f"{method} {metrics.psnr(whole, lens):.1f} dB"]
     text = f"Against the lens: {', '.join(distances)}."
@@ -204,7 +204,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
     names = REAL if full else BRIEF_DRIVERS
     scenes = [
         (scene, (file.name, aperture, method, names, adapter))
-        for method in reversed(METHODS) for file in suite.DRIVER_SCENES for aperture in suite.TRUTHS
+        for method in reversed(METHODS) for file in ray_traced.DRIVER_SCENES for aperture in ray_traced.TRUTHS
     ]  # fmt: skip
     probes = [one.name for one in PROBES if full or one.name not in FULL_PROBES]
     variants = dict.fromkeys(row.variant for row in matrix.load())

@@ -1,1 +1,153 @@
-"""What a lens sees, and how near each method comes to it."""
+"""Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+
+from bokeh_validation import files, metrics, pictures, terminal
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.figures import panels
+from bokeh_validation.frame.methods import PRESETS
+from bokeh_validation.probes import shapes
+from bokeh_validation.probes.model import Case
+from bokeh_validation.truth import ray_traced
+from bokeh_validation.truth.ray_traced import SceneFile
+from bokeh_validation.truth.scatter import scatter
+
+# gather: shapes.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
+METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
+DEFAULT_PRESETS = ("low", "medium")
+# How bright the scenes are shown
+EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
+CAPTIONS = {
+    "pinhole": "input: color and depth through a pinhole",
+    "paper": "paper, hexagon, 13 samples a line",
+    "gather": "gather: Listing 3, 924 samples",
+    "scatter": "scatter: each pixel by its own CoC",
+    "layered medium": "layered, preset MEDIUM",
+    "truth": "truth: ray traced through a lens",
+}
+WHOLE = ("pinhole", "paper", "layered medium", "truth")
+DETAIL = ("gather", "scatter", "layered medium", "truth")
+# scene, without the times of its lens -> left and top of its detail; width, height
+PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
+
+
+class Row(NamedTuple):
+    """A picture against the truth of its scene.
+
+    label  the method, for layered with its preset
+    flip   mean FLIP, 0 is the truth
+    psnr   of tone-mapped colour, dB
+    light  sum of linear rgb over that of the truth
+    """
+
+    scene: str
+    label: str
+    flip: float
+    psnr: float
+    light: float
+
+
+def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None = None) -> list[str]:
+    """Of the rows for --method and --preset; all by default. Raises UserError."""
+    presets = terminal.chosen("--preset", presets, PRESETS, DEFAULT_PRESETS)
+    chosen = terminal.chosen("--method", methods, METHODS)
+    layered = [f"layered {preset}" for preset in presets] if "layered" in chosen else []
+    return [method for method in chosen if method != "layered"] + layered
+
+
+def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
+    """A scene by the method of a label, the polygon turned as in the truth. `changes` to the settings."""
+    method, _, preset = label.partition(" ")
+    drawn_by = {"paper": "paper", "layered": "layered"}.get(method, "exact")
+    changes = {"rotation": ray_traced.TRUTH_ROTATION[aperture], **changes}
+    changes |= {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
+    plain = ray_traced.scene_case(scene, drawn_by, aperture)
+    return replace(plain, settings=replace(plain.settings, **changes))
+
+
+def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
+    """What a method makes of a scene, (H, W, >= 3). The rest as of case()."""
+    blurred, method = case(scene, label, aperture, **changes), label.partition(" ")[0]
+    if method == "pinhole":
+        return blurred.color
+    if method == "gather":
+        return shapes.brute_force(driver, blurred)
+    if method == "scatter":
+        return scatter(blurred)
+    return driver.run(blurred.plan.passes, blurred.textures(), blurred.size)["result"]
+
+
+def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Row:
+    """A picture measured."""
+    light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
+    return Row(scene.name, label, metrics.flip(image, lens), metrics.psnr(image, lens), float(light))
+
+
+def markdown(rows: list[Row]) -> list[str]:
+    """The table of docs/likeness.md: a row for a method, a column for a scene."""
+    names = list(dict.fromkeys(row.scene for row in rows))
+    lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
+    for label in dict.fromkeys(row.label for row in rows):
+        cells = {row.scene: f"{row.flip:.4f}, {row.psnr:.2f} dB, {row.light:.3f}" for row in rows if row.label == label}
+        lines.append(f"| {label} | {' | '.join(cells[name] for name in names)} |")
+    return lines
+
+
+def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """A detail at twice its size, and market_7 at half: file name -> 8-bit rgb, as far as there are images."""
+    exposed = {label: pictures.filmic(image, EXPOSURE.get(scene.name, 1.0)) for label, image in images.items()}
+    place = PLACES[scene.name.removesuffix("x3")]
+    parts = {}
+    if scene is ray_traced.MARKET:
+        parts[f"likeness_{scene.name}"] = (WHOLE, pictures.halved)
+    detail = lambda pixels: pictures.enlarged(panels.crop(pixels, *place, *DETAIL_SIZE), 2)  # noqa: E731
+    parts[f"likeness_{scene.name}_detail"] = (DETAIL, detail)
+    return {
+        name: panels.grid([[panels.Panel(cut(exposed[k]), CAPTIONS[k]) for k in pair] for pair in (four[:2], four[2:])])
+        for name, (four, cut) in parts.items()
+        if set(four) <= set(images)
+    }
+
+
+def truth(
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="pinhole, paper, exact, gather, scatter or layered; may be given again. Default: all."),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+    ] = None,
+    preset: Annotated[
+        list[str] | None, typer.Option(help="layered: low, medium, high or ultra. Default: low and medium.")
+    ] = None,
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+    json_file: terminal.JsonFile = None,
+    folder: Annotated[
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/likeness.md here.")
+    ] = None,
+) -> None:
+    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
+    chosen, scenes = labels(method, preset), ray_traced.chosen(scene)
+    terminal.check_writable(json_file)
+    files.check_folder("--pictures", folder)
+    used = terminal.pick_driver(driver, adapter)
+    rows = []
+    with terminal.progress("truth", len(scenes) * len(chosen)) as step:
+        for file in scenes:
+            lens, images = ray_traced.truth(file, "hexagon"), {}
+            for label in chosen:
+                images[label] = picture(used, file, label)
+                rows.append(row(file, label, images[label], lens))
+                step(f"{file.name}, {label}")
+            for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
+                pictures.write_png(folder / f"{name}.png", pictures.coarse(pixels))
+    numbers = {"driver": used.name, "adapter": used.adapter, "rows": [row._asdict() for row in rows]}
+    terminal.write_json(json_file, numbers)
+    terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

@@ -35,10 +35,10 @@ def signed_pixels(case: Case) -> np.ndarray:
 
 def diameters(largest: float) -> np.ndarray:
     """CoC that there are kernels for, two or more, from FOCUSED to `largest` or beyond."""
-    found = [FOCUSED, FOCUSED + STEP]
-    while found[-1] < largest:
-        found.append(found[-1] + max(STEP, GROWTH * found[-1]))
-    return np.array(found)
+    sizes = [FOCUSED, FOCUSED + STEP]
+    while sizes[-1] < largest:
+        sizes.append(sizes[-1] + max(STEP, GROWTH * sizes[-1]))
+    return np.array(sizes)
 
 
 def spectrum(corners: np.ndarray, diameter: float, shape: tuple[int, int]) -> np.ndarray:

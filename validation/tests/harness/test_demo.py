@@ -27,7 +27,7 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, compared
 from bokeh_validation.shaders.passes import is_linear, target_size
-from bokeh_validation.truth import peers, suite
+from bokeh_validation.truth import peers, ray_traced
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
 SIZE = (160, 90)
@@ -98,7 +98,7 @@ def page(file, request):
 
 def own(depth=True) -> tuple[bytes, np.ndarray, np.ndarray]:
     """market_7, each sixth pixel, as somebody's EXR: the file, color and depth."""
-    scene = suite.picture(suite.MARKET)
+    scene = ray_traced.picture(ray_traced.MARKET)
     color, z = (np.ascontiguousarray(pixels[::6, ::6]) for pixels in (scene.color, scene.depth))
     channels = {name: np.ascontiguousarray(color[..., i]) for i, name in enumerate("RGB")} | ({"Z": z} if depth else {})
     return exr_bytes(channels), color, z
@@ -190,16 +190,16 @@ def test_scene_as_the_driver_draws_it(page):
     """market_7 at its own lens, layered, and the input and the truth beside it: to the bit what the harness has."""
     page.call("scene", 0)
     page.call("set", {"left": "truth", "right": "layered", "preset": "medium"})
-    case = suite.scene_case(suite.MARKET, "layered", "hexagon")
+    case = ray_traced.scene_case(ray_traced.MARKET, "layered", "hexagon")
     wanted = load(page.kind).run(case.plan.passes, case.textures(), case.size)["result"]
     shown = Shown(page, "right").run((), {}, ())["result"]
     np.testing.assert_array_equal(shown, wanted)
-    lens = suite.truth(suite.MARKET, "hexagon")
+    lens = ray_traced.truth(ray_traced.MARKET, "hexagon")
     left = Shown(page, "left").run((), {}, (), keep=("truth", "color"))
     np.testing.assert_array_equal(left["truth"][..., :3], lens[..., :3])
     np.testing.assert_array_equal(left["color"][..., :3], case.color[..., :3])
     canvas = np.frombuffer(base64.b64decode(page.call("canvas")), np.uint8).reshape(540, 960, 4)
-    exposure = demo.likeness.EXPOSURE["market_7"]
+    exposure = demo.truth.EXPOSURE["market_7"]
     expected = np.hstack([pictures.filmic(lens, exposure)[:, :480], pictures.filmic(wanted, exposure)[:, 480:]])
     # a step: the page's arithmetic is float32
     assert np.abs(canvas[..., :3].astype(int) - expected).max() <= 1
@@ -272,7 +272,7 @@ def test_controls(page):
     state = said["state"]
     assert (state["stop"], state["rotation"], state["blades"]) == (1.0, 30, 8)
     assert re.fullmatch(r"3 passes, \d+ fetches a pixel, \d+\.\d ms", said["rightFacts"])
-    picture = suite.picture(suite.MARKET)
+    picture = ray_traced.picture(ray_traced.MARKET)
     there = (700, 470)
     found = page.call("point", {"kind": "click", "place": there})
     depth = float(picture.depth[there[1], there[0]])

@@ -6,7 +6,7 @@ from support import needed
 
 from bokeh_validation.frame.methods import Camera
 from bokeh_validation.probes.model import overlap
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import Peers, counted, crate, effects, measured, peers_command
 from bokeh_validation.truth.peers.effects import EFFECTS
 
@@ -24,7 +24,7 @@ def page():
 
 def loaded(page) -> np.ndarray:
     """The lights of market_7, in focus on the left, far away on the right."""
-    color = suite.picture(suite.MARKET).color[200:264, 560:656]
+    color = ray_traced.picture(ray_traced.MARKET).color[200:264, 560:656]
     depth = np.full(color.shape[:2], CAMERA.focus_distance, np.float32)
     depth[:, 48:] = 1000.0
     page.load(color, depth, CAMERA)
@@ -131,7 +131,7 @@ def test_measures():
 def test_found():
     """Every effect has parameters for every scene, and no others than those of its grid."""
     found = effects.found()
-    assert set(found) == {one.name for one in suite.SCENES} | {effects.ONE_LIGHT}
+    assert set(found) == {one.name for one in ray_traced.SCENES} | {effects.ONE_LIGHT}
     for place, chosen in found.items():
         assert set(chosen) == set(EFFECTS), place
         for name, parameters in chosen.items():

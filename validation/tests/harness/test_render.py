@@ -14,7 +14,7 @@ from support import called, refused
 from bokeh_validation import exr, paths
 from bokeh_validation.frame import methods
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 STREET = paths.SCENES / "street_11_pin.exr"
 CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-distance", "5", "--max-coc", "0.15"]
@@ -56,7 +56,7 @@ def test_street_in_a_folder_with_spaces(tmp_path):
     with OpenEXR.File(str(folder / "out put.exr"), separate_channels=True) as file:
         channels = {name: np.asarray(c.pixels) for name, c in file.channels().items()}
     assert sorted(channels) == list("ABGR") and all(c.dtype == np.float16 for c in channels.values())
-    case = suite.scene_case(suite.STREET, "exact", "hexagon")
+    case = ray_traced.scene_case(ray_traced.STREET, "exact", "hexagon")
     wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"]
     np.testing.assert_allclose(channels["G"].astype(float), wanted[..., 1].astype(float), rtol=0.02, atol=0.002)
     np.testing.assert_allclose(channels["A"].astype(float), wanted[..., 3].astype(float), rtol=0.02, atol=1e-5)

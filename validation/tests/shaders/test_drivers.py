@@ -16,7 +16,7 @@ from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.entries import ENTRIES
 from bokeh_validation.shaders.passes import Pass
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 # test_layers.py has the same of layered
 METHODS = ("paper", "exact", "naive", "naive-grid")
@@ -29,15 +29,15 @@ PART = (slice(206, 270), slice(264, 344))
 
 
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
-@pytest.mark.parametrize("scene", suite.DRIVER_SCENES, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", ray_traced.DRIVER_SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
     """Both ray-traced scenes, each method and aperture: within the interval, and drivers close to each other; all of
     them on the first, one of each language on the second.
     """
-    case = suite.scene_case(scene, method, aperture)
+    case = ray_traced.scene_case(scene, method, aperture)
     case = replace(case, color=case.color[PART].copy(), depth=case.depth[PART].copy())
     first: dict[str, np.ndarray] = {}
-    for driver in all_drivers if scene is suite.DRIVER_SCENES[0] else map(load, LANGUAGES):
+    for driver in all_drivers if scene is ray_traced.DRIVER_SCENES[0] else map(load, LANGUAGES):
         output, comparison = within(driver, case)
         assert comparison.ok, f"{driver.name}: {comparison}"
         # where the stored CoC is rounded another way, every sample of the next pass is somewhere else

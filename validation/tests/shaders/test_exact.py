@@ -15,7 +15,7 @@ from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import exact, shapes
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings, segments
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 EXACT = tuple(methods.EXACT)
 DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
@@ -131,8 +131,8 @@ def test_light_on_float_targets(aperture, driver):
 def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     """Tone-mapped PSNR against 900 and more samples of the same polygon: so many dB above the paper's method."""
     driver = load("egl")
-    chosen = next(s for s in suite.DRIVER_SCENES if s.name == scene)
-    cases = {method: suite.scene_case(chosen, method, aperture) for method in ("paper", "exact")}
+    chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)
+    cases = {method: ray_traced.scene_case(chosen, method, aperture) for method in ("paper", "exact")}
     found = {m: metrics.psnr(result(driver, one), shapes.brute_force(driver, one)) for m, one in cases.items()}
     assert found["exact"] - found["paper"] >= better[aperture == "octagon"], found
     told = re.search(rf"^\| {scene} \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \|", DOCUMENT, re.MULTILINE)
@@ -140,7 +140,7 @@ def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     assert [float(number) for number in told.groups()] == pytest.approx([found["paper"], found["exact"]], abs=0.15)
 
 
-MARKET = suite.MARKET.camera
+MARKET = ray_traced.MARKET.camera
 # Version 0.1.0 around the head in focus, dB, default counts on OSMesa: each line was normalised by itself
 HALO_BEFORE = {"hexagon": 23.35, "octagon": 24.80}
 
@@ -168,7 +168,7 @@ def test_no_false_halo(aperture):
     And 2 dB nearer than version 0.1.0; docs/apertures.md has the figures.
     """
     driver = load("osmesa")
-    image = suite.picture(suite.MARKET)
+    image = ray_traced.picture(ray_traced.MARKET)
     around = around_focus(image.depth)
     assert around.mean() > 0.005
     found, truth = {}, None

@@ -20,7 +20,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.truth import suite
+from bokeh_validation.truth import ray_traced
 
 DOCUMENT = (paths.ROOT / "docs/invariances.md").read_text(encoding="utf-8")
 PROSE = " ".join(DOCUMENT.split())  # without its line ends
@@ -130,7 +130,7 @@ def test_a_rounded_count_is_caught():
 
 def scene_crop(settings: methods.Settings) -> Case:
     """A piece of a ray-traced scene with near and far objects."""
-    scene = suite.scene_case(suite.STREET, "paper", "hexagon")
+    scene = ray_traced.scene_case(ray_traced.STREET, "paper", "hexagon")
     return Case("", settings, scene.color[200:272, 280:376].copy(), scene.depth[200:272, 280:376].copy())
 
 

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from support import called, load
 
-from bokeh_validation import paths
+from bokeh_validation import paths, truth
 from bokeh_validation.frame import methods, polygons
 from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case
-from bokeh_validation.truth import likeness, suite
+from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.scatter import GROWTH, scatter, signed_pixels
 
 PAGE = paths.ROOT / "docs" / "likeness.md"
-SCENES = {scene.name: scene for scene in suite.SCENES}
+SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 # What layered is to reach: FLIP of MEDIUM; LOW may be so much more
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.138, "street_11x3": 0.108, "canopy_12x3": 0.265, "market_7": 0.187}
 LOW_MORE = 0.012
@@ -31,13 +31,13 @@ BEHIND = ("market_7",)
 
 
 @cache
-def measured(name: str, label: str, aperture: str = "hexagon", rotation: float | None = None) -> likeness.Row:
+def measured(name: str, label: str, aperture: str = "hexagon", rotation: float | None = None) -> truth.Row:
     """On OSMesa; made once for all tests, by the command what it makes."""
     if (name, aperture) == ("street_11", "hexagon"):
         return commanded()[1][label]
     changes = {} if rotation is None else {"rotation": rotation}
-    image = likeness.picture(load("osmesa"), SCENES[name], label, aperture, **changes)
-    return likeness.row(SCENES[name], label, image, suite.truth(SCENES[name], aperture))
+    image = truth.picture(load("osmesa"), SCENES[name], label, aperture, **changes)
+    return truth.row(SCENES[name], label, image, ray_traced.truth(SCENES[name], aperture))
 
 
 @cache
@@ -53,7 +53,7 @@ def page() -> dict[str, dict[str, tuple[float, float, float]]]:
     return found
 
 
-def assert_as_written(row: likeness.Row) -> None:
+def assert_as_written(row: truth.Row) -> None:
     """Numbers are within what builds of a driver differ by: 1 % and the last digit."""
     for written, value, digits in zip(
         page()[row.label][row.scene], (row.flip, row.psnr, row.light), (4, 2, 3), strict=True
@@ -87,14 +87,14 @@ def test_octagon():
 
 
 @cache
-def commanded() -> tuple[str, dict[str, likeness.Row], list[str]]:
+def commanded() -> tuple[str, dict[str, truth.Row], list[str]]:
     """`validation/run truth` on street_11: what it prints, its rows from the JSON, its pictures."""
     with tempfile.TemporaryDirectory() as folder:
         options = "truth --scene street_11 --driver osmesa --json".split()
         done = called(*options, f"{folder}/numbers.json", "--pictures", folder)
         assert done.returncode == 0, done.stderr
         rows = json.loads(Path(folder, "numbers.json").read_text(encoding="utf-8"))["rows"]
-        return done.stdout, {row["label"]: likeness.Row(**row) for row in rows}, sorted(os.listdir(folder))
+        return done.stdout, {row["label"]: truth.Row(**row) for row in rows}, sorted(os.listdir(folder))
 
 
 def test_command():
@@ -102,7 +102,7 @@ def test_command():
     said, rows, files = commanded()
     head, _, *lines, _ = said.splitlines()
     assert head == "| | street_11 |" and [line.split(" | ")[0] for line in lines] == [f"| {label}" for label in rows]
-    assert list(rows) == likeness.labels() and set(page()) == set(rows)
+    assert list(rows) == truth.labels() and set(page()) == set(rows)
     assert all(set(columns) == set(SCENES) for columns in page().values())
     for row in rows.values():
         assert_as_written(row)

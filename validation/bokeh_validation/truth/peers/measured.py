@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import drivers, metrics
+from bokeh_validation import drivers, metrics, truth
 from bokeh_validation.frame import fetches, polygons
 from bokeh_validation.frame.methods import Camera
 from bokeh_validation.probes.impulse import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
-from bokeh_validation.truth import likeness, suite
+from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import Peers, counted, crate
 from bokeh_validation.truth.peers.effects import EFFECTS, Parameters
 
@@ -44,21 +44,21 @@ class Drawn(NamedTuple):
 
 def scene(name: str, chosen: Chosen) -> tuple[list[Drawn], dict[str, np.ndarray]]:
     """Rows and pictures of a scene; ours among them. Effects with parameters None: the best are searched."""
-    one = next(found for found in suite.SCENES if found.name == name)
-    lens, images, rows = suite.truth(one, "hexagon"), {}, []
+    one = next(found for found in ray_traced.SCENES if found.name == name)
+    lens, images, rows = ray_traced.truth(one, "hexagon"), {}, []
     if chosen:
         rows = _of_effects(one, chosen, lens, images)
     for label in OURS:
-        case = likeness.case(one, label)
-        images[label] = likeness.picture(drivers.load(DRIVER), one, label)
+        case = truth.case(one, label)
+        images[label] = truth.picture(drivers.load(DRIVER), one, label)
         count = sum(fetches.of_frame(case.plan.passes).values())
-        measured = likeness.row(one, label, images[label], lens)
+        measured = truth.row(one, label, images[label], lens)
         rows.append(Drawn(name, label, {}, *measured[2:], count))
     return rows, images
 
 
-def _of_effects(one: suite.SceneFile, chosen: Chosen, lens: np.ndarray, images: dict) -> list[Drawn]:
-    picture, rows = suite.picture(one), []
+def _of_effects(one: ray_traced.SceneFile, chosen: Chosen, lens: np.ndarray, images: dict) -> list[Drawn]:
+    picture, rows = ray_traced.picture(one), []
     peers = Peers()
     peers.load(picture.color, picture.depth, one.camera)
     for effect, parameters in chosen.items():
@@ -69,7 +69,7 @@ def _of_effects(one: suite.SceneFile, chosen: Chosen, lens: np.ndarray, images: 
         # what is better of small pictures need not be of the whole ones
         asked = [parameters] if parameters else best_two(peers, effect, off)
         found = [(peers.draw(effect, one), one) for one in asked]
-        of_each = [likeness.row(one, effect, image, lens) for image, _ in found]
+        of_each = [truth.row(one, effect, image, lens) for image, _ in found]
         measured, (images[effect], best) = min(zip(of_each, found, strict=True), key=lambda pair: pair[0].flip)
         bevy = EFFECTS[effect].package == crate.NAME
         count = counted.of_bevy(effect, best["maxDiameter"]) if bevy else counted.fetches(peers.draws(effect, best))
@@ -122,7 +122,7 @@ def shapes(chosen: Chosen) -> dict[str, Shape]:
     color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
     depth = depth_of(LIGHT_SIZE, FAR)
     before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
-    hexagon = LIGHT_COC * outline(likeness.case(suite.MARKET, "exact").settings)
+    hexagon = LIGHT_COC * outline(truth.case(ray_traced.MARKET, "exact").settings)
     center = pixel_center(*(side // 2 for side in LIGHT_SIZE))
     wanted = sum(
         np.roll(polygons.coverage(hexagon, LIGHT_SIZE, center), (y, x), (0, 1))
@@ -147,19 +147,19 @@ def shapes(chosen: Chosen) -> dict[str, Shape]:
             found[effect] = shape(peers.draw(effect, best), best)
         peers.close()
     for label in OURS:
-        settings = replace(likeness.case(suite.MARKET, label).settings, camera=LIGHT_CAMERA)
+        settings = replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA)
         case = Case("", settings, color, depth)
         found[label] = shape(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"], {})
     return found
 
 
-def times(one: suite.SceneFile, chosen: Chosen) -> dict[str, float]:
+def times(one: ray_traced.SceneFile, chosen: Chosen) -> dict[str, float]:
     """Milliseconds of a frame, the median of ROUNDS, each drawing one after the other; 'input': the scene's quad alone,
     which is in the time of every effect and not in that of ours."""
-    picture, peers = suite.picture(one), Peers()
+    picture, peers = ray_traced.picture(one), Peers()
     peers.load(picture.color, picture.depth, one.camera)
     for label in OURS:
-        case = likeness.case(one, label)
+        case = truth.case(one, label)
         peers.add(label, drivers.load(DRIVER).job(case.plan.passes, case.textures(), case.size))
     asked = {"input": {}, **chosen, **dict.fromkeys(OURS, {})}
     taken = peers.time(asked, ROUNDS)

@@ -6,10 +6,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from bokeh_validation import drivers, jobs, pictures, terminal
+from bokeh_validation import drivers, jobs, pictures, terminal, truth
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.figures import panels
-from bokeh_validation.truth import likeness, suite
+from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import Peers, crate, measured
 from bokeh_validation.truth.peers.effects import EFFECTS, ONE_LIGHT, Parameters, found
 from bokeh_validation.truth.peers.measured import Drawn, Shape
@@ -55,7 +55,7 @@ def parameters(rows: list[Drawn], shapes: dict[str, Shape]) -> dict[str, dict[st
 
 def shown(name: str, images: dict[str, np.ndarray], versions: dict[str, str]) -> np.ndarray:
     """A detail of a scene by every effect, 8-bit rgb."""
-    exposure, place = likeness.EXPOSURE.get(name, 1.0), PLACES[name.removesuffix("x3")]
+    exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES[name.removesuffix("x3")]
     found = []
     for label in SHOWN:
         if label in images:
@@ -84,9 +84,9 @@ def peers(
     ] = None,
 ) -> None:
     """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, light, shape, fetches, time."""
-    effects = likeness.chosen("--effect", effect, EFFECTS, EFFECTS)
-    known = {one.name: one for one in suite.SCENES}
-    scenes = likeness.chosen("--scene", scene, known, known)
+    effects = terminal.chosen("--effect", effect, EFFECTS)
+    known = {one.name: one for one in ray_traced.SCENES}
+    scenes = [one.name for one in ray_traced.chosen(scene)]
     terminal.check_writable(json_file, search)
     if folder is not None and not folder.is_dir():
         raise UserError(f"--pictures {folder}: there is no such folder. Make it first.")
@@ -111,7 +111,7 @@ def peers(
         times = measured.times(known[scenes[0]], best)
         step("times")
     for name, (_, images) in zip(scenes, drawn, strict=True) if folder else ():
-        lens = {"truth": suite.truth(known[name], "hexagon")}
+        lens = {"truth": ray_traced.truth(known[name], "hexagon")}
         pictures.write_png(folder / f"peers_{name}.png", pictures.coarse(shown(name, images | lens, versions), 8))
     numbers = {"device": driver.adapter, "versions": versions, "times": times, "times_of": scenes[0]}
     numbers["shapes"] = {name: one._asdict() for name, one in shapes.items()}

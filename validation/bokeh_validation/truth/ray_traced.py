@@ -1,11 +1,12 @@
 """The ray-traced scenes of validation/scenes with their cameras and their truth."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import exr, paths
+from bokeh_validation import exr, paths, terminal
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case
 
@@ -43,6 +44,12 @@ WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 
 SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
 # The small ones, that every driver draws in every method
 DRIVER_SCENES = (STREET, CANOPY)
+
+
+def chosen(names: Iterable[str] | None) -> list[SceneFile]:
+    """Those of --scene; all by default. Raises UserError."""
+    known = {scene.name: scene for scene in SCENES}
+    return [known[name] for name in terminal.chosen("--scene", names, known)]
 
 
 def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
