@@ -1,17 +1,19 @@
 """Pictures that tests share, and a driver's result beside the reference's."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 from support import load
 
-from bokeh_validation import drivers, metrics
+from bokeh_validation import drivers, metrics, shaders
 from bokeh_validation import probes as patterns
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.probes import model
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import precision
+from bokeh_validation.shaders.passes import Pass
 
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
 
@@ -64,7 +66,7 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     """
     found = model.compared(case, driver)
     outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
-    assert not outside, (driver.name, outside)
+    assert not outside, (driver.name, outside, case.settings)
     assert np.isfinite(found.outputs["result"]).all()
     return found.outputs["result"], found.comparisons["result"]
 
@@ -77,3 +79,10 @@ def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
         found = driver.run(other.plan.passes, other.textures(), other.size, keep=case.keep)
         outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in found.items()}
     return probe.judge(outputs)
+
+
+def evaluated(body: str, **values: object) -> np.ndarray:
+    """RGBA that statements in GLSL write to BokehResult, beside the functions of the library; `values` are defines."""
+    library = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehConstantCoC", "330", values))
+    item = Pass("BokehConstantCoC", {}, "value", sources={"glsl": f"{library}void main()\n{{\n{body}\n}}\n"})
+    return load("osmesa").run([item], {}, (8, 8), "float", keep=("value",))["value"][0, 0]

@@ -1,25 +1,22 @@
-"""The character of a lens: cat's eye, in the exact and in the layered method."""
+"""The character of a lens: cat's eye, curved blades, lateral and axial colour. On noise: test_within.py."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from support import in_each_language, load
-from support_cases import CAMERA, everything, judged, kind, noise_case, result, within
-from support_targets import framed, inside
+from support_cases import CAMERA, evaluated, everything, judged, noise_case, result
 
-from bokeh_validation import metrics, shaders
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation import metrics
+from bokeh_validation import probes as patterns
+from bokeh_validation.frame import apertures, polygons
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import cats_eye
+from bokeh_validation.probes import cats_eye, chromatic
 from bokeh_validation.reference import cuts, segments
-from bokeh_validation.reference.device import Reference
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)
+PLAIN = replace(EXACT, cats_eye=0.0)
 LAYERED = Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7)
-# far layers of 25 pixels, where the lengths of the edges show
-WIDE = methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)
 
 
 @pytest.mark.parametrize("amount", [0.0, 0.4, 0.9])
@@ -51,61 +48,6 @@ def test_tiling(sides, towards, amount):
     assert wrong.mean() <= 4 * off
 
 
-@pytest.mark.parametrize("sides", [4, 6, 8, 10])
-def test_made_for_a_cut(sides):
-    """BokehMakePolygon alone, with BOKEH_CHARACTER 1: the lines of the plain polygon.
-
-    2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
-    """
-    text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehSquareSecond", "330", {"BOKEH_CHARACTER": 1}))
-    text += (
-        f"void main()\n{{\n    BokehPolygon polygon = BokehMakePolygon({sides}, 0.5, 0.75);\n"
-        "    BokehResult = BokehPolygonEdge(2, polygon, true);\n}\n"
-    )
-    case = noise_case((8, 8), replace(EXACT, aperture="square"))
-    item = replace(case.plan.passes[-1], sources={"glsl": text}, inputs={})
-    found = load("osmesa").run([item], {}, (8, 8), "float", keep=item.outputs)[item.outputs[0]][0, 0]
-    wanted = segments.polygon_edge(2, sides, 0.5, 0.75, True)
-    np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"targets": False},
-        {"rotation": 17.0, "squeeze": 0.6},
-        {"spacing": 1.0, "max_samples": 5, "jitter": 1.0, "frame": 3},
-        {"cats_eye": 0.3, "spacing": 1.0},
-        {"cats_eye": 5.0},
-    ],
-    ids=str,
-)
-@pytest.mark.parametrize("aperture", methods.EXACT)
-@in_each_language
-def test_exact_on_noise(aperture, changes, driver):
-    """Random patches of colour and depth: within the interval of the reference."""
-    within(driver, noise_case((61, 48), replace(EXACT, aperture=aperture, **changes)))
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"rotation": 17.0},
-        {"aperture": "square", "squeeze": 0.5},
-        {"aperture": "octagon", "targets": False, "rotation": 5.0},
-        {"aperture": "decagon", "jitter": 1.0, "frame": 3},
-        {"camera": WIDE, "rotation": 17.0, "cats_eye": 0.9},
-        {"camera": WIDE, "aperture": "decagon", "targets": False, "cats_eye": 0.9},
-    ],
-    ids=str,
-)
-@in_each_language
-def test_layered_on_noise(changes, driver):
-    """Every pass within the interval of the reference."""
-    within(driver, noise_case((75, 50), replace(LAYERED, **changes)))
-
-
 @pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
 def test_rounded_outline(roundness):
     """A square whose corners are cut off, on the circle: the sides of the polygon, one by one."""
@@ -115,19 +57,33 @@ def test_rounded_outline(roundness):
     np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), np.roll(sides, -2)[:4], rtol=1e-12)
 
 
-@pytest.mark.parametrize("roundness", [0.5, 0.0, -1.0])
-@in_each_language
-def test_curved_blades(roundness, driver):
-    """An octagon between a square and a regular one, cut by the barrel or not."""
-    for settings in (replace(EXACT, cats_eye=0.0), EXACT, LAYERED):
-        within(driver, noise_case((61, 48), replace(settings, aperture="octagon", roundness=roundness, rotation=10.0)))
+@pytest.mark.parametrize("sides", [4, 6, 8, 10])
+def test_made_for_a_cut(sides):
+    """BokehMakePolygon alone, with BOKEH_CHARACTER 1: the lines of the plain polygon.
+
+    2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
+    """
+    body = f"BokehResult = BokehPolygonEdge(2, BokehMakePolygon({sides}, 0.5, 0.75), true);"
+    wanted = segments.polygon_edge(2, sides, 0.5, 0.75, True)
+    found = evaluated(body, BOKEH_CHARACTER=1)
+    np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
 
 
-@pytest.mark.parametrize("name", ["d3d9", "webgl2", "webgpu"])
-def test_exact_elsewhere(name):
-    """The same in shader model 3 and in a browser."""
-    for aperture in methods.EXACT:
-        within(load(name), noise_case((61, 48), replace(EXACT, aperture=aperture, rotation=17.0, roundness=0.5)))
+def test_layers_without_jitter():
+    """BokehMakeLayers: the image fills its textures, and there is no jitter."""
+    body = """BokehLayers layers = BokehMakeLayers(vec2(64.0, 48.0), BokehMakePolygon(8, 0.5, 0.75), 0.25);
+    BokehResult = vec4(layers.jitter, layers.largest, layers.full.origin.x, layers.full.texel.y * 48.0);"""
+    np.testing.assert_array_equal(evaluated(body), [0.0, 12.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize(("sample", "count", "end"), [(0, 1, -1.0), (0, 2, -1.0), (1, 2, 1.0)])
+def test_a_line_of_one_sample(sample, count, end):
+    """BokehMakeOffsets of one sample is one end of the line, where the distance between samples would be 0 / 0.
+
+    WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
+    """
+    body = f"BokehResult = vec4(BokehMakeOffsets(vec2(0.25, 0.5), {sample}, {count}), 0.0, 0.0);"
+    np.testing.assert_array_equal(evaluated(body)[:2], [0.25 * end, 0.5 * end])
 
 
 @pytest.mark.parametrize("settings", [EXACT, LAYERED], ids=["exact", "layered"])
@@ -141,25 +97,37 @@ def test_nothing_to_cut(settings, driver):
     assert np.mean(metrics.steps(cut, plain.astype(np.float64)) > metrics.FAR_STEPS) > 0.02
 
 
-@pytest.mark.parametrize("method", [EXACT, LAYERED], ids=["exact", "layered"])
+@pytest.mark.parametrize("name", ["d3d9", "d3d11"])
+def test_lateral_probe_on_direct3d(name):
+    """What it must show, where a last pass that resamples leaves all that is dark a step darker."""
+    assert all(check.ok for check in patterns.run(chromatic.PROBES[0], load(name)).checks)
+
+
 @in_each_language
-def test_viewport(method, driver):
-    """The image that is a part of its textures has its own middle and corners."""
-    viewport, textures = (24, 8, 48, 37), (90, 74)
-    image = noise_case(viewport[2:], method)
-    plan = methods.in_viewport(image.plan, viewport, textures)
-    given = {"color": framed(image.color, textures, viewport), "depth": framed(image.depth, textures, viewport)}
-    names = [name for item in plan.passes for name in item.outputs]
-    outputs = driver.run(plan.passes, given, textures, keep=names)
-    wanted = Reference().images(plan.passes, given, textures, "half", kind(driver), driver.rounding, given=outputs)
-    x, y, width, height = viewport
-    part = slice(y, y + height), slice(x, x + width)
-    comparison = metrics.compare(inside(outputs["result"], viewport), wanted["result"].part(*part), False)
-    assert comparison.outside == 0, comparison
+def test_green_stays(driver):
+    """Green and the CoC are those of the picture without; red and blue are not."""
+    plain, found = (result(driver, noise_case((61, 48), replace(PLAIN, lateral=amount))) for amount in (0.0, 0.02))
+    moved = []
+    for channel in range(4):
+        other = plain.copy()
+        other[..., channel] = found[..., channel]
+        moved.append(metrics.steps(other, plain.astype(np.float64)))
+    assert max(moved[1].max(), moved[3].max()) <= metrics.CLOSE_STEPS
+    assert min(np.mean(moved[channel] > metrics.FAR_STEPS) for channel in (0, 2)) > 0.1
 
 
-@pytest.mark.parametrize("changes", [{"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15}], ids=str)
-def test_probe_notices(changes):
-    """No cut, half of one, and a CoC that is too small."""
-    probe = cats_eye.PROBES[0]
-    assert not all(check.ok for check in judged(probe, **changes))
+@pytest.mark.parametrize(
+    ("probe", "changes"),
+    [
+        # no cut, half of one, and a CoC that is too small
+        *((cats_eye, change) for change in ({"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15})),
+        # none, and too little
+        *((chromatic, change) for change in ({"lateral": 0.0}, {"lateral": 0.03})),
+        # none, and red for blue
+        *((chromatic, change) for change in ({"axial": (0.0, 0.0)}, {"axial": (0.01, -0.01)})),
+    ],
+    ids=str,
+)
+def test_probes_notice(probe, changes):
+    """Other amounts than their own."""
+    assert not all(check.ok for check in judged(probe.PROBES["axial" in changes], **changes))

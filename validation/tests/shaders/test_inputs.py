@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bokeh_validation.frame import methods
+from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import listings
 from bokeh_validation.reference.precision import FLOAT_STEP
 from bokeh_validation.shaders.passes import Pass
@@ -161,6 +162,8 @@ def test_planes_too_far_apart(kind, driver):
         methods.Camera(0.0, 0.05, 5.0, max_coc=0.2),  # a pinhole
         methods.Camera(0.05, 0.0, 5.0, max_coc=0.2),  # no lens
         methods.Camera(0.05, 0.05, 5.0, sensor_height=0.0, max_coc=0.2),
+        # it counts as BOKEH_MIN_DEPTH: not 0 / 0 in focus, and with so small an aperture not infinite elsewhere
+        methods.Camera(2.0**-20, 0.0625, 4.0, sensor_height=0.0, max_coc=1.0),
         methods.Camera(0.05, 0.05, 5.0, max_coc=0.0),
         methods.Camera(0.05, 0.05, 5.0, max_coc=1.0),
         methods.Camera(1e6, 1.0, 1.0000001, max_coc=1.0),
@@ -183,3 +186,32 @@ def test_camera_at_its_limits(camera, driver):
     lost = 2.0**-23 * focus / max(abs(focus - camera.focal_length), 1e-6)
     near = np.abs(listings.safe_depth(depth[0]) - focus) < 1e-6 * focus
     np.testing.assert_allclose(coc[~near], wanted[~near], rtol=1e-5 + min(lost, 1.0), atol=1e-7)
+
+
+@pytest.mark.parametrize("f_number", [1.4, 16.0])
+def test_signed_map(f_number, driver):
+    """BokehSignedCoCMap against BokehCoCMap: the same CoC, below 0 where the pixel is nearer than the focus; depth that
+    is none is the nearest.
+    """
+    camera = methods.Camera(0.05 / f_number, 0.05, 4.0, max_coc=0.25)
+    depth = np.array([[np.nan, -1.0, 0.0, 0.5, 2.0, 3.9, 4.0, 4.1, 8.0, 1e5, np.inf]], np.float32)
+    size = (depth.shape[1], 1)
+    textures = {"color": flat(size, 0.5), "depth": depth}
+    found = []
+    for entry in ("BokehCoCMap", "BokehSignedCoCMap"):
+        item = Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", camera.parameters())
+        found.append(driver.run([item], textures, size, "float", keep=("coc",))["coc"][0])
+    plain, signed = found
+    near = np.arange(size[0]) < 6
+    np.testing.assert_array_equal(signed[:, :3], plain[:, :3])
+    np.testing.assert_array_equal(signed[:, 3], np.where(near, -plain[:, 3], plain[:, 3]))
+    assert plain[6, 3] == 0.0 and (np.delete(plain[:, 3], 6) > 0.0).all()
+
+
+def test_constant_coc_is_clamped(driver):
+    """A constant CoC below 0 is 0, one above MaxCoC is that."""
+    for value, wanted in ((-0.5, 0.0), (0.125, 0.125), (0.5, 0.25)):
+        parameters = {"BokehConstantCoC": value, "BokehMaxCoC": 0.25}
+        item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", parameters)
+        output = driver.run([item], {"color": flat((4, 2), 1.0)}, (4, 2))["result"]
+        np.testing.assert_array_equal(output[..., 3], wanted)

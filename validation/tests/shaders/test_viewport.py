@@ -5,68 +5,124 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support import in_each_language, spread
-from support_cases import kind
+from support_cases import noise_case
 from support_targets import framed, inside, poisoned
 
 from bokeh_validation import metrics
+from bokeh_validation.drivers import base
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.shaders.passes import Pass, target_area
 
-SIZE = (90, 70)
+SIZE = (90, 74)
 # not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows
-VIEWPORT = (29, 8, 48, 37)
+VIEWPORT = (24, 8, 48, 37)
 CAMERA = methods.Camera(0.12, 0.05, 4.0, max_coc=0.3)
+LAYERED = Settings("layered", "hexagon", 7, rotation=11.0, camera=methods.Camera(0.1, 0.05, 4.0, max_coc=0.3))
 SETTINGS = {
-    "paper": methods.Settings("paper", "octagon", camera=CAMERA),
-    "paper, a sample a pixel": methods.Settings("paper", "hexagon", spacing=1.0, jitter=1.0, camera=CAMERA),
-    "exact": methods.Settings("exact", "decagon", rotation=11.0, camera=CAMERA),
-    "exact, a sample a pixel": methods.Settings("exact", "hexagon", spacing=1.5, jitter=1.0, frame=3, camera=CAMERA),
-    "exact, three targets": methods.Settings("exact", "octagon", rotation=5.0, camera=CAMERA),
-    "exact, one target": methods.Settings("exact", "octagon", targets=False, squeeze=0.6, camera=CAMERA),
-    "naive": methods.Settings("naive", "hexagon", 7, camera=CAMERA),
-    "naive grid": methods.Settings("naive-grid", "square", 5, camera=CAMERA),
-    "constant CoC": methods.Settings("exact", "square", coc=0.4, camera=replace(CAMERA, max_coc=0.5)),
+    "paper": Settings("paper", "octagon", camera=CAMERA),
+    "paper, a sample a pixel": Settings("paper", "hexagon", spacing=1.0, jitter=1.0, camera=CAMERA),
+    "exact": Settings("exact", "decagon", rotation=11.0, camera=CAMERA),
+    "exact, a sample a pixel": Settings("exact", "hexagon", spacing=1.5, jitter=1.0, frame=3, camera=CAMERA),
+    "exact, three targets": Settings("exact", "octagon", rotation=5.0, camera=CAMERA),
+    "exact, one target": Settings("exact", "octagon", targets=False, squeeze=0.6, camera=CAMERA),
+    "cat's eye": Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7),
+    "cat's eye, layered": replace(LAYERED, cats_eye=0.7),
+    "naive": Settings("naive", "hexagon", 7, camera=CAMERA),
+    "naive grid": Settings("naive-grid", "square", 5, camera=CAMERA),
+    "constant CoC": Settings("exact", "square", coc=0.4, camera=replace(CAMERA, max_coc=0.5)),
+    "layered": LAYERED,
 }
 
 
-def picture(size: tuple[int, int], seed: int = 2) -> tuple[np.ndarray, np.ndarray]:
-    """Random colour (H, W, 4) float16 and depth (H, W) float32: everything differs from its neighbour."""
-    random = np.random.default_rng(seed)
-    color = random.lognormal(0.0, 1.0, (size[1], size[0], 4)).astype(np.float16)
-    return color, random.uniform(1.0, 30.0, (size[1], size[0])).astype(np.float32)
+def checked(driver, settings: Settings, size: tuple[int, int], viewport) -> np.ndarray:
+    """The result (H, W, 4). Fails where a target is outside of the reference's interval in its part, or touched around.
 
-
-def rendered(driver, settings, size, viewport, storage="half"):
-    """A driver's result (H, W, 4), and the reference's with its interval in the viewport."""
-    color, depth = picture(viewport[2:])
-    plan = methods.in_viewport(methods.plan(settings, viewport[2:]), viewport, size)
-    passes = poisoned(plan)
-    nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
-    textures = {"color": framed(color, size, viewport), "depth": framed(depth, size, viewport), "nan": nothing}
-    output = driver.run(passes, textures | plan.tables, size, storage)["result"]
-    everywhere = Reference().images(plan.passes, textures | plan.tables, size, storage, kind(driver), driver.rounding)
-    return output, everywhere["result"].part(
-        slice(viewport[1], viewport[1] + viewport[3]), slice(viewport[0], viewport[0] + viewport[2])
-    )
-
-
-@spread("name", SETTINGS, ("paper", "exact", "naive", "constant CoC"))
-def test_nothing_leaks_in(name, driver):
-    """Within the interval, so finite, inside; what was around it is as it was.
-
-    The interval is that of the formulas on the image alone, wider by the slope times 1/128 texel, by which fetches keep
-    away from the surroundings.
+    layered and the cat's eye are compared pass by pass, each with what the device had in its inputs. The interval is
+    that of the formulas on the image alone, wider by the slope times 1/128 texel, by which fetches keep away from the
+    surroundings.
     """
-    output, wanted = rendered(driver, SETTINGS[name], SIZE, VIEWPORT)
-    part = inside(output, VIEWPORT)
-    comparison = metrics.compare(part, wanted, driver.software)
-    assert np.isfinite(part).all() and comparison.outside == 0, comparison
-    around = output.copy()
-    inside(around, VIEWPORT)[:] = np.nan
-    np.testing.assert_array_equal(around, np.full_like(output, np.nan))
-    assert np.isnan(output).any(axis=-1).sum() == SIZE[0] * SIZE[1] - VIEWPORT[2] * VIEWPORT[3]
+    image = noise_case(viewport[2:], settings)
+    plan = methods.in_viewport(image.plan, viewport, size)
+    nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
+    textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
+    textures |= plan.tables
+    by_pass = settings.method == "layered" or settings.cats_eye > 0.0
+    scales = {name: item.scale for item in plan.passes for name in item.outputs if by_pass or name == plan.result}
+    outputs = driver.run(poisoned(plan), textures | {"nan": nothing}, size, keep=scales)
+    given = outputs if by_pass else None
+    wanted = Reference().images(plan.passes, textures, size, "half", driver.precision, driver.rounding, given=given)
+    for name, scale in scales.items():
+        x, y, width, height = target_area(scale, viewport)
+        part = slice(y, y + height), slice(x, x + width)
+        assert np.isfinite(outputs[name][part]).all(), f"what is around the image leaks into {name}"
+        if max(size) < 1000:
+            software = driver.software and name == plan.result and not by_pass
+            comparison = metrics.compare(outputs[name][part], wanted[name].part(*part), software)
+            assert comparison.outside == 0, (name, comparison)
+    around = outputs["result"].copy()
+    inside(around, viewport)[:] = np.nan
+    assert np.isnan(around).all()
+    return outputs["result"]
+
+
+@spread("name", SETTINGS, ("paper", "exact", "naive", "constant CoC", "layered"))
+def test_nothing_leaks_in(name, driver):
+    """Inside finite and within the interval; what was around it is as it was."""
+    checked(driver, SETTINGS[name], SIZE, VIEWPORT)
+
+
+# Where the image of layered is -> the aperture, so that every entry draws into one. The smallest is more than 8 pixels
+# wide and high: a target of an eighth that is one texel wide has no room for the inset
+VIEWPORTS = {
+    (0, 0, 90, 74): "hexagon",
+    (8, 24, 40, 30): "square",
+    (40, 16, 50, 58): "octagon",
+    (72, 56, 11, 9): "decagon",
+}
+
+
+@pytest.mark.parametrize("viewport", VIEWPORTS, ids=str)
+@in_each_language
+def test_places_of_layered(viewport, driver):
+    """The whole texture, a corner, and each polygon."""
+    aperture = VIEWPORTS[viewport]
+    checked(driver, replace(LAYERED, aperture=aperture, targets=aperture != "octagon"), SIZE, viewport)
+
+
+@pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])
+@in_each_language
+def test_layers_of_a_viewport(metres, driver):
+    """In the middle of a large texture, the image is what it would be alone; 11 pixels near and 16 far.
+
+    Black but for a light whose blur ends before the edges. Places are off by float32 roundings, 8 of 2^-24 of the
+    width, and a GPU's step of 2^-8 texel; the light's own slope is the steepest. Four passes store, with a step each.
+    """
+    viewport = (24, 16, 48, 40)
+    color, depth = flat(viewport[2:]), depth_of(viewport[2:], metres)
+    color[18:22, 22:26, :3] = 40.0
+    case = Case("", replace(LAYERED, rotation=0.0, camera=methods.Camera(0.3, 0.05, 1.5, max_coc=0.5)), color, depth)
+    alone = driver.run(case.plan.passes, case.textures(), case.size)["result"].astype(float)[..., :3]
+    assert alone.max() < 0.5 * color.max()
+    plan = methods.in_viewport(case.plan, viewport, SIZE)
+    textures = {"color": framed(color, SIZE, viewport), "depth": framed(depth, SIZE, viewport)}
+    output = inside(driver.run(plan.passes, textures, SIZE)["result"], viewport).astype(float)[..., :3]
+    place = SIZE[0] * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8)
+    assert np.abs(output - alone).max() <= 4 * (place + 2.0**-10) * 40.0
+
+
+@in_each_language
+def test_lateral_color(driver):
+    """The middle is that of the image, and nothing around it is read: framed() puts NaN there."""
+    image = noise_case(VIEWPORT[2:], Settings("exact", "hexagon", camera=CAMERA, lateral=0.02))
+    found = in_part(driver, image.plan, {"color": image.color, "depth": image.depth})
+    wanted = Reference().run(image.plan.passes, image.textures(), image.size)["result"]
+    assert np.isfinite(found).all()
+    assert np.mean(metrics.steps(found, wanted.astype(np.float64)) > metrics.FAR_STEPS) < 0.02
 
 
 # Size of the textures, and where the image is in them
@@ -83,14 +139,11 @@ PLACES = [
 @spread("place", PLACES, PLACES[:1])
 def test_places_and_sizes(place, driver):
     """The smallest image, the whole texture, its last corner, and far from uv 0, where float32 is coarsest."""
-    settings = methods.Settings("exact", "hexagon", camera=replace(CAMERA, max_coc=1.0))
+    settings = Settings("exact", "hexagon", camera=replace(CAMERA, max_coc=1.0))
     size, viewport = place
-    output, wanted = rendered(driver, settings, size, viewport)
-    part = inside(output, viewport)
-    assert np.isfinite(part).all() and (part[..., :3] >= 0).all() and (np.abs(part[..., 3]) <= 1.0).all()
     # the interval knows the places within the part, and at uv near 1 of a wide texture float32 has fewer of them
-    if max(size) < 1000:
-        assert metrics.compare(part, wanted, driver.software).outside == 0
+    part = inside(checked(driver, settings, size, viewport), viewport)
+    assert (part[..., :3] >= 0).all() and (np.abs(part[..., 3]) <= 1.0).all()
 
 
 def in_part(driver, plan: methods.Plan, textures: dict[str, np.ndarray]) -> np.ndarray:
@@ -109,7 +162,7 @@ def test_a_column(driver):
     size, viewport = (8, 8), (3, 1, 1, 5)
     color = np.zeros((8, 8, 4), np.float16)
     inside(color, viewport)[:] = 1.0
-    plan = methods.in_viewport(methods.plan(methods.Settings("exact", "square", coc=0.5), (1, 5)), viewport, size)
+    plan = methods.in_viewport(methods.plan(Settings("exact", "square", coc=0.5), (1, 5)), viewport, size)
     output = driver.run(plan.passes, {"color": color, "depth": np.ones((8, 8), np.float32)}, size)["result"]
     off = np.abs(inside(output, viewport)[..., :3].astype(float) - 1.0)
     assert off.max() <= 2 * (8 * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8) + 2.0**-11)
@@ -130,8 +183,8 @@ def test_linear_depth(driver):
 
 def test_debug_views(driver):
     """Of the part alone, as those of an image that is the whole texture."""
-    color, depth = picture(VIEWPORT[2:])
-    textures = {"color": color, "depth": depth}
+    image = noise_case(VIEWPORT[2:], Settings())
+    textures = {"color": image.color, "depth": image.depth}
     for mode in range(4):
         parameters = {**CAMERA.parameters(), "BokehDebugMode": float(mode)}
         passes = (
@@ -159,10 +212,46 @@ MISTAKES = {
 @in_each_language
 def test_parameters_out_of_range(name, driver):
     """Finite and not negative where all that there is to read is, from colour that is not."""
-    color, depth = picture(SIZE)
+    image = noise_case(SIZE, Settings())
+    color, depth = image.color, image.depth
     color[::3, ::5] = np.nan
     plan = methods.in_viewport(methods.plan(SETTINGS["exact"], VIEWPORT[2:]), VIEWPORT, SIZE)
     for value in MISTAKES[name]:
         passes = [replace(item, parameters={**item.parameters, name: value}) for item in plan.passes]
         output = driver.run(passes, {"color": color, "depth": depth}, SIZE)["result"]
         assert np.isfinite(output).all() and (output[..., :3] >= 0).all(), value
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# what every driver refuses
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def test_more_bytes_a_pixel_than_the_device_writes():
+    """Four half-float targets are what every device of WebGPU has; four of 32 bits are not."""
+    passes = methods.plan(Settings("exact", "decagon"), (8, 8)).passes
+    base.require_targets(Reference(), passes, "half", 32)
+    with pytest.raises(Unavailable, match="writes 32 bytes a pixel at once; BokehDecagonFirst needs 64"):
+        base.require_targets(Reference(), passes, "float", 32)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"inputs": {"ColorSamp": "t"}}, "BokehConstantCoC reads 't' and draws over it"),
+        ({"viewport": (2, 4, 4, 4)}, r"viewport \(2, 4, 4, 4\) begins within a texel of targets of scale 4"),
+        ({"viewport": (4, 4, 26, 4)}, r"viewport \(4, 4, 26, 4\) is not within 29 x 21"),
+        ({"viewport": (4, -4, 4, 4)}, "is not within"),
+        ({"viewport": (4, 4, 0, 4)}, "is not within"),
+        ({"scale": 2}, "has scale 2 .*draws over 't', which has scale 4"),
+    ],
+)
+def test_refused(changes, words, all_drivers):
+    """Reading what is drawn over is undefined on every device; a part begins at a texel and lies in its target, which
+    keeps its size and format.
+    """
+    first = Pass("BokehConstantCoC", {"ColorSamp": "picture"}, "t", scale=4)
+    second = replace(first, **{"viewport": (4, 4, 4, 4), **changes})
+    for driver in (*all_drivers, Reference()):
+        with pytest.raises(ValueError, match=words):
+            driver.run([first, second], {"picture": flat((8, 6))}, (29, 21), keep=("t",))

@@ -1,0 +1,269 @@
+"""Settings on random patches of colour and depth: every driver is within the interval of the reference."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import LANGUAGES, REAL, load, spread
+from support_cases import CAMERA, noise_case, within
+
+from bokeh_validation import metrics
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import near_edges
+from bokeh_validation.probes.model import Case, depth_of
+from bokeh_validation.shaders.entries import ENTRIES
+
+ALL = {
+    "rotation": 17.0,
+    "squeeze": 0.7,
+    "bleeding_bias": 0.05,
+    "bleeding_mult": 12.0,
+    "camera": methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
+}
+PLAIN = ("paper", "exact", "naive", "naive-grid")
+ADAPTIVE = {"spacing": 1.5, "max_samples": 5, "jitter": 1.0, "frame": 61}
+# Everything away from its default, so that every program of the package is drawn
+WHOLE = {
+    "paper": Settings("paper", "hexagon", 8, **ALL),
+    "paper star": Settings("paper", "star", 4, blur_coc=False, **ALL),
+    "paper adaptive": Settings("paper", "pentagon", **ADAPTIVE, **ALL),
+    "naive": Settings("naive", "octagon", 6, **ALL),
+    "naive-grid": Settings("naive-grid", "square", 4, **ALL),
+    "constant CoC": Settings("paper", "square", coc=0.2, **ALL),
+    "exact, one target": Settings("exact", "decagon", targets=False, **ALL),
+    "exact, lateral colour": Settings("exact", "hexagon", lateral=0.02, **ALL),
+    "layered, one target": Settings("layered", "octagon", 7, targets=False, jitter=1.0, **ALL),
+    **{f"exact {name}": Settings("exact", name, **ADAPTIVE, **ALL) for name in methods.EXACT},
+    **{f"layered {name}": Settings("layered", name, 7, jitter=0.5, frame=3, **ALL) for name in methods.EXACT},
+}
+# What the lens's character needs of a compiler: shader model 3 has no axial colour
+LENS = {
+    **{f"cat's eye {k}": Settings("exact", k, cats_eye=0.7, roundness=0.5, **ALL) for k in methods.EXACT},
+    "axial colour": Settings("exact", "hexagon", camera=CAMERA, axial=(0.05, -0.03)),
+}
+
+
+@pytest.mark.parametrize("method", ["paper", "naive", "constant", "exact", "layered"])
+def test_every_entry(method, driver):
+    """Every program of the package on every driver."""
+    for name, settings in WHOLE.items():
+        if name.startswith(method):
+            within(driver, noise_case((45, 29), settings))
+
+
+def test_every_entry_is_there():
+    """In the table above, but for those of test_inputs.py and test_drivers.py."""
+    drawn = {item.entry for settings in WHOLE.values() for item in methods.plan(settings, (61, 37)).passes}
+    assert drawn | {"BokehLinearDepth", "BokehDebug"} == set(ENTRIES)
+
+
+@pytest.mark.parametrize("name", [name for name in REAL if name not in LANGUAGES])
+def test_character(name):
+    """The lens's character on the drivers that the tables below leave out."""
+    for settings in LENS.values():
+        if name != "d3d9" or not any(settings.axial):
+            within(load(name), noise_case((61, 48), settings))
+
+
+@spread("size", [(61, 37), (1, 1), (1, 64), (96, 2), (257, 33)], [(61, 37)])
+def test_sizes(size, driver):
+    """Odd, tiny and thin images; of layered, targets of half, a quarter and an eighth that are not filled."""
+    for method in PLAIN:
+        within(driver, noise_case(size, Settings(method, "hexagon", camera=CAMERA)))
+    within(driver, noise_case(size, Settings("layered", "hexagon", 7, camera=CAMERA, targets=min(size) > 2)))
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# tables of settings, in each language
+# ----------------------------------------------------------------------------------------------------------------------
+
+# of every method but layered
+COMMON = [
+    {"samples": 2},
+    {"samples": 3},
+    {"samples": 8},
+    {"samples": 40},
+    {"rotation": 17.0},
+    {"blur_coc": False},
+    {"leak_fix": False},
+    {"bleeding_bias": 0.0},
+    {"bleeding_bias": 0.1},
+    {"bleeding_mult": 2.0},
+    {"coc": 0.2},
+    {"coc": 0.9},
+    {"coc": 0.0},
+    {"squeeze": 0.5, "rotation": 20.0},
+    {"aperture": "star", "rotation": -30.0},
+    {"aperture": "octagon", "blur_coc": False},
+    {"aperture": "square", "samples": 4, "leak_fix": False},
+]
+LINES = [
+    {"spacing": 1.0},
+    {"spacing": 0.7, "max_samples": 8},
+    {"spacing": 1.5, "max_samples": 4, "jitter": 1.0, "frame": 61},
+    {"spacing": 1.0, "squeeze": 0.5, "rotation": 12.0},
+    {"spacing": 1.0, "blur_coc": False},
+]
+POLYGONS = [
+    {"targets": False},
+    {"samples": 4, "jitter": 0.5},
+    {"spacing": 1.0, "targets": False, "jitter": 1.0, "max_samples": 6},
+    # squeezed edges have different lengths and numbers of samples: each line is worth its area all the same
+    {"coc": 0.5, "camera": methods.Camera(max_coc=1.0), "spacing": 1.0, "squeeze": 0.3, "rotation": 20.0},
+]
+CUT = [
+    {},
+    {"targets": False},
+    {"rotation": 17.0, "squeeze": 0.6},
+    {"spacing": 1.0, "max_samples": 5, "jitter": 1.0, "frame": 3},
+    {"cats_eye": 0.3, "spacing": 1.0},
+    {"cats_eye": 5.0},
+]
+AXIAL = [
+    {},
+    {"targets": False, "axial": (-0.05, 0.02)},
+    {"rotation": 17.0, "squeeze": 0.6, "cats_eye": 0.5},
+    {"spacing": 1.0, "max_samples": 5, "jitter": 1.0, "frame": 3},
+]
+# far layers of 25 pixels, where the lengths of the edges show
+WIDE = methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)
+CUT_LAYERS = [
+    {"rotation": 17.0},
+    {"aperture": "square", "squeeze": 0.5},
+    {"aperture": "octagon", "targets": False, "rotation": 5.0},
+    {"aperture": "decagon", "jitter": 1.0, "frame": 3},
+    {"camera": WIDE, "rotation": 17.0, "cats_eye": 0.9},
+    {"camera": WIDE, "aperture": "decagon", "targets": False, "cats_eye": 0.9},
+]
+# A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
+FULL = methods.Camera(1.8, 0.05, 8.0, max_coc=0.5)
+FULL_LAYERS = [
+    {"jitter": 1.0, "squeeze": 0.7},
+    {"aperture": "decagon", "preset": "low", "jitter": 0.5, "rotation": 20.0},
+    {"aperture": "decagon", "preset": "ultra", "targets": False},
+    # edges with fewer samples than texels
+    {"aperture": "square", "preset": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
+]
+
+
+def settings_of(base: Settings, changes: list[dict]) -> list[Settings]:
+    """A method with each of the changes; exact has no star."""
+    shapes = [{k: "decagon" if v == "star" and base.method == "exact" else v for k, v in c.items()} for c in changes]
+    return [replace(base, **change) for change in shapes]
+
+
+def of_polygons(changes: list[dict], **common) -> list[Settings]:
+    """The exact method in every polygon with each of the changes."""
+    bases = (Settings("exact", aperture, **{"camera": CAMERA, **common}) for aperture in methods.EXACT)
+    return [settings for base in bases for settings in settings_of(base, changes)]
+
+
+def exact_and_layered(**common) -> list[Settings]:
+    """Both, in an octagon, which is what blades can be curved of."""
+    return [Settings(method, "octagon", 7, camera=CAMERA, rotation=10.0, **common) for method in ("exact", "layered")]
+
+
+GROUPS = {
+    **{method: settings_of(Settings(method, "hexagon", camera=ALL["camera"]), COMMON) for method in PLAIN},
+    **{
+        f"lines of paper {shape}": settings_of(Settings("paper", shape, camera=CAMERA), [*LINES, {"squeeze": 0.5}])
+        for shape in ("hexagon", "star", "triangle", "pentagon")
+    },
+    **{
+        f"lines of exact {shape}": settings_of(Settings("exact", shape, camera=CAMERA), [*LINES, *POLYGONS])
+        for shape in ("hexagon", "decagon")
+    },
+    "cat's eye": of_polygons(CUT, cats_eye=0.7),
+    "cat's eye, layered": settings_of(Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7), CUT_LAYERS),
+    "curved blades": [
+        settings
+        for roundness in (0.5, 0.0, -1.0)
+        for amount in (0.0, 0.7)
+        for settings in exact_and_layered(roundness=roundness, cats_eye=amount)
+        if settings.method == "exact" or amount > 0.0
+    ],
+    "axial colour": of_polygons(AXIAL, axial=(0.05, -0.03)),
+    # too large amounts are 0.1
+    "lateral colour": settings_of(
+        Settings("exact", "hexagon", camera=CAMERA), [{"lateral": 0.02}, {"lateral": -0.1}, {"lateral": 5.0}]
+    ),
+    "lateral colour, layered": [Settings("layered", "hexagon", 7, camera=CAMERA, lateral=0.03)],
+    "full layers": settings_of(Settings("layered", "hexagon", 7, camera=FULL), FULL_LAYERS),
+}
+
+
+@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+def test_settings(group, driver):
+    """Every parameter of the shaders away from its default. That each matters: test_fuzz.py."""
+    for settings in GROUPS[group]:
+        _, comparison = within(driver, noise_case((75, 50) if settings.method == "layered" else (61, 48), settings))
+        if driver.software and group in PLAIN:
+            assert comparison.close >= 0.98, (settings, comparison)
+
+
+LAYERED = [
+    {"rotation": 17.0},
+    {"squeeze": 0.5},
+    {"squeeze": 1.5, "rotation": -30.0},
+    {"jitter": 1.0, "frame": 3},
+    *({"aperture": aperture, "rotation": 5.0} for aperture in ("square", "octagon", "decagon")),
+    *({"aperture": aperture, "targets": False} for aperture in ("square", "octagon", "decagon")),
+    *({"preset": preset} for preset in methods.PRESETS if preset != "medium"),
+    {"camera": WIDE},
+    {"camera": WIDE, "aperture": "decagon", "jitter": 0.5, "preset": "low"},
+    {"coc": 0.0},
+    {"coc": 0.05},
+    {"coc": 0.25},
+]
+
+
+@pytest.mark.parametrize("changes", LAYERED, ids=str)
+def test_settings_of_layered(changes):
+    """Every setting of layered away from its default, in one language."""
+    within(load("osmesa"), noise_case((75, 50), replace(Settings("layered", "hexagon", 7, camera=CAMERA), **changes)))
+
+
+def black_and_bright() -> Case:
+    """Both ends of what brightness is compared with: a black tile's level, and what a light may weigh."""
+    case = noise_case((64, 48), Settings("layered", "hexagon", 7, camera=FULL))
+    case.color[:, :32, :3] = 0.0
+    case.color[3::9, 36::7, :3] = 60000.0
+    return case
+
+
+def plane(coc: float) -> Case:
+    """One depth, of which a part is in a layer."""
+    case = noise_case((50, 40), near_edges.settings(rotation=10.0))
+    return replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1])))
+
+
+IMAGES = {
+    **{f"half {coc}": plane(coc) for coc in (-11.0, -9.0, 11.0, 14.0)},
+    # 1 / (1 / 122) is more than 122 in float32: rounded up without a care, half of it would be 62 texels
+    "inverse": noise_case((122, 24), Settings("layered", "hexagon", 7, camera=CAMERA)),
+    "bright": black_and_bright(),
+}
+
+
+@pytest.mark.parametrize("name", IMAGES)
+@pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+def test_images_of_layered(name, driver):
+    """Images that take a branch of their own."""
+    within(driver, IMAGES[name])
+
+
+@pytest.mark.parametrize("targets", [True, False], ids=["at once", "one by one"])
+@pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+def test_jitter_of_the_exact_passes(targets, driver):
+    """Few samples on a wide blur, so that the noise acts in every pass: as the reference says, and not as without."""
+    for aperture in methods.EXACT:
+        camera = methods.Camera(max_coc=1.0)
+        settings = Settings(
+            "exact", aperture, coc=0.5, camera=camera, max_samples=3, spacing=1.0, jitter=1.0, frame=5, targets=targets
+        )
+        output, _ = within(driver, noise_case((61, 48), settings))
+        plain, _ = within(driver, noise_case((61, 48), replace(settings, jitter=0.0)))
+        assert (metrics.steps(plain, output) > metrics.FAR_STEPS).mean() > 0.02
+        assert np.isfinite(output).all()
