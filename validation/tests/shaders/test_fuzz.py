@@ -1,11 +1,10 @@
 """Random parameters and images on every driver: finite, not negative, and within the interval of the reference.
 
-1,000 cases are drawn for the fast drivers, a quarter for each. The slow drivers get a few each. Numbers from the seeds
+750 cases are drawn for one driver of each language. The slow drivers get a few each. Numbers from the seeds
 are the same everywhere; BOKEH_FUZZ_SEED=N draws others. A failure names the seed of its case.
 """
 
 import os
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,8 +24,8 @@ from bokeh_validation.reference.listings import MAX_COLOR
 SEED = int(os.environ.get("BOKEH_FUZZ_SEED", "2012"))
 # Cases of each method for each fast driver
 CASES = {"paper": 90, "exact": 95, "naive": 30, "naive-grid": 35}
-FAST = ("osmesa", "wgpu", "egl", "dxc")
-SLOW = ("webgl2", "webgpu", "d3d9", "d3d11")
+FAST = ("osmesa", "wgpu", "dxc")
+SLOW = ("egl", "webgl2", "webgpu", "d3d9", "d3d11")
 SLOW_CASES = 5
 # Each number of samples is another program of each entry, so few: an even one, and odd ones
 SAMPLES = {"paper": (2, 3, 7, 13), "exact": (2, 7), "naive": (2, 7), "naive-grid": (2, 3, 7)}
@@ -110,7 +109,7 @@ def agrees(driver: drivers.Driver, case: Case) -> dict[str, Image]:
 @pytest.mark.parametrize("name", FAST)
 @pytest.mark.parametrize("method", CASES)
 def test_fast_drivers(method, name):
-    """1,000 cases over all methods and drivers."""
+    """750 cases over all methods and drivers."""
     blurred, narrow = [], []
     for index in range(CASES[method]):
         wanted = agrees(load(name), draw(method, SAMPLES[method], SEED + 10_000 * FAST.index(name) + index))
@@ -127,33 +126,3 @@ def test_slow_drivers(name):
     for method in CASES:
         for index in range(SLOW_CASES):
             agrees(load(name), draw(method, SLOW_SAMPLES, SEED + 100_000 + index))
-
-
-# Slips of a shader, as other settings
-SLIPS = {
-    "angle": lambda s: {"rotation": s.rotation + 3.0},
-    "squeeze": lambda s: {"squeeze": 1.05 * s.squeeze},
-    "bias": lambda s: {"bleeding_bias": s.bleeding_bias + 0.2},
-    "mult": lambda s: {"bleeding_mult": 0.3 * s.bleeding_mult},
-    "a sample": lambda s: {"samples": s.samples + 1, "max_samples": s.max_samples + 1},
-    "spacing": lambda s: {"spacing": 1.2 * s.spacing},
-    "frame": lambda s: {"frame": s.frame + 1},
-    "blur_coc": lambda s: {"blur_coc": not s.blur_coc},
-    "leak_fix": lambda s: {"leak_fix": not s.leak_fix},
-    "sensor": lambda s: {"camera": replace(s.camera, sensor_height=1.02 * s.camera.sensor_height)},
-}
-
-
-def test_slips_would_be_noticed():
-    """Each of the slips takes some of the first cases of the paper's method out of the interval."""
-    left = set(SLIPS)
-    for index in range(300):
-        case = draw("paper", SAMPLES["paper"], SEED + index)
-        wanted = interval(case, precision.SOFTWARE, "nearest")["result"]
-        for name in sorted(left):
-            other = replace(case, settings=replace(case.settings, **SLIPS[name](case.settings)))
-            if metrics.compare(result(Reference(), other), wanted, True).outside:
-                left.remove(name)
-        if not left:
-            return
-    raise AssertionError(left)

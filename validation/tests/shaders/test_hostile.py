@@ -31,8 +31,8 @@ METHODS = {
     "layered": Settings("layered", "hexagon", camera=CAMERA, squeeze=0.7),
     "layered, one target": Settings("layered", "octagon", 7, camera=CAMERA, preset="low", jitter=1.0, targets=False),
 }
-# Those that have an entry of their own, in every compiler
-EVERYWHERE = [name for name in METHODS if name not in ("paper star, CoC kept", "paper triangle", "exact adaptive")]
+# One hostile case on every driver
+EVERYWHERE = ("exact", "layered")
 # Methods whose CoC is signed
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue
@@ -132,13 +132,6 @@ def test_damage_is_confined(method, driver):
     assert changed[np.any(scene(method)[1:], axis=0)].all()
     # 16 pixels of 6144, each in reach of those around it within two blurs of up to 6 texels
     assert reached.mean() < 0.3
-
-
-def test_reach_is_not_too_wide():
-    """In float64, most of what naive's reach has in it does change: it is no excuse for anything to change."""
-    changed, reached = damage("naive", "reference")
-    assert not (changed & ~reached).any()
-    assert changed.sum() > 0.7 * reached.sum()
 
 
 @in_each_language
@@ -308,17 +301,13 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("name", MISTAKES)
+@in_each_language
 def test_parameters_out_of_range(name, driver):
-    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels.
-
-    Every value in each language, the last one on the other drivers.
-    """
+    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
     readers, values = MISTAKES[name]
     for method in readers:
-        if method == "axial" and driver.name == "d3d9":
-            pytest.skip("shader model 3 does not have it")
         case = littered((24, 16), READERS[method], 0.1)
-        for value in values if driver.name in LANGUAGES else values[-1:]:
+        for value in values:
             try:
                 assert_safe(everything(driver, case, **{name: value}), case.settings)
             except AssertionError as error:
@@ -338,6 +327,7 @@ EQUIVALENTS = [
 ]
 
 
+@in_each_language
 @pytest.mark.parametrize(("method", "name", "wrong", "right"), EQUIVALENTS)
 def test_parameters_count_as_documented(method, name, wrong, right, driver):
     """To the bit."""

@@ -196,7 +196,7 @@ GROUPS = {
 @pytest.mark.parametrize("group", GROUPS)
 @pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 def test_settings(group, driver):
-    """Every parameter of the shaders away from its default. That each matters: test_fuzz.py."""
+    """Every parameter of the shaders away from its default."""
     for settings in GROUPS[group]:
         _, comparison = within(driver, noise_case((75, 50) if settings.method == "layered" else (61, 48), settings))
         if driver.software and group in PLAIN:
