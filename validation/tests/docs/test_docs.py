@@ -14,7 +14,6 @@ from support import load
 from bokeh_validation import paths
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, depth_of, flat
-from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes
 
 PARAMETERS_PAGE = (paths.ROOT / "docs/parameters.md").read_text(encoding="utf-8")
@@ -182,20 +181,3 @@ def test_jitter_as_stated():
     for count, stated in zip(frames, errors, strict=True):
         off = np.abs(np.mean(noisy[: int(count)], axis=0) - truth).mean()
         assert 100 * off / plain == pytest.approx(stated, abs=1.0), count
-
-
-def test_signed_coc_decides_as_depth_did():
-    """docs/apertures.md: signed CoC alone decides as depth and CoC do, for a lens's own CoC."""
-    random = np.random.default_rng(3)
-    camera = methods.Camera()
-    depth = random.choice(np.geomspace(0.5, 1000.0, 400), (2, 200_000))
-    coc = listings.circle_of_confusion(depth, *camera.parameters().values())
-    signed = listings.signed_coc(depth, coc, camera.focus_distance)
-    for bias in (0.0, 0.02, 1.0):
-        wanted = listings.leakage_weight(depth[0], coc[0], depth[1], coc[1], bias, 30.0)
-        found = listings.signed_leakage_weight(signed[0], signed[1], bias, 30.0)
-        # the square of the weight; and what is sharper by less than a thousandth passes
-        open_ = np.abs(coc[1] - bias - coc[0]) <= 0.0011 * coc[1]
-        np.testing.assert_array_equal(found[~open_], wanted[~open_] ** 2)
-        assert open_.mean() < 0.05
-        assert (wanted < 1.0).any() == (bias < 1.0)

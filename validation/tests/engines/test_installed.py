@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from support import needed
-from test_compile_only import PASSES, STUBS, compiled, csharp, inlined, stubs, text, unity_passes
+from test_compile_only import STUBS, csharp, text
 from test_release import unpacked
 
 from bokeh_validation import __version__, engines, paths
@@ -141,16 +141,6 @@ def test_copied(project, kind, tmp_path, request):
     assert said["before"] != said["after"]
 
 
-def test_npm_pack(tmp_path):
-    """npm pack of an archive that is unpacked makes an archive of the same files."""
-    for engine in ENGINES:
-        folder = written(forms.npm(engine), tmp_path / engine) / "package"
-        with needed("npm"):
-            pages.call_npm(folder, "pack")
-        (made,) = folder.glob("*.tgz")
-        assert unpacked(made.name, made.read_bytes()) == forms.npm(engine)[1]
-
-
 # ---- Python ----
 
 
@@ -204,18 +194,6 @@ def test_crate(request, tmp_path):
 # ---- Unity and Unreal Engine ----
 
 
-@pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
-def test_unity_shader(target, tmp_path):
-    """The shader in the package with the library beside it."""
-    folder = written(forms.unity(), tmp_path) / "package"
-    (code,) = re.findall(r"HLSLINCLUDE\n(.*?)ENDHLSL", text(folder / "Shaders/BokehDepthOfField.shader"), re.DOTALL)
-    files = stubs("unity", "bokeh.hlsl") | {"bokeh.hlsl": folder / "Shaders/bokeh.hlsl"}
-    source = inlined(f"#define STUB_HALF float\n{code}", files)
-    for _, _, fragment in unity_passes():
-        result = compiled(source, target, fragment)
-        assert result.ok and not result.messages, f"{fragment}: {result.messages}"
-
-
 def test_unity_assembly(tmp_path):
     """All C# files are in the folder of the assembly definition, which names what they use; they compile together."""
     folder = written(forms.unity(), tmp_path) / "package/Runtime"
@@ -231,14 +209,3 @@ def test_unity_assembly(tmp_path):
     sources = [STUBS / "unity/Unity.cs", *sorted(folder.glob("*.cs"))]
     done = csharp({path.name: text(path) for path in sources})
     assert len(sources) == 4 and done.ok and not done.output, done.output
-
-
-@pytest.mark.parametrize("target", ["ps_5_0", "SPIR-V", "DXIL"])
-def test_unreal_shader(target, tmp_path):
-    """The shader file in the plug-in, with the library under the name that it includes."""
-    folder = written(forms.unreal(), tmp_path) / "BokehDepthOfField/Shaders"
-    library = "/Plugin/BokehDepthOfField/bokeh.ush"
-    source = inlined(text(folder / "BokehDepthOfField.usf"), stubs("unreal", library) | {library: folder / "bokeh.ush"})
-    for name in PASSES:
-        result = compiled(source, target, f"{name}PS")
-        assert result.ok and not result.messages, f"{name}: {result.messages}"
