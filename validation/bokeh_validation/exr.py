@@ -1,36 +1,35 @@
 """OpenEXR in and out: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
 
 import contextlib
-import ctypes
 import io
+import math
 import os
-import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 
-from bokeh_validation import exr_header, exr_layers, files
+from bokeh_validation import files
 from bokeh_validation.errors import UserError
-from bokeh_validation.exr_header import Channel, Part, Window, printable
+
+# The largest texture of common devices, and four channels of that size: the library unpacks every channel of the file.
+MAX_PIXELS = 16384 * 16384
+MAX_VALUES = 4 * MAX_PIXELS
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An image with depth. It covers the display window: the circle of confusion is a fraction of that one's height.
+    """An image with depth.
 
     color     (H, W, 4), float16 where R, G and B are half floats in the file, else float32; alpha is 1
     depth     (H, W) float32, metres along the view axis; None where none was asked for
-    display   the display window, W x H pixels
-    data      the part of it that the file has pixels for; outside of it the nearest of them stand in
     """
 
     color: np.ndarray
     depth: np.ndarray | None
-    display: Window
-    data: Window
 
     @property
     def size(self) -> tuple[int, int]:
@@ -42,131 +41,129 @@ class Scene:
         """Target format that keeps what the file has: 'half' or 'float'."""
         return "half" if self.color.dtype == np.float16 else "float"
 
-    def with_data(self, pixels: np.ndarray) -> np.ndarray:
-        """Those of (H, W, ...) pixels that the file has data for, as a view."""
-        return pixels[_slices(self.data, self.display)]
-
 
 def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) -> Scene:
-    """Read R, G, B and a depth channel; `depth_channel=None` reads no depth, `layer` names the layer or part.
+    """Read R, G, B, or LAYER.R, LAYER.G, LAYER.B, and a depth channel; `depth_channel=None` reads no depth.
 
-    Raises UserError for a missing or broken file, one that is too large (exr_header.MAX_PIXELS, MAX_BYTES), missing or
-    ambiguous channels, an empty image, and for values that no scene has: NaN or infinite colour, NaN depth. Infinite
-    depth is a sky and is let pass.
+    Raises UserError for a missing, broken, deep or empty file, one that is cropped or too large, missing channels, and
+    for values that no scene has: NaN or infinite colour, NaN depth. Infinite depth is a sky.
     """
     try:
         return _scene(path, depth_channel, layer)
-    except MemoryError as error:
-        raise UserError(f"{path}: there is not enough memory for its pixels. Crop or scale it.") from error
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
+    except (MemoryError, UnicodeError) as error:
+        # more pixels than there is room for; a channel's name that is no text
+        reason = f"{type(error).__name__}: {_printable(str(error))}"
+        raise UserError(f"{path}: cannot be read ({reason}). Scale it, or save it again as OpenEXR.") from error
 
 
 def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
-    parts, channels = exr_header.read(path)
-    chosen = exr_layers.pick(path, parts, channels, layer, depth_channel)
-    part = parts[chosen[0].part]
-    display, data = part.display, part.data.within(part.display)
-    if data.width <= 0 or data.height <= 0:
-        raise UserError(
-            f"{path}: the data window ({part.data}) lies outside of the display window ({display}). "
-            "Save it with pixels in the display window."
-        )
-    # overscan is cut off; what lies there is no part of the image, whatever it holds
-    planes = [plane[_slices(data, part.data)] for plane in _planes(path, parts, chosen)]
-    clean = "NaN or infinite", "Clean it, for example by clamping, before it is blurred."
-    deep = "NaN", "Give every pixel a depth in metres; the sky may be infinite."
-    for k, (entry, plane) in enumerate(zip(chosen, planes, strict=True)):
-        _refuse(path, entry, ~np.isfinite(plane) if k < 3 else np.isnan(plane), data, *(clean if k < 3 else deep))
-    half = all(plane.dtype == np.float16 for plane in planes[:3])
-    color = np.ones((display.height, display.width, 4), np.float16 if half else np.float32)
-    for k in range(3):
-        color[..., k] = _extended(planes[k], data, display)
-    depth = _extended(planes[3].astype(np.float32), data, display) if planes[3:] else None
-    return Scene(color, depth, display, data)
+    if not os.path.isfile(path):
+        # a pipe would wait for its writer
+        problem = "is a folder" if os.path.isdir(path) else "no such file, or a pipe or device"
+        raise UserError(f"{problem}. Name an EXR file.")
+    headers = _parts(path)
+    _check_headers(headers)
+    prefix = f"{layer}." if layer else ""
+    places = [_place(headers, prefix + letter, "channel", "Name its layer or part with --layer.") for letter in "RGB"]
+    if depth_channel is not None:
+        places.append(_place(headers, depth_channel, "depth channel", "Name one with --depth-channel, or give --coc."))
+    parts = _parts(path, len(headers))
+    planes = [_plane(parts[index], name, is_depth=k == 3) for k, (index, name) in enumerate(places)]
+    color = np.stack([*planes[:3], np.ones_like(planes[0])], axis=-1)
+    return Scene(color, planes[3].astype(np.float32) if depth_channel is not None else None)
 
 
-def _slices(inner: Window, outer: Window) -> tuple[slice, slice]:
-    """Rows and columns of `inner` in an array that covers `outer`."""
-    top, left = inner.top - outer.top, inner.left - outer.left
-    return slice(top, top + inner.height), slice(left, left + inner.width)
-
-
-def _extended(plane: np.ndarray, data: Window, display: Window) -> np.ndarray:
-    """The plane over the display window, its border repeated outwards, as clamp addressing does at the border."""
-    if data == display:
-        return plane
-    rows, columns = _slices(data, display)
-    around = (rows.start, display.height - rows.stop), (columns.start, display.width - columns.stop)
-    return np.pad(plane, around, mode="edge")
-
-
-def _planes(path: Path, parts: list[Part], chosen: list[Channel]) -> list[np.ndarray]:
-    """(H, W) pixels of channels."""
+def _parts(path: Path, count: int | None = None) -> list[OpenEXR.Part]:
+    """The headers of all parts; with their `count`, their pixels as well."""
     said: list[str] = []
     try:
-        with _overheard(said), OpenEXR.File(str(path), separate_channels=True) as file:
-            # the library leaves out the parts that it could not read
-            if len(file.parts) != len(parts):
-                raise ValueError("not all of its pixels can be decoded")
-            planes = [np.asarray(file.channels(entry.part)[entry.name].pixels) for entry in chosen]
-    except MemoryError:
-        raise
+        with _overheard(said):
+            parts = OpenEXR.File(str(path), separate_channels=True, header_only=count is None).parts
+        # the library leaves out parts that it cannot decode
+        if count is not None and len(parts) != count:
+            raise ValueError("not all of its pixels can be decoded")
+        return parts
     except Exception as error:
-        # the library's own words come before those of the call that then finds nothing
-        said.append(str(error))
-        if any("MemoryError" in line or "bad_alloc" in line for line in said):
-            raise MemoryError from error
-        reason = printable(said[0].removeprefix(f"{path}: "))
-        raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again.") from error
-    for entry, plane in zip(chosen, planes, strict=True):
-        window = parts[entry.part].data
-        if plane.shape != (window.height, window.width):
-            raise UserError(f"{path}: channel {printable(entry.full)} is not of its window's size. Save it again.")
-    return planes
+        # what the library printed names the cause
+        reason = _printable([*said, str(error)][0].removeprefix(f"{path}: "))
+        raise UserError(f"cannot be read as OpenEXR ({reason}). Save it again as OpenEXR.") from error
 
 
 @contextlib.contextmanager
-def _overheard(said: list[str]):
-    """Collect what the library prints on its own, in C to descriptors 1 and 2 and in Python: a refusal is one line."""
-    python_text = io.StringIO()
-    # fflush() of the C library that the process has; on Windows each extension may have its own
-    flush = (lambda stream: None) if sys.platform == "win32" else ctypes.CDLL(None).fflush
-    with tempfile.TemporaryFile() as c_text:
-        kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
-        flush(None)
-        for descriptor in kept:
-            os.dup2(c_text.fileno(), descriptor)
+def _overheard(said: list[str]) -> Iterator[None]:
+    """Collect the lines that the library prints, in C to descriptor 2 and through Python: a refusal is one line."""
+    with tempfile.TemporaryFile() as errors, contextlib.redirect_stdout(io.StringIO()) as printed:
+        kept = os.dup(2)
+        os.dup2(errors.fileno(), 2)
         try:
-            with contextlib.redirect_stdout(python_text):
-                yield
+            yield
         finally:
-            flush(None)
-            for descriptor, copy in kept.items():
-                os.dup2(copy, descriptor)
-                os.close(copy)
-            c_text.seek(0)
-            text = c_text.read().decode(errors="replace") + python_text.getvalue()
-            said += [line for line in text.splitlines() if line.strip()]
+            os.dup2(kept, 2)
+            os.close(kept)
+            errors.seek(0)
+            said += errors.read().decode(errors="replace").splitlines() + printed.getvalue().splitlines()
 
 
-def _refuse(path: Path, entry: Channel, bad: np.ndarray, window: Window, what: str, advice: str) -> None:
-    """Where any pixel of the window is bad: the first, in the file's coordinates."""
+def _check_headers(parts: list[OpenEXR.Part]) -> None:
+    """Refuse deep and empty images, and such as would take too much memory for their pixels."""
+    values = 0
+    for part in parts:
+        if part.header["type"] in (OpenEXR.deepscanline, OpenEXR.deeptile):
+            raise UserError("is a deep image, with many samples in a pixel. Save it flattened.")
+        low, high = part.header["dataWindow"]
+        width, height = (int(last) - int(first) + 1 for first, last in zip(low, high, strict=True))
+        if width <= 0 or height <= 0 or width * height > MAX_PIXELS:
+            raise UserError(f"{width} x {height} pixels are none, or more than {MAX_PIXELS}. Crop or scale it.")
+        # the library makes room for whole tiles
+        across, down = (tile.xSize, tile.ySize) if (tile := part.header.get("tiles")) else (1, 1)
+        pixels = math.ceil(width / across) * across * math.ceil(height / down) * down
+        values += pixels * len(part.header["channels"])
+    if values > MAX_VALUES:
+        raise UserError(f"its channels have {values} values, more than {MAX_VALUES}. Save only R G B and depth.")
+
+
+def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tuple[int, str]:
+    """The part and the channel in it that NAME means, if only one part has such a channel, or PART.NAME."""
+    places: dict[str, list[tuple[int, str]]] = {}
+    for index, part in enumerate(parts):
+        for channel in part.header["channels"]:
+            for known in dict.fromkeys((channel.name, f"{part.name()}.{channel.name}".removeprefix("."))):
+                places.setdefault(known, []).append((index, channel.name))
+    if len(places.get(name, ())) == 1:
+        return places[name][0]
+    problem = "several parts have" if name in places else "no"
+    raise UserError(f"{problem} {what} {name!r} (it has {_printable(' '.join(places))}). {advice}")
+
+
+def _plane(part: OpenEXR.Part, name: str, is_depth: bool) -> np.ndarray:
+    """(H, W) half or float, of the whole picture: the circle of confusion is a fraction of its height."""
+    pixels = part.channels[name].pixels
+    data, display = (np.array(part.header[window]) for window in ("dataWindow", "displayWindow"))
+    if not np.array_equal(data, display) or pixels.shape != tuple(data[1] - data[0] + 1)[::-1]:
+        windows = f"{pixels.shape[1]} x {pixels.shape[0]} pixels, data window {data.tolist()}"
+        advice = "Save the whole picture, without overscan or subsampling."
+        raise UserError(f"channel {name!r} is not its display window {display.tolist()} ({windows}). {advice}")
+    if pixels.dtype == np.uint32:
+        raise UserError(f"channel {name!r} holds whole numbers (uint), which are no light or metres. Save it as float.")
+    bad = np.isnan(pixels) if is_depth else ~np.isfinite(pixels)
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
-        raise UserError(
-            f"{path}: {int(bad.sum())} pixels of channel {printable(entry.name)} are {what}, "
-            f"the first at column {window.left + column}, row {window.top + row}. {advice}"
-        )
+        problem = f"{int(bad.sum())} pixels of channel {name} are {'NaN' if is_depth else 'NaN or infinite'}"
+        advice = "Give every pixel metres; the sky may be infinite." if is_depth else "Clean it before it is blurred."
+        raise UserError(f"{problem}, the first at column {column}, row {row}. {advice}")
+    return pixels
 
 
-def write(path: Path, pixels: np.ndarray, data: Window | None = None, display: Window | None = None) -> None:
-    """Write (H, W, 4) float16 or float32 as R G B A, ZIP-compressed; the file appears complete or not at all.
+def _printable(text: str) -> str:
+    """Text from a file or the library as part of one line, of bounded length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:500])
 
-    `pixels` fill the data window. Both windows are the image where none are given.
-    """
+
+def write(path: Path, pixels: np.ndarray) -> None:
+    """Write (H, W, 4) float16 or float32 as R G B A, ZIP-compressed; the file appears complete or not at all."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    for name, window in (("dataWindow", data), ("displayWindow", display)):
-        if window is not None:
-            header[name] = ((window.left, window.top), (window.right, window.bottom))
 
     def save(partial: Path) -> None:
         with OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels)}) as file:

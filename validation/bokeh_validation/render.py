@@ -129,8 +129,8 @@ def render(
     coc: Annotated[float | None, Option(help="The same CoC everywhere, instead of one from depth.")] = None,
     coc_blur: Annotated[bool, Option("--coc-blur/--no-coc-blur", help="Average the CoC with the colour.")] = True,
     leak_fix: Annotated[bool, Option("--leak-fix/--no-leak-fix", help="Listing 3's leakage test.")] = True,
-    depth_channel: Annotated[str, Option(help="Depth; Z is found in the layer or part for depth too.")] = "Z",
-    layer: Annotated[str | None, Option(help="With R G B, of several layers or parts: ViewLayer.Combined.")] = None,
+    depth_channel: Annotated[str, Option(help="Depth in metres, as Z, ViewLayer.Depth.Z, or PART.Z.")] = "Z",
+    layer: Annotated[str | None, Option(help="Layer or part that has R, G and B: ViewLayer.Combined.")] = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
     png: Annotated[Path | None, Option(help="Write a tone-mapped picture as well.")] = None,
@@ -144,18 +144,16 @@ def render(
     )  # fmt: skip
     check(settings)
     terminal.check_writable(target, png)
-    # where a file's data window is not its display window, the passes see the display window, and what they made of the
-    # rest is left out
     scene = exr.read(source, None if coc is not None else depth_channel, layer)
     used = terminal.pick_driver(driver, adapter)
     made = methods.plan(settings, scene.size)
     depth = scene.depth if scene.depth is not None else np.ones((scene.size[1], scene.size[0]), np.float32)
     textures = {"color": scene.color, "depth": depth, **made.tables}
     try:
-        result = scene.with_data(used.run(made.passes, textures, scene.size, scene.storage)["result"])
+        result = used.run(made.passes, textures, scene.size, scene.storage)["result"]
     except Unavailable as error:
         raise UserError(f"--driver {used.name}: {error}.") from error
-    exr.write(target, result, scene.data, scene.display)
+    exr.write(target, result)
     if png is not None:
         pictures.write_png(png, pictures.display(result, tone_map=True))
     size = f"{result.shape[1]} x {result.shape[0]}"

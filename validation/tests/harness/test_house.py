@@ -61,8 +61,6 @@ LEVELS = (
     ("paths", "errors", "files", "locks", "terminal", "shaders"),
     (
         "exr",
-        "exr_header",
-        "exr_layers",
         "frame",
         "windows",
         "browser",

@@ -154,7 +154,7 @@ FILE_CASES = {
     "text": ["text.exr", "cannot be read as OpenEXR"],
     "folder": ["is a folder"],
     "no depth": ["nodepth.exr", "no depth channel 'Z'", "B G R", "--depth-channel", "--coc"],
-    "no blue": ["noblue.exr", "no channel B"],
+    "no blue": ["noblue.exr", "no channel 'B'"],
     "nan": ["nan.exr", "channel G", "column 3, row 2"],
     "inf": ["inf.exr", "channel G", "column 3, row 2"],
     "nan depth": ["nandepth.exr", "channel Z", "column 1, row 1"],
