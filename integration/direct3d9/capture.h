@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Wine's Direct3D gives its adapter the name of a card that it is not */
-#include "../../validation/bokeh_validation/windows/renderer.h"
 #include "scene.h"
 
 typedef struct {
@@ -69,10 +67,8 @@ static void write_bmp(const char *folder, const char *name, const void *bytes, i
 static void write_capture(const char *folder, const char *engine, const char *adapter, const CapturedShot *shots,
                           int num_shots, const CapturedPull *pull)
 {
-    char device[512];
-    device_name(adapter, device, sizeof device);
     FILE *file = open_file(folder, "capture.json");
-    fprintf(file, "{\"engine\": \"%s\", \"device\": \"%s\", \"width\": %d, \"height\": %d,\n", engine, device, WIDTH,
+    fprintf(file, "{\"engine\": \"%s\", \"device\": \"%s\", \"width\": %d, \"height\": %d,\n", engine, adapter, WIDTH,
             HEIGHT);
     fprintf(file, " \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"shots\": [");
     for (int i = 0; i < num_shots; i++) {

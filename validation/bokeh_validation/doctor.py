@@ -17,7 +17,6 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.terminal import console
 
 FOUND, MISSING = "[green]found[/]", "[yellow]missing[/]"
-WINDOWS = ("fxc", "d3d9", "d3d11")
 
 
 def find(name: str, check: Callable[[], str]) -> tuple[str, str]:
@@ -28,7 +27,7 @@ def find(name: str, check: Callable[[], str]) -> tuple[str, str]:
         return MISSING, str(error)
     except Exception as error:  # a broken installation is a finding, not a crash
         return MISSING, f"broken: {' '.join(str(error).split())[:200]}"
-    return FOUND, detail + (" (without Wine: never tried)" if sys.platform == "win32" and name in WINDOWS else "")
+    return FOUND, detail
 
 
 def _adapter(driver: str) -> str:

@@ -1,6 +1,6 @@
 """Taking turns between processes: what is made in the cache folder on first use is made by one of them."""
 
-import sys
+import fcntl
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -11,14 +11,8 @@ from bokeh_validation import paths
 def held(name: str) -> Iterator[None]:
     """Wait for the lock `name` of the cache folder and hold it; as a decorator too, while the function runs.
 
-    It is gone with the process that holds it, however that ends. Not for a lock within itself. On Windows, where the
-    tests run in one process, nobody waits.
+    It is gone with the process that holds it, however that ends. Not for a lock within itself.
     """
-    if sys.platform == "win32":
-        yield
-        return
-    import fcntl
-
     with open(paths.ensured(paths.cache_folder() / "locks") / name, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

@@ -1,4 +1,4 @@
-"""HLSL on Direct3D, compiled by fxc: `d3d9` (ps_3_0) and `d3d11` (ps_5_0), on Windows or on Wine's Direct3D.
+"""HLSL on Direct3D, compiled by fxc: `d3d9` (ps_3_0) and `d3d11` (ps_5_0), on Wine's Direct3D.
 
 A program of ours (windows/d3d9run.cpp, d3d11run.cpp) runs whole lists of passes; it stays up between calls.
 """
@@ -12,7 +12,7 @@ from bokeh_validation.compilers import fxc
 from bokeh_validation.drivers.base import Driver, flattened, software_device, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, is_linear
-from bokeh_validation.windows import programs, server
+from bokeh_validation.windows import programs, server, wine
 
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
 
@@ -30,8 +30,7 @@ class Direct3D(Driver):
         program = programs.build(f"{self.name}run", *self.libraries)
         self.server = server.Server(program)
         self.server.start()
-        self.adapter = self.server.greeting
-        # Wine's Direct3D draws with OpenGL, which on a display of Xvfb is Mesa's software one
+        self.adapter = f"{wine.get().device}, {self.server.greeting}"
         self.software = software_device(self.adapter) == "Mesa"
         if adapter is not None and adapter.lower() not in self.adapter.lower():
             raise Unavailable(f"{self.name} has no device but {self.adapter}")
@@ -94,7 +93,7 @@ class D3D9(Direct3D):
     """ps_3_0 and vs_3_0 on Direct3D 9."""
 
     name = "d3d9"
-    libraries = ("-ld3d9", "-lopengl32", "-lgdi32")
+    libraries = ("-ld3d9",)
     model = 3
 
 
@@ -102,5 +101,5 @@ class D3D11(Direct3D):
     """ps_5_0 and vs_5_0 on Direct3D 11."""
 
     name = "d3d11"
-    libraries = ("-ld3d11", "-ldxgi", "-ldxguid", "-luuid", "-lopengl32", "-lgdi32")
+    libraries = ("-ld3d11",)
     model = 5

@@ -1,9 +1,10 @@
-"""integration/direct3d9 and direct3d11: built with mingw-w64, run on Windows or under Wine.
+"""integration/direct3d9 and direct3d11: built with mingw-w64, run under Wine.
 
 The samples compile their shaders themselves, with d3dcompiler_47.dll. Windows has it; under Wine Microsoft's own is put
 beside the program, since it is the compiler that users have.
 """
 
+import json
 import shutil
 from pathlib import Path
 
@@ -20,14 +21,14 @@ SAMPLES = paths.ROOT / "integration"
 SHARED = SAMPLES / "direct3d9"
 RUN_S = 300.0  # takes 5 to 10 s on two cores
 
-COMMON = ("-ld3dcompiler_47", "-lopengl32", "-lgdi32")
 # The command that builds each, in its folder; '-o PROGRAM' is added
 BUILDS = {
     "direct3d9": (
-        "x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-static", "main.c", "-ld3d9", *COMMON,
+        "x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-static", "main.c", "-ld3d9", "-ld3dcompiler_47",
     ),
     "direct3d11": (
-        "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-static", "main.cpp", "-ld3d11", "-ldxguid", *COMMON,
+        "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-static", "main.cpp", "-ld3d11", "-ldxguid",
+        "-ld3dcompiler_47",
     ),
 }  # fmt: skip
 
@@ -37,14 +38,14 @@ def run(name: str, folder: Path) -> None:
 
     Raises errors.Unavailable, with the install line, without a compiler, Wine or a display, and RuntimeError.
     """
-    program = build(name)
-    command, environment = [program, folder], {}
-    if not wine.ON_WINDOWS:
-        owner = wine.get()
-        # Wine's Z: is the root of the file system
-        command, environment = owner.command(program, f"Z:{folder}"), owner.environment()
-        environment["WINEDLLOVERRIDES"] += ";d3dcompiler_47=n"
-    process.run(command, RUN_S, SAMPLES / name, environment)
+    program, owner = build(name), wine.get()
+    environment = owner.environment()
+    environment["WINEDLLOVERRIDES"] += ";d3dcompiler_47=n"
+    # Wine's Z: is the root of the file system
+    process.run(owner.command(program, f"Z:{folder}"), RUN_S, SAMPLES / name, environment)
+    # the sample can only tell the card that Wine imitates
+    capture = folder / "capture.json"
+    capture.write_text(json.dumps(json.loads(capture.read_text()) | {"device": owner.device}))
     with Image.open(folder / "picture.bmp") as picture:
         pictures.write_png(folder / "picture.png", np.asarray(picture.convert("RGB")))
 
@@ -52,8 +53,8 @@ def run(name: str, folder: Path) -> None:
 @locks.held("direct3d")
 def build(name: str) -> Path:
     """NAME.exe in the cache folder, built anew when a source or the command has changed: see programs.compiled()."""
-    program = programs.compiled(name, BUILDS[name], [*sources(name), programs.SOURCES / "renderer.h"], SAMPLES / name)
-    if not wine.ON_WINDOWS and not program.with_name(fxc.LIBRARY).exists():
+    program = programs.compiled(name, BUILDS[name], sources(name), SAMPLES / name)
+    if not program.with_name(fxc.LIBRARY).exists():
         shutil.copyfile(fxc.fetch(), program.with_name(fxc.LIBRARY))
     return program
 

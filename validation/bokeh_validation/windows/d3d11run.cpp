@@ -5,7 +5,6 @@
  */
 #include <windows.h>
 #include <d3d11.h>
-#include <dxgi.h>
 
 #include "passes.h"
 
@@ -127,8 +126,8 @@ struct D3D11 {
         context->IASetPrimitiveTopology(D3D11_PRIMITIVE_TOPOLOGY_TRIANGLELIST);
     }
 
-    /* Names of the adapter and of what the device is. */
-    std::pair<std::string, std::string> start()
+    /* What the device is. */
+    std::string start()
     {
         D3D_FEATURE_LEVEL level;
         TRY(D3D11CreateDevice(nullptr, D3D_DRIVER_TYPE_HARDWARE, nullptr, 0, nullptr, 0, D3D11_SDK_VERSION, &device,
@@ -136,17 +135,9 @@ struct D3D11 {
         if (level < D3D_FEATURE_LEVEL_11_0)
             fail("feature level %x: shader model 5 needs b000", level);
         set_states();
-        ComPtr<IDXGIDevice> dxgi;
-        ComPtr<IDXGIAdapter> adapter;
-        DXGI_ADAPTER_DESC known;
-        char name[256], kind[64];
-        TRY(device.As(&dxgi));
-        TRY(dxgi->GetAdapter(&adapter));
-        TRY(adapter->GetDesc(&known));
-        if (!WideCharToMultiByte(CP_UTF8, 0, known.Description, -1, name, sizeof name, nullptr, nullptr))
-            fail("the adapter has no name");
+        char kind[64];
         snprintf(kind, sizeof kind, "Direct3D 11, feature level %x", level);
-        return {name, kind};
+        return kind;
     }
 };
 

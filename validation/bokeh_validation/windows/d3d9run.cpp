@@ -136,8 +136,8 @@ struct D3D9 {
         }
     }
 
-    /* Names of the adapter and of what the device is. */
-    std::pair<std::string, std::string> start()
+    /* What the device is. */
+    std::string start()
     {
         HWND window = CreateWindowA("STATIC", "d3d9run", WS_POPUP, 0, 0, 16, 16, NULL, NULL, GetModuleHandleA(NULL), NULL);
         if (!window)
@@ -155,10 +155,7 @@ struct D3D9 {
                                    D3DCREATE_HARDWARE_VERTEXPROCESSING | D3DCREATE_FPU_PRESERVE, &present, &device));
         TRY(device->GetDeviceCaps(&caps));
         set_states();
-        D3DADAPTER_IDENTIFIER9 adapter;
-        if (FAILED(direct3d->GetAdapterIdentifier(D3DADAPTER_DEFAULT, 0, &adapter)))
-            strcpy(adapter.Description, "adapter without a name");
-        return {adapter.Description, "Direct3D 9"};
+        return "Direct3D 9";
     }
 };
 

@@ -24,11 +24,10 @@
 #include <map>
 #include <vector>
 
-#include "renderer.h"
 #include "serve.h"
 
 constexpr int NUM_SLOTS = 16;  /* what shader model 3 has; a pass reads fewer */
-constexpr int NUM_VALUES = 40; /* room for the parameters; a multiple of 4, since they are a constant buffer */
+/* NUM_VALUES, room for the parameters, is told by the build: a multiple of 4, since they are a constant buffer */
 
 /* Place in the FORMATS of a program, and bytes of a texel. */
 struct Format {
@@ -142,13 +141,7 @@ template <typename Device> struct Job {
 template <typename Device> int serve_device()
 {
     Device device;
-    auto start = [&] {
-        char name[512];
-        auto [adapter, kind] = device.start();
-        device_name(adapter.c_str(), name, sizeof name);
-        return name + (", " + kind);
-    };
-    return serve(start, [&](const std::string &name) {
+    return serve([&] { return device.start(); }, [&](const std::string &name) {
         Job<Device> job{device};
         std::istringstream text(read_file(name));
         for (std::string line, word; std::getline(text, line);) {

@@ -9,10 +9,15 @@ from pathlib import Path
 
 from bokeh_validation import locks, paths
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.shaders.passes import PARAMETERS
 from bokeh_validation.windows import wine
 
 SOURCES = Path(__file__).resolve().parent
-COMMAND = ("x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-static")
+# a constant buffer has a multiple of 16 bytes
+NUM_VALUES = -(-len(PARAMETERS) // 4) * 4
+COMMAND = (
+    "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-static", f"-DNUM_VALUES={NUM_VALUES}",
+)  # fmt: skip
 BUILD_S = 120.0
 
 
@@ -48,8 +53,8 @@ def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: P
 
 
 def _compiler(name: str) -> str:
-    # Debian's package has the longer name, and on Windows the same compiler is called gcc or g++
-    for known in (name, f"{name}-posix", *((name.rpartition("-")[2],) if wine.ON_WINDOWS else ())):
+    # Debian's package has the longer name
+    for known in (name, f"{name}-posix"):
         if path := shutil.which(known):
             return path
     raise Unavailable(f"{name} is not on this machine; {wine.INSTALL}")

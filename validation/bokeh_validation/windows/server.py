@@ -1,7 +1,7 @@
 """A running program of this folder: lines to it, lines from it, each with a time limit (see serve.h)."""
 
 import os
-import queue
+import select
 import signal
 import subprocess
 import tempfile
@@ -20,7 +20,7 @@ class Ended(Exception):
 
 
 class Server:
-    """One program, started on the first request and again after it has crashed or hung.
+    """One program, started on the first request and again after it has crashed or hung. Threads take turns.
 
     program   path of the .exe
     folder    its working directory, where data go; removed at the end
@@ -32,7 +32,6 @@ class Server:
         self._temporary = tempfile.TemporaryDirectory(prefix="bokeh-")
         self.folder = Path(self._temporary.name)
         self._process: subprocess.Popen | None = None
-        self._lines: queue.Queue[str | None] = queue.Queue()
         self._lock = threading.Lock()
         self.greeting = ""
         wine.before_stop(self.stop)
@@ -48,7 +47,6 @@ class Server:
             self._start()
             with suppress(OSError):  # where it is gone the missing answer tells
                 self._process.stdin.write(request.encode("ascii") + b"\n")
-                self._process.stdin.flush()
             kind, _, text = self._answer(timeout).partition(" ")
             return kind == "ok", text
 
@@ -56,16 +54,11 @@ class Server:
         if self._process and self._process.poll() is None:
             return
         self._end()
-        command, environment = [str(self.program)], None
-        if not wine.ON_WINDOWS:
-            owner = wine.get()
-            command, environment = owner.command(self.program), owner.environment()
+        owner = wine.get()
         self._process = subprocess.Popen(
-            command, cwd=self.folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL, start_new_session=not wine.ON_WINDOWS,
+            owner.command(self.program), cwd=self.folder, env=owner.environment(), stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0, start_new_session=True,
         )  # fmt: skip
-        self._lines = queue.Queue()
-        threading.Thread(target=_read, args=(self._process.stdout, self._lines), daemon=True).start()
         try:
             kind, _, text = self._answer(START_S).partition(" ")
         except Ended as error:
@@ -76,49 +69,33 @@ class Server:
         self.greeting = text
 
     def _answer(self, timeout: float) -> str:
-        try:
-            line = self._lines.get(timeout=timeout)
-        except queue.Empty:
+        """The next line. Once there is something to read, the whole of it follows."""
+        stream = self._process.stdout
+        if not select.select([stream], [], [], timeout)[0]:
             self._end()
-            raise Ended(f"{self.program.name} hung: stopped after {timeout:g} s") from None
-        if line is None:
+            raise Ended(f"{self.program.name} hung: stopped after {timeout:g} s")
+        line = stream.readline()
+        if not line:
             status = "unknown"
             with suppress(subprocess.TimeoutExpired):
                 status = self._process.wait(5)
             self._end()
             raise Ended(f"{self.program.name} crashed: exit status {status}")
-        return line
+        return line.decode("utf-8", "replace").strip()
 
     def _end(self) -> None:
-        """End the program at once."""
+        """End the program at once, with Wine's processes, which run in its process group."""
         process, self._process = self._process, None
         if process is None:
             return
         if process.poll() is None:
-            if wine.ON_WINDOWS:
-                process.kill()
-            else:
-                # Wine's processes run in our own process group
-                os.killpg(process.pid, signal.SIGKILL)
+            os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-        for pipe in (process.stdin, process.stdout):
-            with suppress(OSError):
-                pipe.close()
+        process.stdin.close()
+        process.stdout.close()
 
     def stop(self) -> None:
         """End the program and remove its folder."""
         with self._lock:
-            if self._process and self._process.poll() is None:
-                with suppress(OSError, subprocess.TimeoutExpired):
-                    self._process.stdin.close()
-                    self._process.wait(5)
             self._end()
             self._temporary.cleanup()
-
-
-def _read(stream, lines: "queue.Queue[str | None]") -> None:
-    """Lines of a stream into a queue, and None at its end."""
-    with suppress(OSError, ValueError):
-        for line in stream:
-            lines.put(line.decode("utf-8", "replace").strip())
-    lines.put(None)

@@ -10,9 +10,9 @@ import os
 import select
 import shutil
 import subprocess
-import sys
 import threading
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 
 from bokeh_validation import paths
@@ -20,8 +20,6 @@ from bokeh_validation.errors import Unavailable
 
 PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
 INSTALL = f"apt-get install -y --no-install-recommends {PACKAGES}"
-
-ON_WINDOWS = sys.platform == "win32"
 
 MAX_PREFIXES = 8
 PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
@@ -112,6 +110,15 @@ class Wine:
         )
         kept.setdefault("XDG_RUNTIME_DIR", str(paths.ensured(paths.cache_folder())))
         return {**kept, "DISPLAY": self.display} if self.display else kept
+
+    @cached_property
+    def device(self) -> str:
+        """What draws for Wine's Direct3D, whose own adapter names are those of cards that it imitates.
+
+        It is OpenGL, which a display of Xvfb has from Mesa's software driver alone.
+        """
+        version = subprocess.run([self._wine, "--version"], env=self.environment(), capture_output=True, text=True)
+        return f"llvmpipe on Xvfb, {version.stdout.split()[0].replace('wine-', 'Wine ')}"
 
     def command(self, *words: str | Path) -> list[str]:
         """Command line that runs an .exe with its arguments."""

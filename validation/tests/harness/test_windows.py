@@ -17,7 +17,6 @@ from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.windows import server, wine
 
 COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
-under_wine = pytest.mark.skipif(wine.ON_WINDOWS, reason="no Wine on Windows")
 
 
 @pytest.fixture
@@ -96,7 +95,6 @@ class TestDirect3D:
         assert d3d9.server.ask("none.job", 20) == (False, "cannot read none.job")
         assert copied(d3d9)
 
-    @under_wine
     def test_dead_wine_server(self, d3d9):
         wine.get().end_programs()
         with pytest.raises(RuntimeError, match="crashed"):
@@ -129,7 +127,6 @@ if sys.argv[1] == "kill":
 """
 
 
-@under_wine
 @pytest.mark.parametrize("end", ["exit", "kill"])
 def test_nothing_is_left_running(end, d3d9):
     """After an end as it should be, and after a kill, when there is no one left to clean up."""
