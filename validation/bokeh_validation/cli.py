@@ -29,7 +29,7 @@ COMMANDS = {
     "gallery": ("truth.gallery", "gallery"),
     "peers": ("truth.peers.peers_command", "peers"),
     "demo": ("demo", "demo"),
-    "figures": ("figures.command", "figures"),
+    "figures": ("figures", "figures"),
     "probes": ("run.validate", "run_patterns"),
     "parity": ("shaders.parity", "parity"),
     "bench": ("bench.bench_command", "bench"),

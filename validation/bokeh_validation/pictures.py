@@ -1,13 +1,26 @@
-"""HDR to PNG, for people to look at."""
+"""HDR to 8 bits, for people to look at: alone, side by side with captions, as a file, in a page."""
 
 import base64
 import io
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from bokeh_validation import files, metrics
+
+GAP, LINE_HEIGHT, TEXT_SIZE, INK = 8, 17, 13, (40, 40, 40)
+# A picture of the documents may be so large as a PNG. Above that it is a lossless WebP, which is a third smaller.
+MAX_PNG_BYTES = 700_000
+
+
+class Panel(NamedTuple):
+    """8-bit rgb (H, W, 3) and what is written under it; words are wrapped to the picture's width."""
+
+    pixels: np.ndarray
+    caption: str = ""
 
 
 def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) -> np.ndarray:
@@ -46,9 +59,48 @@ def halved(pixels: np.ndarray) -> np.ndarray:
     return np.asarray(Image.fromarray(pixels).reduce(2))
 
 
-def coarse(pixels: np.ndarray, step: int = 4) -> np.ndarray:
-    """8-bit rgb in steps: its PNG is half as large, and nobody sees it."""
-    return np.minimum((pixels.astype(int) + step // 2) // step * step, 255).astype(np.uint8)
+def crop(image: np.ndarray, left: int, top: int, width: int, height: int) -> np.ndarray:
+    """A part of (H, W, ...)."""
+    return image[top : top + height, left : left + width]
+
+
+def grid(rows: Sequence[Sequence[Panel]]) -> np.ndarray:
+    """Panels in rows, on white, 8-bit rgb (H, W, 3)."""
+    captions = [[_wrapped(panel.caption, panel.pixels.shape[1]) for panel in row] for row in rows]
+    # of each row: its pictures, and its captions with a little room above them
+    picture_heights = [max(panel.pixels.shape[0] for panel in row) for row in rows]
+    line_counts = [max(map(len, row)) for row in captions]
+    text_heights = [4 + LINE_HEIGHT * count if count else 0 for count in line_counts]
+    width = max(sum(panel.pixels.shape[1] + GAP for panel in row) for row in rows) + GAP
+    page = Image.new("RGB", (width, sum(picture_heights) + sum(text_heights) + GAP * (len(rows) + 1)), "white")
+    draw, top = ImageDraw.Draw(page), GAP
+    for row, row_captions, height, text_height in zip(rows, captions, picture_heights, text_heights, strict=True):
+        left = GAP
+        for panel, lines in zip(row, row_captions, strict=True):
+            page.paste(Image.fromarray(panel.pixels), (left, top))
+            for number, line in enumerate(lines):
+                place = (left + panel.pixels.shape[1] / 2, top + height + 4 + (number + 0.5) * LINE_HEIGHT)
+                draw.text(place, line, fill=INK, font=_font(), anchor="mm")
+            left += panel.pixels.shape[1] + GAP
+        top += height + text_height + GAP
+    return np.asarray(page)
+
+
+def _font() -> ImageFont.FreeTypeFont:
+    """Pillow's own, so that pictures are the same everywhere."""
+    return ImageFont.load_default(TEXT_SIZE)
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Lines that fit into `width` pixels, as far as words allow."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and _font().getlength(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
 
 
 def png_bytes(pixels: np.ndarray) -> bytes:
@@ -79,3 +131,15 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
     """Write 8-bit rgb; the file appears complete or not at all."""
     data = png_bytes(pixels)
     files.whole(path, lambda partial: partial.write_bytes(data))
+
+
+def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
+    """Write a picture of the documents, 8-bit rgb, and return its path: NAME.png, or NAME.webp where that is large.
+
+    All 24 bits are kept: a comparison of blur must not have bands of its own.
+    """
+    data, path = png_bytes(pixels), folder / f"{name}.png"
+    if len(data) > MAX_PNG_BYTES:
+        data, path = _encoded(Image.fromarray(pixels), "WEBP", lossless=True, quality=100), folder / f"{name}.webp"
+    files.whole(path, lambda partial: partial.write_bytes(data))
+    return path

@@ -70,7 +70,7 @@ def bench(
         results = [session.measure(one, wanted, lambda text, name=one.name: step(f"{name}: {text}")) for one in found]
     terminal.write_json(json_file, session.as_json(results, missing))
     if plot is not None:
-        pictures.write_png(plot, pictures.coarse(output.plot(results), 16))
+        pictures.write_png(plot, output.plot(results))
     # a table in a file or a pipe needs a width of its own
     wide = terminal.console if terminal.console.is_terminal else Console(width=120)
     for result in results:

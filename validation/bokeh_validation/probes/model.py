@@ -161,6 +161,11 @@ def run(probe: Probe, driver: Driver) -> ProbeResult:
     return ProbeResult(probe, driver.name, results, checks)
 
 
+def drawn(driver: Driver, case: Case) -> np.ndarray:
+    """The result of a case on a driver, (H, W, 4)."""
+    return driver.run(case.plan.passes, case.textures(), case.size)["result"]
+
+
 def flat(size: tuple[int, int], value: float = 0.0, alpha: float = 1.0) -> np.ndarray:
     """A grey image (H, W, 4) float16."""
     image = np.full((size[1], size[0], 4), value, np.float16)

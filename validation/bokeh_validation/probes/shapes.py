@@ -9,7 +9,7 @@ from bokeh_validation import terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import apertures, fetches, methods, polygons
 from bokeh_validation.probes import impulse
-from bokeh_validation.probes.model import Case, depth_of, pixel_center
+from bokeh_validation.probes.model import Case, depth_of, drawn, pixel_center
 from bokeh_validation.shaders.passes import Pass
 
 # Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
@@ -123,8 +123,7 @@ def _dense(method: str, aperture: str, coc: float, pixels: int) -> methods.Setti
 def _lit(driver: Driver, settings: methods.Settings, size: tuple[int, int], places) -> np.ndarray:
     """Bright pixels through a method, without the ambient light, (H, W)."""
     case = Case("", settings, impulse.impulse_image(places, size), depth_of(size, 1.0))
-    result = driver.run(case.plan.passes, case.textures(), size)["result"]
-    return result[..., 1].astype(np.float64) - impulse.AMBIENT
+    return drawn(driver, case)[..., 1].astype(np.float64) - impulse.AMBIENT
 
 
 def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:

@@ -10,10 +10,10 @@ import typer
 
 from bokeh_validation import files, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.figures import panels
 from bokeh_validation.frame.methods import PRESETS
+from bokeh_validation.pictures import Panel
 from bokeh_validation.probes import shapes
-from bokeh_validation.probes.model import Case
+from bokeh_validation.probes.model import Case, drawn
 from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.ray_traced import SceneFile
 from bokeh_validation.truth.scatter import scatter
@@ -80,7 +80,7 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
         return shapes.brute_force(driver, blurred)
     if method == "scatter":
         return scatter(blurred)
-    return driver.run(blurred.plan.passes, blurred.textures(), blurred.size)["result"]
+    return drawn(driver, blurred)
 
 
 def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Row:
@@ -106,10 +106,10 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
     parts = {}
     if scene is ray_traced.MARKET:
         parts[f"likeness_{scene.name}"] = (WHOLE, pictures.halved)
-    detail = lambda pixels: pictures.enlarged(panels.crop(pixels, *place, *DETAIL_SIZE), 2)  # noqa: E731
+    detail = lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2)  # noqa: E731
     parts[f"likeness_{scene.name}_detail"] = (DETAIL, detail)
     return {
-        name: panels.grid([[panels.Panel(cut(exposed[k]), CAPTIONS[k]) for k in pair] for pair in (four[:2], four[2:])])
+        name: pictures.grid([[Panel(cut(exposed[k]), CAPTIONS[k]) for k in pair] for pair in (four[:2], four[2:])])
         for name, (four, cut) in parts.items()
         if set(four) <= set(images)
     }
@@ -147,7 +147,7 @@ def truth(
                 rows.append(row(file, label, images[label], lens))
                 step(f"{file.name}, {label}")
             for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
-                pictures.write_png(folder / f"{name}.png", pictures.coarse(pixels))
+                pictures.write_document(folder, name, pixels)
     numbers = {"driver": used.name, "adapter": used.adapter, "rows": [row._asdict() for row in rows]}
     terminal.write_json(json_file, numbers)
     terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

@@ -9,7 +9,6 @@ import typer
 
 from bokeh_validation import files, pictures, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.figures import panels
 from bokeh_validation.truth import ray_traced
 
 CAMERA = ray_traced.MARKET.camera
@@ -24,7 +23,7 @@ PLAIN, ACHROMAT = (-0.005, 0.011), (-0.008, -0.008)  # more signed CoC of red an
 
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
-    "gallery_shapes.png": [
+    "gallery_shapes": [
         {name: {"aperture": name, "cut": DETAIL} for name in ("square", "hexagon", "octagon")},
         {
             "decagon": {"aperture": "decagon", "cut": DETAIL},
@@ -32,13 +31,13 @@ PICTURES = {
             "anamorphic: hexagon, squeeze 0.5": {"squeeze": 0.5, "cut": DETAIL},
         },
     ],
-    "gallery_focus.png": [
+    "gallery_focus": [
         {
             "near: focus on the leaves, 1 m": {"camera": replace(CAMERA, focus_distance=1.0), "exposure": 1.1},
             "far: focus on the street, 8 m": {"camera": replace(CAMERA, focus_distance=8.0), "exposure": 2.2},
         },
     ],
-    "character_color.png": [
+    "character_color": [
         {
             "no lateral colour": LATERAL,
             "axial colour, plain lens: far lights": {**AXIAL, "axial": PLAIN},
@@ -62,7 +61,7 @@ def drawn(
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
     case = replace(case, depth=depth, settings=replace(case.settings, **changes))
     pixels = pictures.filmic(driver.run(case.plan.passes, case.textures(), case.size)["result"], exposure)
-    return panels.crop(pixels, *cut) if cut else pictures.halved(pixels)
+    return pictures.crop(pixels, *cut) if cut else pictures.halved(pixels)
 
 
 def gallery(
@@ -74,8 +73,8 @@ def gallery(
     files.check_folder("--output", folder)
     used = terminal.pick_driver(driver, adapter)
     for name, rows in PICTURES.items():
-        page = panels.grid(
-            [[panels.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
+        page = pictures.grid(
+            [[pictures.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
         )
-        pictures.write_png(folder / name, pictures.coarse(page))
-        terminal.console.print(f"{folder / name}, by {used.name} ({used.adapter})")
+        path = pictures.write_document(folder, name, page)
+        terminal.console.print(f"{path}, by {used.name} ({used.adapter})")

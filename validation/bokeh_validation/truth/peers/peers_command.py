@@ -8,7 +8,6 @@ import typer
 
 from bokeh_validation import drivers, jobs, pictures, terminal, truth
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.figures import panels
 from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import Peers, crate, measured
 from bokeh_validation.truth.peers.effects import EFFECTS, ONE_LIGHT, Parameters, found
@@ -59,10 +58,10 @@ def shown(name: str, images: dict[str, np.ndarray], versions: dict[str, str]) ->
     found = []
     for label in SHOWN:
         if label in images:
-            pixels = panels.crop(pictures.filmic(images[label], exposure), *place, *DETAIL)
-            found.append(panels.Panel(pixels, title(label, versions)))
+            pixels = pictures.crop(pictures.filmic(images[label], exposure), *place, *DETAIL)
+            found.append(pictures.Panel(pixels, title(label, versions)))
     width = 3 if len(found) > 4 else 2
-    return panels.grid([found[at : at + width] for at in range(0, len(found), width)])
+    return pictures.grid([found[at : at + width] for at in range(0, len(found), width)])
 
 
 def peers(
@@ -112,7 +111,7 @@ def peers(
         step("times")
     for name, (_, images) in zip(scenes, drawn, strict=True) if folder else ():
         lens = {"truth": ray_traced.truth(known[name], "hexagon")}
-        pictures.write_png(folder / f"peers_{name}.png", pictures.coarse(shown(name, images | lens, versions), 8))
+        pictures.write_document(folder, f"peers_{name}", shown(name, images | lens, versions))
     numbers = {"device": driver.adapter, "versions": versions, "times": times, "times_of": scenes[0]}
     numbers["shapes"] = {name: one._asdict() for name, one in shapes.items()}
     terminal.write_json(json_file, numbers | {"rows": [one._asdict() for one in rows]})
