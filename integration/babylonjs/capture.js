@@ -78,7 +78,7 @@ export async function capture(kind) {
       // a size that 2, 4 and 8 do not divide, where there are smaller targets
       const [width, height] = method === 'layered' ? [WIDTH - 3, HEIGHT - 3] : [WIDTH, HEIGHT];
       await draw(sample, { method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, max_samples: 33, ...settings(sample.bokeh.uniforms) };
+      const shot = { name, method, aperture, width, height, samples: 33, ...settings(sample.bokeh.uniforms) };
       for (const [what, array] of Object.entries(await readFrame(sample))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);

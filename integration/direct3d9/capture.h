@@ -76,7 +76,7 @@ static void write_capture(const char *folder, const char *engine, const char *ad
         fprintf(file, "%s\n  {\"name\": \"%s\", \"result\": \"%s.f16\", \"method\": \"%s\", \"aperture\": \"%s\",",
                 i ? "," : "", shot->name, shot->name, shot->method, shot->aperture);
         if (!strcmp(shot->method, "exact"))
-            fprintf(file, " \"spacing\": 1, \"max_samples\": 33,");
+            fprintf(file, " \"spacing\": 1, \"samples\": 33,");
         if (!strcmp(shot->method, "layered"))
             fprintf(file, " \"written\": \"%s.written\",", shot->name);
         fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"

@@ -67,7 +67,7 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int) -> D
 	var title := "%s-%s" % [method, aperture]
 	var shot := {
 		name = title, method = method, aperture = aperture, width = size.x, height = size.y,
-		spacing = 1.0, max_samples = 33, targets = false,
+		spacing = 1.0, samples = 33, targets = false,
 	}
 	var textures := bokeh.textures
 	var jobs := _halves(textures.coc) + _halves(textures.result) + _halves(textures.focus)

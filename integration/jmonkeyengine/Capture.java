@@ -106,7 +106,7 @@ public class Capture extends Sample {
                  "width": %d, "height": %d, "color": "color.f16", "depth": "depth.f32",
                  "camera": {"aperture_diameter": %.9g, "focal_length": %.9g, "focus_distance": %.9g,
                   "sensor_height": 0.024, "max_coc": 0.1},
-                 "spacing": 1.0, "max_samples": 33,
+                 "spacing": 1.0, "samples": 33,
                  "pull": {"frame": %.9g, "seconds": %.9g, "from": %.9g, "points": [%s, %s], "distances": [%s]},
                  "shots": [
                   %s]}

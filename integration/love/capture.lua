@@ -97,7 +97,7 @@ return function(folder, addBokeh)
       max_coc = uniforms.maxCoC,
     },
     spacing = uniforms.spacing,
-    max_samples = 33,
+    samples = 33,
     shots = shots,
     pull = pulled(bokeh),
   }

@@ -111,6 +111,6 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
             std::to_string(OGRE_VERSION_PATCH) + ", " + device.getRenderSystemName() + "\", \"device\": \"" +
             device.getDeviceName() + "\", \"width\": " + std::to_string(viewport->getActualWidth()) +
             ", \"height\": " + std::to_string(viewport->getActualHeight()) +
-            ", \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"spacing\": 1.0, \"max_samples\": 33" +
+            ", \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"spacing\": 1.0, \"samples\": 33" +
             ", \"camera\": {" + camera + "}, \"shots\": [" + shots + "], \"pull\": {" + pull + "}}");
 }

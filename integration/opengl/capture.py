@@ -72,7 +72,7 @@ def main(folder):
             "max_coc": BLUR["BokehMaxCoC"],
         },
         "spacing": BLUR["BokehSpacing"],
-        "max_samples": 33,
+        "samples": 33,
         "pull": pull(focus, {(x, y): focus_at(passes, x, y) for x, y in POINTS}),
         "shots": shots,
     }

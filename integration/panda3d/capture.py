@@ -84,7 +84,7 @@ def main(folder):
             "max_coc": PARAMETERS["BokehMaxCoC"],
         },
         "spacing": PARAMETERS["BokehSpacing"],
-        "max_samples": 33,
+        "samples": 33,
         "pull": pull(focus, {(x, y): focus_at(base, effect.textures["metres"], x, y) for x, y in POINTS}),
         "shots": shots,
     }

@@ -109,7 +109,7 @@ def adaptive(size: tuple[int, int]) -> list[Row]:
     """A sample a pixel, the CoC from depth; `paper` does not blur it, so that its floor fetches at the same places."""
 
     def settings(method: str, aperture: str) -> methods.Settings:
-        dense = {"spacing": 1.0, "max_samples": MOST, "blur_coc": method == "exact"}
+        dense = {"spacing": 1.0, "samples": MOST, "blur_coc": method == "exact"}
         return methods.Settings(method, aperture, camera=SCENE.camera, **dense)
 
     return _polygons("adaptive", " adaptive", size, settings)
@@ -122,7 +122,7 @@ def in_focus(size: tuple[int, int]) -> list[Row]:
     """
     rows = []
     for aperture in ("hexagon", "octagon"):
-        settings = methods.Settings("exact", aperture, coc=0.0, spacing=1.0, max_samples=65)
+        settings = methods.Settings("exact", aperture, coc=0.0, spacing=1.0, samples=65)
         found = _row(f"exact {aperture} in focus", "in focus", settings, size)
         for part in ("passes", "floor"):
             sharp = tuple(
@@ -151,7 +151,7 @@ CURVES = (
     ("naive 144", methods.Settings("naive-grid", "hexagon", 12)),
     ("paper hexagon 144", methods.Settings("paper", "hexagon", 12)),
     ("exact hexagon 144", methods.Settings("exact", "hexagon", 6)),
-    ("exact hexagon adaptive", methods.Settings("exact", "hexagon", spacing=1.0, max_samples=MOST)),
+    ("exact hexagon adaptive", methods.Settings("exact", "hexagon", spacing=1.0, samples=MOST)),
 )
 # x of a curve, size, passes
 Point = tuple[float, tuple[int, int], tuple[Pass, ...]]

@@ -45,7 +45,7 @@ def settings() -> dict[str, methods.Settings]:
                 "exact",
                 aperture,
                 spacing=float(chosen["BOKEH_PRESET_SPACING"]),
-                max_samples=int(chosen["BOKEH_PRESET_SAMPLES"]),
+                samples=int(chosen["BOKEH_PRESET_SAMPLES"]),
             )
             found[f"layered {aperture} {preset}"] = methods.Settings("layered", aperture, preset=preset)
     return found

@@ -8,7 +8,7 @@ capture.json beside raw little-endian files, rows from v = 0 (the first row in m
      "camera": {"aperture_diameter": 0.05, "focal_length": 0.05, "focus_distance": 5.0, "sensor_height": 0.024,
                 "max_coc": 0.1},
      "shots": [{"name": "exact-hexagon", "method": "exact", "aperture": "hexagon", "result": "exact-hexagon.f16",
-                "spacing": 1.0, "max_samples": 33, "targets": true}, ...]}
+                "spacing": 1.0, "samples": 33, "targets": true}, ...]}
 
 Keys of a shot beside name and result are fields of methods.Settings; what is left out has its default there. Each shot
 may have a camera, color and depth of its own in place of the common ones.

@@ -35,10 +35,9 @@ class Camera:
 class Settings:
     """What to render.
 
-    samples      on a line; default: see default_samples
+    samples      on a line, with spacing at most; default: see default_samples
     coc          a constant CoC (fraction of the image height) instead of one from depth
     spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples
-    max_samples  on a line, where spacing is not 0
     jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
     frame        number of the frame: the noise is another in each
     squeeze      width of the bokeh over its height
@@ -61,7 +60,6 @@ class Settings:
     bleeding_bias: float = 0.02
     bleeding_mult: float = 30.0
     spacing: float = 0.0
-    max_samples: int = 65
     jitter: float = 0.0
     frame: int = 0
     squeeze: float = 1.0
@@ -75,14 +73,16 @@ class Settings:
     @property
     def count(self) -> int:
         """BOKEH_NUM_SAMPLES of the filter passes."""
-        if self.spacing > 0.0:
-            return self.max_samples
-        return default_samples(self.method, self.aperture) if self.samples is None else self.samples
+        if self.samples is not None:
+            return self.samples
+        return MOST_SAMPLES if self.spacing > 0.0 else default_samples(self.method, self.aperture)
 
 
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
 PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
 PAPER_SAMPLES = 13
+# With spacing, where nobody says
+MOST_SAMPLES = 65
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
 EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}

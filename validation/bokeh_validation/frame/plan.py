@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, files, paths, render, shaders, terminal
+from bokeh_validation import __version__, files, options, paths, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES
@@ -31,7 +31,7 @@ def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
     Vulkan, `register` is Direct3D's. Fetches are those of a texel of its targets, at most; those of the frame are a
     pixel of the full size.
     """
-    render.check(settings)
+    options.check(settings)
     plan = methods.plan(settings, size)
     same, changes = _parameters(plan.passes)
     textures = _textures(plan, size)
@@ -272,14 +272,10 @@ def _row(*cells: object) -> str:
     return f"| {' | '.join(str(cell) for cell in cells)} |"
 
 
+@options.with_settings
 def plan(
-    method: Annotated[str, typer.Option(help="exact, layered, paper or naive.")] = "exact",
-    aperture: Annotated[str, typer.Option(help="As render's.")] = "hexagon",
+    settings: methods.Settings,
     size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, pixels.")] = "1920x1080",
-    targets: Annotated[
-        bool, typer.Option("--mrt/--no-mrt", help="exact and layered: write several targets in a pass.")
-    ] = True,
-    preset: Annotated[str, typer.Option(help="layered: low, medium, high or ultra.")] = "medium",
     json_file: terminal.JsonFile = None,
     docs: Annotated[
         bool, typer.Option("--docs", help="Rewrite the tables of docs/passes.md, and nothing else.")
@@ -290,9 +286,6 @@ def plan(
         text = page(PAGE.read_text(encoding="utf-8"))
         files.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
         return
-    found = frame(
-        methods.Settings(method, aperture, targets=targets, preset=preset),
-        terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE),
-    )
+    found = frame(settings, terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE))
     terminal.write_json(json_file, found)
     terminal.tell(*lines(found))

@@ -43,7 +43,7 @@ def all_methods() -> list[Method]:
     found = [Method(f"paper {shape}", Settings("paper", shape)) for shape in ("hexagon", "octagon")]
     for shape in EXACT:
         for preset, (samples, spacing) in EXACT_PRESETS.items():
-            settings = Settings("exact", shape, spacing=spacing, max_samples=samples)
+            settings = Settings("exact", shape, spacing=spacing, samples=samples)
             found.append(Method(f"exact {shape} {preset}", settings))
     for shape in ("hexagon", "octagon"):
         found += [

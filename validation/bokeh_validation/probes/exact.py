@@ -27,7 +27,7 @@ FLATNESS = 0.05
 
 def settings(aperture: str, rotation: float, size: tuple[int, int] = SIZE, coc: float = COC) -> methods.Settings:
     """The exact method at a sample a pixel, with a CoC of `coc` pixels everywhere."""
-    dense = {"coc": coc / size[1], "spacing": 1.0, "max_samples": 2 * COC + 1}
+    dense = {"coc": coc / size[1], "spacing": 1.0, "samples": 2 * COC + 1}
     return methods.Settings("exact", aperture, rotation=rotation, camera=methods.Camera(max_coc=1.0), **dense)
 
 

@@ -58,7 +58,7 @@ def _judge(held: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
 def probe(aperture: str) -> Probe:
     """The probe of one polygon: exact and the gather, a sample a pixel and as dense."""
     color, depth, held = scene()
-    dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, max_samples=33)
+    dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, samples=33)
     naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
     chosen = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
     cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())

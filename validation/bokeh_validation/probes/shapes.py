@@ -116,7 +116,7 @@ def _sum_off(driver: Driver, settings: methods.Settings) -> float:
 
 def _dense(method: str, aperture: str, coc: float, pixels: int) -> methods.Settings:
     """A sample a pixel and a constant CoC, also given in pixels."""
-    dense = {"samples": pixels + 1} if method == "naive" else {"spacing": 1.0, "max_samples": 2 * pixels + 1}
+    dense = {"samples": pixels + 1} if method == "naive" else {"spacing": 1.0, "samples": 2 * pixels + 1}
     return methods.Settings(method, aperture, camera=methods.Camera(max_coc=1.0), coc=coc, **dense)
 
 

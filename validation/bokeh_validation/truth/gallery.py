@@ -18,7 +18,7 @@ DETAIL, CORNER, MIDDLE = (626, 20, 320, 258), (660, 0, 300, 180), (330, 0, 300, 
 NEAR = replace(CAMERA, aperture_diameter=0.17, focus_distance=1000.0)  # of lights that are 8 metres away
 LATERAL = {"aperture": "octagon", "cut": CORNER, "preset": "ultra"}
 AXIAL = {"method": "exact", "aperture": "octagon", "exposure": 1.0, "metres": 8.0, "cut": MIDDLE}
-AXIAL |= {"spacing": 1.0, "max_samples": 65}
+AXIAL |= {"spacing": 1.0, "samples": 65}
 PLAIN, ACHROMAT = (-0.005, 0.011), (-0.008, -0.008)  # more signed CoC of red and of blue
 
 # file -> rows of pictures: caption -> what drawn() takes

@@ -176,8 +176,8 @@ def test_jitter_as_stated():
         return driver.run(case.plan.passes, case.textures(), size, "float")["result"][..., 1].astype(np.float64)
 
     truth = run()
-    plain = np.abs(run(max_samples=5) - truth).mean()
-    noisy = [run(max_samples=5, jitter=1.0, frame=frame) for frame in range(64)]
+    plain = np.abs(run(samples=5) - truth).mean()
+    noisy = [run(samples=5, jitter=1.0, frame=frame) for frame in range(64)]
     for count, stated in zip(frames, errors, strict=True):
         off = np.abs(np.mean(noisy[: int(count)], axis=0) - truth).mean()
         assert 100 * off / plain == pytest.approx(stated, abs=1.0), count

@@ -295,7 +295,7 @@ def test_the_chain_runs(name):
     # the slope is that at the wanted distance: on the way there the curve is steeper
     allowed /= 1.0 - allowed / metres
     assert (np.abs(found["metres"] - metres) <= allowed).all()
-    settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA, spacing=1.0, max_samples=13)
+    settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA, spacing=1.0, samples=13)
     case = Case(name, settings, scene()["color"], found["metres"])
     wanted = expected(case, driver.precision, driver.rounding)["result"]
     comparison = metrics.compare(found["result"], wanted, driver.software)

@@ -74,6 +74,7 @@ LEVELS = (
         "metrics",
         "pictures",
         "compilers",
+        "options",
         "render",
         "frame.fetches",
         "frame.plan",

@@ -89,7 +89,7 @@ def test_character_of_the_document():
     shown = {name: list(map(int, cells)) for name, *cells in rows_shown}
     assert len(shown) == 5
     for shape in EXACT:
-        one = Settings("exact", shape, spacing=1.5, max_samples=9)
+        one = Settings("exact", shape, spacing=1.5, samples=9)
         kinds = (one, replace(one, cats_eye=0.5), replace(one, axial=(0.01, 0.01)))
         every = [compiled.Method(str(index), settings) for index, settings in enumerate(kinds)]
         counts = [isa_command.count([method], ["navi21"]) for method in every]

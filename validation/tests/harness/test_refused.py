@@ -28,9 +28,7 @@ render --method fast | --method fast; paper
 render --aperture star | --aperture star; exact; --method paper
 render --spacing -1 | --spacing -1; 0 (a fixed number of samples) or more
 render --spacing nan | --spacing nan
-render --spacing 1 --samples 5 | --samples 5; --max-samples
 render --spacing 1 --method naive | --spacing 1; naive
-render --max-samples 1 | --max-samples 1; 2 to
 render --jitter 2 | --jitter 2; 0 to 1
 render --frame -1 | --frame -1
 render --squeeze 0 | --squeeze 0; more than 0
@@ -39,6 +37,14 @@ render --lateral 0.2 | --lateral 0.2; -0.1 to 0.1
 render --axial-red 2 | --axial-red 2; -1 to 1
 render --axial-blue 0.01 --method layered | --axial-blue 0.01; layered; --method exact
 render --axial-red 0.01 --driver d3d9 | --driver d3d9; shader model 4
+render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give --method exact or layered
+render --roundness 1 | --roundness 1: no effect on other polygons. Give --aperture octagon
+render --preset high | --preset high: no effect on exact. Give --method layered
+render --no-coc-blur --method layered | --no-coc-blur: no effect on layered
+render --no-mrt --method naive | --no-mrt: no effect on naive
+render --frame 0 | --frame 0: no effect without noise. Give --jitter
+render --samples 5 --method layered | --samples 5: no effect on layered; --preset
+render --coc 0.1 --depth-channel Z | --depth-channel Z: no effect with --coc
 render --rotation inf | --rotation inf
 render --driver d3d12 | --driver d3d12; osmesa
 render --driver egl --adapter 'no such card' | no such card
@@ -52,6 +58,7 @@ plan --size 1920 | --size 1920; 1920x1080
 plan --size 0x7 | --size 0x7; 2 to 16384
 plan --size 99999x9 | --size 99999x9; 2 to 16384
 plan --json /no/such/folder/x.json | /no/such/folder
+plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 plan --rings 3 | --rings
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7

@@ -9,10 +9,13 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
-from support import called, refused
+from support import called, load, refused
+from support_cases import noise_case, result
 
-from bokeh_validation import exr, paths
-from bokeh_validation.frame import methods
+from bokeh_validation import exr, options, paths
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame.methods import Settings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.truth import ray_traced
 
@@ -72,50 +75,61 @@ def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
 
 
 def test_every_option_reaches_the_shader(tmp_path):
-    """Each option changes the result, on a driver, and as the reference says."""
-    whole = exr.read(STREET)
-    # the middle shows every option as the whole does
-    rows, columns = slice(160, 320), slice(220, 420)
-    channels = {name: np.ascontiguousarray(whole.color[rows, columns, i]) for i, name in enumerate("RGB")}
-    target = tmp_path / "out.exr"
-    source = save(tmp_path / "in.exr", {**channels, "Z": np.ascontiguousarray(whole.depth[rows, columns])})
-    scene = exr.read(source)
-    # a larger aperture than the scene's own: with that, the leakage test never bites
-    base = methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15)
-    changes = {
-        "--method naive": methods.Settings("naive", "hexagon", camera=base),
-        "--method paper": methods.Settings("paper", "hexagon", camera=base),
-        "--method paper --aperture star": methods.Settings("paper", "star", camera=base),
-        "--method paper --aperture pentagon": methods.Settings("paper", "pentagon", camera=base),
-        "--method paper --no-coc-blur": methods.Settings("paper", "hexagon", camera=base, blur_coc=False),
-        "--method paper --spacing 2": methods.Settings("paper", "hexagon", camera=base, spacing=2.0),
-        "--aperture decagon": methods.Settings("exact", "decagon", camera=base),
-        "--samples 5": methods.Settings("exact", "hexagon", 5, camera=base),
-        "--rotation 20": methods.Settings("exact", "hexagon", 7, 20.0, base),
-        "--no-leak-fix": methods.Settings("exact", "hexagon", camera=base, leak_fix=False),
-        "--sensor-height 0.05": methods.Settings("exact", "hexagon", camera=methods.Camera(0.15, 0.05, 5, 0.05, 0.15)),
-        "--coc 0.03": methods.Settings("exact", "hexagon", camera=base, coc=0.03),
-        "--squeeze 0.5": methods.Settings("exact", "hexagon", camera=base, squeeze=0.5),
-        "--spacing 1": methods.Settings("exact", "hexagon", camera=base, spacing=1.0),
-        "--spacing 1 --max-samples 4": methods.Settings("exact", "hexagon", camera=base, spacing=1.0, max_samples=4),
-        "--spacing 1 --max-samples 4 --jitter 1 --frame 3": methods.Settings(
-            "exact", "hexagon", camera=base, spacing=1.0, max_samples=4, jitter=1.0, frame=3
-        ),
-    }
-    plain = methods.plan(methods.Settings("exact", "hexagon", camera=base), scene.size)
-    textures = {"color": scene.color, "depth": scene.depth}
-    before = Reference().run(plain.passes, textures, scene.size)["result"].astype(float)
-    for option, settings in changes.items():
-        done = called(
-            "render", source, "-o", tmp_path / "out.exr", *CAMERA, "--aperture-diameter", 0.15, *option.split()
-        )
+    """Each option does to the result what its field of the settings does."""
+    random, target = np.random.default_rng(5), tmp_path / "out.exr"
+    channels = {name: random.lognormal(0, 1, (48, 64)).astype(np.float16) for name in "RGB"}
+    source = save(tmp_path / "in.exr", {**channels, "Z": random.uniform(1, 30, (48, 64)).astype(np.float32)})
+    scene, driver = exr.read(source), load("egl")
+    for option in options.TABLE:
+        method = option.methods[0]
+        settings = Settings(method, "octagon", jitter=0.5 if option.name in ("jitter", "frame") else 0.0)
+        settings = option.put(settings, VALUES[option.name])
+        given = [word for name in ("method", "aperture") for word in (f"--{name}", getattr(settings, name))]
+        given += ["--jitter", "0.5"] if option.name == "frame" else []
+        done = called("render", source, "-o", target, "--driver", "egl", *given, *option.told(settings).split())
         assert done.returncode == 0, done.stderr
-        got = exr.read(target, None).color[..., :3].astype(float)
-        plan = methods.plan(settings, scene.size)
-        wanted = Reference().run(plan.passes, {**textures, **plan.tables}, scene.size)["result"][..., :3].astype(float)
-        far = np.abs(got - wanted) > 0.02 * wanted + 0.01
-        assert far.mean() < 1e-3, option
-        assert (np.abs(before[..., :3] - wanted) > 0.02 * wanted + 0.01).mean() > 1e-3, option
+        plan, textures = methods.plan(settings, scene.size), {"color": scene.color, "depth": scene.depth}
+        wanted = driver.run(plan.passes, {**textures, **plan.tables}, scene.size)["result"]
+        np.testing.assert_array_equal(exr.read(target, None).color[..., :3], wanted[..., :3], option.name)
+
+
+VALUES = {
+    "method": "paper", "aperture": "decagon", "preset": "ultra", "samples": 5, "spacing": 1.5, "jitter": 0.7,
+    "frame": 3, "rotation": 20.0, "squeeze": 0.5, "cats-eye": 0.6, "roundness": 0.3, "axial-red": 0.02,
+    "axial-blue": -0.02, "lateral": 0.03, "mrt": False, "aperture-diameter": 0.08, "focal-length": 0.06,
+    "focus-distance": 3.0, "sensor-height": 0.03, "max-coc": 0.7, "coc": 0.08, "coc-blur": False, "leak-fix": False,
+}  # fmt: skip
+WIDE = methods.Camera(0.5, 0.05, 4.0, max_coc=0.6)
+BASES = {
+    **{method: Settings(method, "octagon", camera=WIDE) for method in apertures.METHODS},
+    "exact, noise": Settings("exact", "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE),
+    "paper, noise": Settings("paper", "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE),
+    "paper, any length": Settings("paper", "pentagon", 9, camera=WIDE),
+    "layered, noise": Settings("layered", "hexagon", jitter=1.0, camera=WIDE),
+    **{f"{name}, --coc": Settings(name, "square", coc=0.6, preset="low", camera=WIDE) for name in apertures.METHODS},
+}
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_an_option_has_an_effect_or_is_refused(base):
+    """On the picture, or on which passes are drawn."""
+    base, driver = BASES[base], load("egl")
+
+    def drawn(settings: Settings) -> tuple:
+        case = noise_case((64, 48), settings)
+        return [item.entry for item in case.plan.passes], result(driver, case).tobytes()
+
+    before, idle = drawn(base), []
+    for option in options.TABLE[1:]:
+        changed = option.put(base, VALUES[option.name])
+        try:
+            options.check(changed, [option])
+        except UserError:
+            continue
+        if drawn(changed) == before:
+            idle.append(option.name)
+    # a larger --max-coc is what lets a larger --coc pass
+    assert set(idle) <= ({"max-coc"} if base.coc else set())
 
 
 def bad_files(folder: Path) -> dict[str, Path]:

@@ -26,7 +26,7 @@ METHODS = {
     "paper, spacing 1": methods.Settings("paper", "hexagon", camera=WIDE, spacing=1.0),
     "exact, 7 samples": methods.Settings("exact", "hexagon", camera=WIDE),
     "exact, spacing 1": methods.Settings("exact", "hexagon", camera=WIDE, spacing=1.0),
-    "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, max_samples=4),
+    "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, samples=4),
 }
 # one driver of each language beside egl, on the two methods whose count changes with the CoC
 RUNS = [("egl", name) for name in METHODS] + [(d, n) for d in LANGUAGES[1:] for n in METHODS if "spacing 1" in n]

@@ -156,7 +156,7 @@ def test_table_of_shapes(method, aperture):
 def test_in_focus_is_untouched(driver):
     """With adaptive counts a pixel in focus comes out bit for bit as CoCMap stored it."""
     for aperture in EXACT:
-        settings = Settings("exact", aperture, camera=CAMERA, coc=0.0, spacing=1.0, max_samples=5)
+        settings = Settings("exact", aperture, camera=CAMERA, coc=0.0, spacing=1.0, samples=5)
         case = noise_case((61, 48), settings)
         # the pixel is read through the linear filter: within what uv may be off
         within(driver, case)
@@ -196,7 +196,7 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
     after segments.FRAMES frames.
     """
     driver = load(name)
-    settings = Settings(method, aperture, camera=CAMERA, coc=0.3, spacing=1.0, max_samples=3, jitter=1.0)
+    settings = Settings(method, aperture, camera=CAMERA, coc=0.3, spacing=1.0, samples=3, jitter=1.0)
     settings = replace(settings, targets=targets)
     case = noise_case((61, 48), settings)
     following = replace(case, settings=replace(settings, frame=1)).plan.passes
@@ -218,7 +218,7 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
 def test_noise_comes_again(driver):
     """After 64 frames, and after 2^22 as well, where the number of the frame times 33/64 has no room for a fraction."""
     camera = methods.Camera(max_coc=1.0)
-    settings = methods.Settings("exact", coc=0.5, camera=camera, max_samples=3, spacing=1.0, jitter=1.0)
+    settings = methods.Settings("exact", coc=0.5, camera=camera, samples=3, spacing=1.0, jitter=1.0)
     results = []
     for frame in (5, 64 + 5, 2**22 + 5, 6):
         case = noise_case((61, 48), replace(settings, frame=frame))

@@ -73,7 +73,6 @@ def draw(method: str, samples: tuple[int, ...], seed: int) -> Case:
         bleeding_bias=number(0.0, 0.25, 0.0),
         bleeding_mult=number(0.0, 60.0),
         spacing=one([0.0, number(0.25, 4.0)]) if adaptive else 0.0,
-        max_samples=count,
         jitter=one([0.0, number(0.0, 1.0)]) if adaptive else 0.0,
         frame=int(random.integers(0, 1001)),
         squeeze=number(0.25, 2.0, 1.0),

@@ -16,7 +16,7 @@ from bokeh_validation.reference.listings import safe_color
 
 SIZE = (96, 64)
 CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
-ADAPTIVE = {"spacing": 1.0, "jitter": 1.0, "max_samples": 5}
+ADAPTIVE = {"spacing": 1.0, "jitter": 1.0, "samples": 5}
 METHODS = {
     "paper": Settings("paper", "hexagon", camera=CAMERA),
     "paper star, CoC kept": Settings("paper", "star", camera=CAMERA, blur_coc=False, rotation=10.0),
@@ -222,7 +222,7 @@ MOST_SIDE = {"naive": 90, "naive-grid": 24}
 def test_sample_counts(method, count, driver):
     """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
-    settings = replace(METHODS[method], aperture="square", samples=samples, max_samples=samples)
+    settings = replace(METHODS[method], aperture="square", samples=samples)
     if settings.spacing > 0.0:
         # a hundredth of a pixel: the blur asks for more samples than there may be
         settings = replace(settings, spacing=0.01)

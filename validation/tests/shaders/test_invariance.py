@@ -110,10 +110,10 @@ def test_presets_never_change_the_size(size, driver):
     Each of the two passes takes l^2 / 12 at most along its line, l the length of a cell, and adds 1 / 4 square pixel at
     most on each axis (moments.py).
     """
-    base = blur("exact", "hexagon", max_samples=33)
+    base = blur("exact", "hexagon", samples=33)
     presets = [replace(base, spacing=spacing) for spacing in (1.0, 2.0, 4.0)]
     presets += [replace(base, squeeze=0.5, spacing=1.0)]
-    presets += [replace(base, spacing=1.0, max_samples=7), *(replace(base, samples=samples) for samples in COUNTS)]
+    presets += [replace(base, spacing=1.0, samples=7), *(replace(base, samples=samples) for samples in COUNTS)]
     for settings in presets:
         found = np.diag(check_spread(driver, settings, size).second)
         edge = 0.5 * settings.coc * size[1]
@@ -164,7 +164,7 @@ def test_jitter_never_changes_the_size(driver):
     (l - 1) pixels. A frame's moments are noise; their mean is asked to be within 4 standard errors of that.
     """
     size, frames = (96, 96), 24
-    settings = blur("paper", "square", spacing=1.0, max_samples=7, jitter=1.0)
+    settings = blur("paper", "square", spacing=1.0, samples=7, jitter=1.0)
     pixels = COC * size[1]
     cell = pixels / 7
     assert cell > 2

@@ -22,7 +22,7 @@ ALL = {
     "camera": methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
 }
 PLAIN = ("paper", "exact", "naive", "naive-grid")
-ADAPTIVE = {"spacing": 1.5, "max_samples": 5, "jitter": 1.0, "frame": 61}
+ADAPTIVE = {"spacing": 1.5, "samples": 5, "jitter": 1.0, "frame": 61}
 # Everything away from its default, so that every program of the package is drawn
 WHOLE = {
     "paper": Settings("paper", "hexagon", 8, **ALL),
@@ -100,15 +100,15 @@ COMMON = [
 ]
 LINES = [
     {"spacing": 1.0},
-    {"spacing": 0.7, "max_samples": 8},
-    {"spacing": 1.5, "max_samples": 4, "jitter": 1.0, "frame": 61},
+    {"spacing": 0.7, "samples": 8},
+    {"spacing": 1.5, "samples": 4, "jitter": 1.0, "frame": 61},
     {"spacing": 1.0, "squeeze": 0.5, "rotation": 12.0},
     {"spacing": 1.0, "blur_coc": False},
 ]
 POLYGONS = [
     {"targets": False},
     {"samples": 4, "jitter": 0.5},
-    {"spacing": 1.0, "targets": False, "jitter": 1.0, "max_samples": 6},
+    {"spacing": 1.0, "targets": False, "jitter": 1.0, "samples": 6},
     # squeezed edges have different lengths and numbers of samples: each line is worth its area all the same
     {"coc": 0.5, "camera": methods.Camera(max_coc=1.0), "spacing": 1.0, "squeeze": 0.3, "rotation": 20.0},
 ]
@@ -116,7 +116,7 @@ CUT = [
     {},
     {"targets": False},
     {"rotation": 17.0, "squeeze": 0.6},
-    {"spacing": 1.0, "max_samples": 5, "jitter": 1.0, "frame": 3},
+    {"spacing": 1.0, "samples": 5, "jitter": 1.0, "frame": 3},
     {"cats_eye": 0.3, "spacing": 1.0},
     {"cats_eye": 5.0},
 ]
@@ -124,7 +124,7 @@ AXIAL = [
     {},
     {"targets": False, "axial": (-0.05, 0.02)},
     {"rotation": 17.0, "squeeze": 0.6, "cats_eye": 0.5},
-    {"spacing": 1.0, "max_samples": 5, "jitter": 1.0, "frame": 3},
+    {"spacing": 1.0, "samples": 5, "jitter": 1.0, "frame": 3},
 ]
 # far layers of 25 pixels, where the lengths of the edges show
 WIDE = methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)
@@ -261,7 +261,7 @@ def test_jitter_of_the_exact_passes(targets, driver):
     for aperture in methods.EXACT:
         camera = methods.Camera(max_coc=1.0)
         settings = Settings(
-            "exact", aperture, coc=0.5, camera=camera, max_samples=3, spacing=1.0, jitter=1.0, frame=5, targets=targets
+            "exact", aperture, coc=0.5, camera=camera, samples=3, spacing=1.0, jitter=1.0, frame=5, targets=targets
         )
         output, _ = within(driver, noise_case((61, 48), settings))
         plain, _ = within(driver, noise_case((61, 48), replace(settings, jitter=0.0)))

@@ -170,7 +170,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         let (method, shape) = (format!("{method:?}").to_lowercase(), format!("{shape:?}").to_lowercase());
         format!(
             r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", "result": "{name}.f16",
-    "spacing": {}, "max_samples": {}}}"#,
+    "spacing": {}, "samples": {}}}"#,
             bokeh.spacing,
             BokehPlugin::default().samples
         )

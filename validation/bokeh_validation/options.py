@@ -1,0 +1,207 @@
+"""The options that say what to render: one table. `render`, `plan` and `compare` take them all from here."""
+
+import inspect
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Annotated
+
+import typer
+
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame.methods import Settings
+
+# A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
+MAX_KERNEL = 8192
+MAX_SAMPLES = 1024
+# What the command line begins with; an option that is not given is left as it is here
+DEFAULT = Settings("exact")
+INF, TINY = math.inf, math.ulp(0.0)
+KEYWORD = inspect.Parameter.KEYWORD_ONLY
+Needs = tuple[Callable[[Settings], bool], str, str]
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of the command line, and what it sets.
+
+    name     `--name`; of a switch also `--no-name`
+    field    of methods.Settings: 'squeeze', or 'camera.max_coc' of its camera, or 'axial.0' of a tuple
+    kind     str, int, float, or bool for a switch
+    help     for --help
+    allowed  the words it takes, or the least and the most of a number, and the same in words
+    methods  those that it has an effect on
+    needs    (test of the settings, why it has no effect where that fails, what to do)
+    """
+
+    name: str
+    field: str
+    kind: type
+    help: str
+    allowed: tuple = ()
+    methods: tuple[str, ...] = apertures.METHODS
+    needs: tuple[Needs, ...] = ()
+
+    @property
+    def parameter(self) -> inspect.Parameter:
+        """Of a command's function; None where it was not given."""
+        names = f"--{self.name}/--no-{self.name}" if self.kind is bool else f"--{self.name}"
+        default = "" if self.value(DEFAULT) is None else f" [default: {self.told(DEFAULT).split()[-1]}]"
+        annotation = Annotated[self.kind | None, typer.Option(names, help=self.help + default, show_default=False)]
+        return inspect.Parameter(self.name.replace("-", "_"), KEYWORD, default=None, annotation=annotation)
+
+    def value(self, settings: Settings) -> object:
+        """What the settings have for it."""
+        owner, _, part = self.field.partition(".")
+        whole = getattr(settings, owner)
+        if part.isdigit():
+            return whole[int(part)]
+        return getattr(whole, part) if part else whole
+
+    def put(self, settings: Settings, value: object) -> Settings:
+        """The settings with another value for it."""
+        owner, _, part = self.field.partition(".")
+        whole = getattr(settings, owner)
+        if part.isdigit():
+            index = int(part)
+            value = (*whole[:index], value, *whole[index + 1 :])
+        elif part:
+            value = replace(whole, **{part: value})
+        return replace(settings, **{owner: value})
+
+    def told(self, settings: Settings) -> str:
+        """The option and its value as somebody may have given it."""
+        value = self.value(settings)
+        if self.kind is bool:
+            return f"--{self.name}" if value else f"--no-{self.name}"
+        return f"--{self.name} {value:g}" if self.kind is float else f"--{self.name} {value}"
+
+
+ANY, POSITIVE, NOT_NEGATIVE = (-INF, INF, "any finite number"), (TINY, INF, "more than 0"), (0, INF, "0 or more")
+UNIT, HEIGHTS = (0, 1, "0 to 1"), (0, 1, "0 to 1, a fraction of the image height")
+SIGNED_HEIGHTS = (-1, 1, "-1 to 1, a fraction of the image height")
+LENS: Needs = (lambda s: s.coc is None, "with --coc, which is the CoC everywhere", "Leave one of them out")
+NOISE: Needs = (
+    lambda s: s.method != "paper" or s.spacing > 0 or s.aperture in apertures.POLYGONS,
+    "on paper's fixed number of samples", "Give --spacing as well, or leave it out",
+)  # fmt: skip
+PRESET: Needs = (lambda s: s.method != "layered", "on layered, whose samples come from a preset", "Give --preset")
+JITTER: Needs = (lambda s: s.jitter > 0, "without noise", "Give --jitter as well, or leave it out")
+OCTAGON: Needs = (lambda s: s.aperture == "octagon", "on other polygons", "Give --aperture octagon, or leave it out")
+POLYGON_METHODS, LISTINGS = ("exact", "layered"), ("paper", "naive")
+APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
+
+TABLE = (
+    Option("method", "method", str, "exact, layered (near objects spread as well), paper or naive.", apertures.METHODS),
+    Option("aperture", "aperture", str, APERTURES, apertures.NAMES),
+    Option("preset", "preset", str, "layered: low, medium, high or ultra.", tuple(methods.PRESETS), ("layered",)),
+    Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: as close together.",
+           (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=(PRESET,)),
+    Option("spacing", "spacing", float, "Pixels between samples, as many as the CoC needs. 0: a fixed number.",
+           (0, INF, "0 (a fixed number of samples) or more"), methods=("exact", "paper")),
+    Option("jitter", "jitter", float, "Noise, 0 to 1, on places of samples more than a pixel apart.", UNIT,
+           methods=("exact", "layered", "paper"), needs=(NOISE,)),
+    Option("frame", "frame", int, "Number of the frame; the noise is another in each.", NOT_NEGATIVE,
+           methods=("exact", "layered", "paper"), needs=(JITTER,)),
+    Option("rotation", "rotation", float, "Degrees, from +x towards +y (down).", ANY),
+    Option("squeeze", "squeeze", float, "Width of the bokeh over its height: 0.5 for an anamorphic lens.",
+           (TINY, 16, "more than 0, at most 16")),
+    Option("cats-eye", "cats_eye", float, "exact, layered: share of the bokeh's width cut off in corners.",
+           (0, 0.9, "0 to 0.9, a share of the bokeh's width"), POLYGON_METHODS),
+    Option("roundness", "roundness", float, "exact, layered, octagon: 0 makes a square, 1 a regular octagon.",
+           (0, 1, "0 (a square) to 1 (an octagon)"), POLYGON_METHODS, needs=(OCTAGON,)),
+    Option("axial-red", "axial.0", float, "exact, axial colour: how much more signed CoC red has.", SIGNED_HEIGHTS,
+           ("exact",)),
+    Option("axial-blue", "axial.1", float, "The same of blue, a fraction of the image height.", SIGNED_HEIGHTS,
+           ("exact",)),
+    Option("lateral", "lateral", float, "Lateral colour: red larger, blue smaller, a share of the image.",
+           (-0.1, 0.1, "-0.1 to 0.1, a share of the image")),
+    Option("mrt", "targets", bool, "exact, layered: write several targets in a pass.", methods=POLYGON_METHODS),
+    Option("aperture-diameter", "camera.aperture_diameter", float, "Metres.", NOT_NEGATIVE, needs=(LENS,)),
+    Option("focal-length", "camera.focal_length", float, "Metres.", POSITIVE, needs=(LENS,)),
+    Option("focus-distance", "camera.focus_distance", float, "Metres, more than the focal length.", POSITIVE,
+           needs=(LENS,)),
+    Option("sensor-height", "camera.sensor_height", float, "Metres.", POSITIVE, needs=(LENS,)),
+    Option("max-coc", "camera.max_coc", float, "Largest CoC, fraction of the image height.", HEIGHTS),
+    Option("coc", "coc", float, "The same CoC everywhere, instead of one from depth.", HEIGHTS),
+    Option("coc-blur", "blur_coc", bool, "paper, naive: average the CoC with the colour.", methods=LISTINGS,
+           needs=(LENS,)),
+    Option("leak-fix", "leak_fix", bool, "Listing 3's leakage test.", methods=("exact", "paper", "naive"),
+           needs=(LENS,)),
+)  # fmt: skip
+
+
+def with_settings(command: Callable) -> Callable:
+    """A command with the options of the table in place of its parameter `settings`, which is made of them and checked:
+    what is given on the command line has an effect, or is refused by a UserError.
+    """
+    signature = inspect.signature(command)
+
+    @wraps(command)
+    def called(**values):
+        settings, given = DEFAULT, []
+        for option in TABLE:
+            value = values.pop(option.parameter.name)
+            if value is not None:
+                settings = option.put(settings, value)
+                given.append(option)
+        check(settings, given)
+        return command(settings=settings, **values)
+
+    own = [p.replace(kind=KEYWORD) for name, p in signature.parameters.items() if name != "settings"]
+    called.__signature__ = signature.replace(parameters=[*own, *(option.parameter for option in TABLE)])
+    return called
+
+
+def check(settings: Settings, given: Iterable[Option] = ()) -> None:
+    """Refuse settings that mean nothing, and options that were given and have no effect. Raises UserError."""
+    for option in TABLE:
+        _check_value(option, settings)
+    for option in given:
+        _check_effect(option, settings)
+    method, camera, coc = settings.method, settings.camera, settings.coc
+    if method in POLYGON_METHODS and settings.aperture not in methods.EXACT:
+        names = ", ".join(methods.EXACT)
+        raise UserError(f"--aperture {settings.aperture}: {method} makes {names} only. Give --method paper.")
+    if camera.focus_distance <= camera.focal_length:
+        raise UserError(
+            f"--focus-distance {camera.focus_distance:g} m: a lens of focal length {camera.focal_length:g} m cannot "
+            f"focus there. Give more than {camera.focal_length:g}."
+        )
+    if coc is not None and coc > camera.max_coc:
+        raise UserError(
+            f"--coc {coc:g}: more than --max-coc {camera.max_coc:g}, which would clamp it. Raise --max-coc as well."
+        )
+    # the square's table has the most offsets for a sample count, so it bounds the others before they are made
+    if (
+        method == "naive"
+        and settings.count**2 > MAX_KERNEL
+        and len(apertures.kernel(settings.aperture, min(settings.count, 128))) > MAX_KERNEL
+    ):
+        raise UserError(
+            f"--samples {settings.count}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} offsets. "
+            "Give fewer, or --method paper."
+        )
+
+
+def _check_value(option: Option, settings: Settings) -> None:
+    value = option.value(settings)
+    if option.kind is str and value not in option.allowed:
+        raise UserError(f"{option.told(settings)}: unknown. Give one of {', '.join(option.allowed)}.")
+    if option.kind in (int, float) and value is not None:
+        low, high, text = option.allowed
+        if not math.isfinite(value) or not low <= value <= high:
+            raise UserError(f"{option.told(settings)}: not allowed. Give {text}.")
+
+
+def _check_effect(option: Option, settings: Settings) -> None:
+    if settings.method not in option.methods:
+        others = " or ".join(option.methods)
+        raise UserError(
+            f"{option.told(settings)}: no effect on {settings.method}. Give --method {others}, or leave it out."
+        )
+    for has_effect, why, advice in option.needs:
+        if not has_effect(settings):
+            raise UserError(f"{option.told(settings)}: no effect {why}. {advice}.")
