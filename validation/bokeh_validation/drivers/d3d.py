@@ -9,7 +9,7 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, flattened, software_device, storage_type
+from bokeh_validation.drivers.base import Driver, flattened, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine
@@ -31,7 +31,6 @@ class Direct3D(Driver):
         self.server = server.Server(program)
         self.server.start()
         self.adapter = f"{wine.get().device}, {self.server.greeting}"
-        self.software = software_device(self.adapter) == "Mesa"
         if adapter is not None and adapter.lower() not in self.adapter.lower():
             raise Unavailable(f"{self.name} has no device but {self.adapter}")
 

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Draw, Image, TimedDriver, kind_of, software_device, storage_type
+from bokeh_validation.drivers.base import Draw, Image, TimedDriver, kind_of, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
@@ -23,7 +23,6 @@ class GLDriver(TimedDriver):
     def __init__(self, context: moderngl.Context):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
-        self.software = software_device(self.adapter) == "Mesa"
         self.programs: dict[str, moderngl.VertexArray] = {}
 
     def make_current(self) -> None:

@@ -33,10 +33,6 @@ class BrowserDriver(Driver):
     """
 
     name = ""
-    # SwiftShader, Chromium's software device, filters in float32 as Mesa does, but its sin() and cos() are off by up to
-    # 1.9e-4 (Vulkan allows 4.9e-4; Mesa's are off by 7e-8). So lines at an angle end a little elsewhere: within the
-    # interval of precision.SWIFTSHADER, and not always within the bounds in steps that Mesa is held to.
-    software = False
 
     def __init__(self, adapter: str | None = None):
         self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE

@@ -13,7 +13,6 @@ from bokeh_validation.drivers.base import (
     TimedDriver,
     kind_of,
     require_targets,
-    software_device,
     storage_type,
 )
 from bokeh_validation.errors import Unavailable
@@ -68,7 +67,6 @@ class WGPU(TimedDriver):
         self.wgpu = _import()
         chosen = _choose(adapter)
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        self.software = software_device(self.adapter) == "Mesa"
         wanted = {"float32-filterable", "timestamp-query"} & set(chosen.features)
         self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
         self.device = chosen.request_device_sync(
