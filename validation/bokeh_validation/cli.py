@@ -27,7 +27,7 @@ COMMANDS = {
     "shapes": ("probes.shapes", "shapes"),
     "truth": ("truth", "truth"),
     "gallery": ("truth.gallery", "gallery"),
-    "peers": ("truth.peers.peers_command", "peers"),
+    "peers": ("truth.peers", "peers"),
     "demo": ("demo", "demo"),
     "figures": ("figures", "figures"),
     "probes": ("run.validate", "run_patterns"),

@@ -1,4 +1,4 @@
-"""Headless Chromium: WebGL 2 and WebGPU in a page of ours (page/), for the browser drivers and compilers.
+"""Headless Chromium with a page in it: that of the browser drivers and compilers (page/), an engine's sample, others.
 
 A browser is started on first use, asked by one call at a time, and gone when the process ends. Playwright's calls
 without async belong to the thread that started it, and its event loop would be in the way of others in the same thread.
@@ -48,6 +48,8 @@ RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
 STOP_LIMIT = 10.0
 
 LONGEST_FOLDER = 40  # characters of the folder for temporary files
+# Of what the page logged, an error repeats so many messages, and so many characters of each
+MESSAGES, WORDS = 4, 800
 
 PAGE = Path(__file__).parent / "page"
 # WebGPU is for secure pages only. Nothing leaves the process: every request is answered from files.
@@ -62,19 +64,43 @@ class Refused(RuntimeError):
     """A function of the page threw an Error: its text."""
 
 
+# Beginning of an address below ADDRESS -> the folder that has what is asked for, or the content itself
+Places = Sequence[tuple[str, Path | bytes]]
+
+
 class Session:
-    """One browser with the page in it. Any thread may call it.
+    """One browser with a page in it. Any thread may call it; as a context it is closed at the end.
 
     version  of Chromium
+    said     errors that the page wrote to the console: since it was opened if the session is strict, else in the last
+             call
     """
 
-    def __init__(self, hardware: bool = False, open_page: Callable | None = None, flags: Sequence[str] = ()):
+    def __init__(
+        self,
+        address: str = "index.html",
+        places: Places = (("", PAGE),),
+        script: str = "",
+        hardware: bool = False,
+        flags: Sequence[str] = (),
+        strict: bool = False,
+        limit: float = RUN_LIMIT,
+        **tab: object,
+    ):
         """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start.
 
-        open_page   of Playwright's browser: opens a page that has window.bokeh, and returns it. Default: that of page/
-        flags       more of the command line
+        address  of the page, which must make window.bokeh; below ADDRESS, or a whole one
+        places   tried in this order for each request
+        script   runs before the page's own
+        flags    more of the command line
+        strict   a call fails also where something was only logged
+        limit    seconds that a call may take
+        tab      options of Playwright's new_page()
         """
         path = _chromium()
+        self.said: list[str] = []
+        self._opening = (address if ":" in address else ADDRESS + address, places, script, tab)
+        self._strict, self._limit = strict, limit
         self.version = ""
         self._process = 0
         self._dead = ""
@@ -86,7 +112,7 @@ class Session:
         self._thread.start()
         command = [*FLAGS, *(HARDWARE if hardware else SOFTWARE), *flags]
         try:
-            self._ask(partial(self._start, path, command, open_page or _open_page)).result(START_LIMIT)
+            self._ask(partial(self._start, path, command)).result(START_LIMIT)
         except TimeoutError:
             self._kill()
             raise Unavailable(f"{path} hung: it did not start within {START_LIMIT:g} s") from None
@@ -101,13 +127,22 @@ class Session:
         """Whether call() can be expected to work."""
         return not self._dead
 
-    def call(self, function: str, argument: object = None, limit: float = RUN_LIMIT) -> object:
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def call(self, function: str, argument: object = None, limit: float | None = None) -> object:
         """Call window.bokeh.<function>(argument) and return what it returns (texts, numbers, lists, dicts).
 
         limit   seconds until the browser is taken for hung and killed
-        Raises Refused and BrowserError.
+        Raises Refused and BrowserError, with what the page logged.
         """
+        limit = limit or self._limit
         with self._lock:
+            if not self._strict:
+                self.said.clear()
             if self._dead:
                 raise BrowserError(self._dead)
             try:
@@ -119,10 +154,20 @@ class Session:
                 self._dead = self._crashes[0] if self._crashes else f"Chromium crashed: {_cause(error)}"
             if self._dead:
                 self.close()
-                raise BrowserError(self._dead)
+                raise BrowserError("\n".join([self._dead, *self._first_words()]))
         if not returned:
-            raise Refused(value)
+            raise Refused("\n".join([value, *self._first_words()]))
+        if self._strict and self.said:
+            raise Refused("\n".join(self._first_words()))
         return value
+
+    def work(self, step: Callable) -> object:
+        """What step(Playwright's page) returns."""
+        return self._ask(lambda: step(self._page)).result(self._limit)
+
+    def _first_words(self) -> list[str]:
+        """What went wrong first: one mistake in the library is logged once for every pass, with all of its code."""
+        return [text[:WORDS] for text in dict.fromkeys(self.said)][:MESSAGES]
 
     def close(self) -> None:
         """End the browser: asked first, killed where it does not listen."""
@@ -158,7 +203,7 @@ class Session:
         self._jobs.put((action, answer))
         return answer
 
-    def _start(self, path: str, flags: list[str], open_page: Callable) -> None:
+    def _start(self, path: str, flags: list[str]) -> None:
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
         folder = tempfile.mkdtemp(prefix="bokeh-chromium-", dir=near)
@@ -182,9 +227,23 @@ class Session:
         self.version = browser.version
         if int(self.version.split(".")[0]) < OLDEST:
             raise Unavailable(f"{path} is Chromium {self.version}; it has to be {OLDEST} or later")
-        self._page = open_page(browser)
+        self._page = self._shown(browser)
         self._crashes: list[str] = []
         self._page.on("crash", lambda _: self._crashes.append("Chromium crashed: the page's process ended"))
+
+    def _shown(self, browser):
+        """The page, loaded."""
+        address, places, script, tab = self._opening
+        page = browser.new_page(**tab)
+        page.set_default_timeout(START_LIMIT * 1000)
+        page.on("console", lambda message: self.said.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: self.said.append(error.message))
+        if address.startswith(ADDRESS):
+            page.route("**/*", lambda route: _answer(route, places))
+        page.add_init_script(script)
+        page.goto(address)
+        page.wait_for_function("window.bokeh !== undefined")
+        return page
 
     def _evaluate(self, function: str, argument: object) -> list:
         """[whether it returned, else it threw; the value or the text]."""
@@ -231,28 +290,23 @@ def _playwright(folder: str) -> Iterator:
         playwright.stop()
 
 
-def _open_page(browser):
-    """The page of page/, loaded."""
-    page = browser.new_page()
-    page.set_default_timeout(START_LIMIT * 1000)
-    page.route("**/*", lambda route: answer(route, PAGE / (asked(route) or "index.html")))
-    page.goto(ADDRESS)
-    page.wait_for_function("window.bokeh !== undefined")
-    return page
-
-
-def asked(route) -> str:
-    """The path that a request of a page names."""
-    return route.request.url.removeprefix(ADDRESS)
-
-
-def answer(route, file: Path) -> None:
-    """Answer a request of a page by a file."""
-    if ".." in asked(route) or not file.is_file():
-        route.fulfill(status=404)
+def _answer(route, places: Places) -> None:
+    """Answer a request of a page."""
+    name = route.request.url.removeprefix(ADDRESS).partition("?")[0]
+    if name == "favicon.ico":
+        route.fulfill(status=204)
         return
-    kind = "text/javascript" if file.suffix == ".js" else mimetypes.guess_type(file.name)[0] or "text/plain"
-    route.fulfill(body=file.read_bytes(), content_type=kind)
+    kind = "text/javascript" if name.endswith(".js") else mimetypes.guess_type(name)[0] or "text/plain"
+    for beginning, source in places:
+        if isinstance(source, bytes) and name == beginning:
+            route.fulfill(body=source, content_type=kind)
+            return
+        if isinstance(source, Path) and name.startswith(beginning) and ".." not in name:
+            file = source / name.removeprefix(beginning)
+            if file.is_file():
+                route.fulfill(body=file.read_bytes(), content_type=kind)
+                return
+    route.fulfill(status=404)
 
 
 def _cause(error: BaseException) -> str:
@@ -269,16 +323,16 @@ _guard = threading.Lock()
 def session(hardware: bool = False) -> Session:
     """The browser of this process, a new one where the last has died. Raises Unavailable, the same each time."""
     with _guard:
-        found = _sessions.get(hardware)
-        if found is None or (isinstance(found, Session) and not found.alive):
+        running = _sessions.get(hardware)
+        if running is None or (isinstance(running, Session) and not running.alive):
             try:
-                found = Session(hardware)
+                running = Session(hardware=hardware)
             except Unavailable as error:
-                found = error
-            _sessions[hardware] = found
-        if isinstance(found, Unavailable):
-            raise found
-        return found
+                running = error
+            _sessions[hardware] = running
+        if isinstance(running, Unavailable):
+            raise running
+        return running
 
 
 @atexit.register

@@ -20,10 +20,11 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.shaders.entries import EXACT
 from bokeh_validation.shaders.passes import PARAMETERS, SAMPLE_TYPES, Pass, is_linear
-from bokeh_validation.truth import peers, ray_traced
+from bokeh_validation.truth import ray_traced
+from bokeh_validation.truth.peers import effects
 
 PAGE = Path(__file__).parent / "page"
-SHARED = (*(browser.PAGE / name for name in ("job.js", "webgl2.js", "webgpu.js")), peers.PAGE / "lens.js")
+SHARED = (*(browser.PAGE / name for name in ("job.js", "webgl2.js", "webgpu.js")), effects.PAGE / "lens.js")
 MODULES = (*SHARED, *sorted(PAGE.glob("*.js")))
 IMPORT = re.compile(r'(from|import) "[./\w]*?(\w+\.js)"')
 

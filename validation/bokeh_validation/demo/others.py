@@ -6,7 +6,7 @@ import json
 import re
 
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.truth import peers
+from bokeh_validation.truth.peers import effects
 from bokeh_validation.truth.peers.effects import EFFECTS
 
 # Each after those that it imports
@@ -21,7 +21,7 @@ FILES = (*(f"three/{name}" for name in THREE), "postprocessing/build/index.js")
 OWN = ("feed.js", "three_webgl.js")
 NAMED = {"three": "three.module.js", "postprocessing": "index.js"}
 FROM = re.compile(r"""\bfrom\s*(['"])(?:(three|postprocessing)|[./\w-]*?([\w.]+\.js))\1""")
-# What was best for market_7, times what the documentation asks for (docs/peers.md); other options
+# What was best for market_7, times what the documentation asks for (docs/effects.md); other options
 FACTORS = {
     "BokehPass": ({"aperture": 1.12, "maxblur": 0.7}, {}),
     "DepthOfFieldEffect": ({"focusRange": 0.5, "bokehScale": 0.35}, {"resolutionScale": 0.5}),
@@ -31,10 +31,10 @@ FACTORS = {
 def listed() -> dict:
     """Name -> what the page is told of each; none where npm is missing."""
     try:
-        modules = peers.installed()
+        modules = effects.installed()
     except Unavailable:
         return {}
-    versions = peers.versions([modules], FACTORS)
+    versions = effects.versions([modules], FACTORS)
     return {
         name: {
             "title": EFFECTS[name].title,
@@ -48,7 +48,7 @@ def listed() -> dict:
 
 def packed() -> str:
     """The libraries as the page takes them: base64 of gzip of JSON, [[name, text], ..], imports by "bokeh/NAME"."""
-    files = [peers.installed() / name for name in FILES] + [peers.PAGE / name for name in OWN]
+    files = [effects.installed() / name for name in FILES] + [effects.PAGE / name for name in OWN]
     texts = [[file.name, FROM.sub(_from, file.read_text(encoding="utf-8"))] for file in files]
     return base64.b64encode(gzip.compress(json.dumps(texts).encode(), mtime=0)).decode("ascii")
 

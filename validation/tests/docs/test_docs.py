@@ -134,9 +134,9 @@ def test_peers_of_the_readme():
     rows = {name: cells for name, cells in readme.items() if re.fullmatch(r"0\.\d+ \| .*", cells.partition(" | ")[2])}
     assert len(rows) == 5
     for name, shown in rows.items():
-        (wanted,) = (cells.split(" | ") for label, cells in page.items() if label.startswith(name))
-        scenes = [cell.split("/") for cell in wanted[3:6]]
-        assert shown.split(" | ") == [wanted[0], *(scene[0] for scene in scenes), scenes[0][2]], name
+        (expected,) = (cells.split(" | ") for label, cells in page.items() if label.startswith(name))
+        scenes = [cell.split("/") for cell in expected[2:5]]
+        assert shown.split(" | ") == [expected[0], *(scene[0] for scene in scenes), scenes[0][2]], name
 
 
 def test_paper_names_exist():

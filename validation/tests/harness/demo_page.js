@@ -86,4 +86,8 @@ async function frames(all) {
   );
 }
 
-window.bokeh = { set, pictures, canvas, point, press, drop, scene, frames };
+async function ready() {
+  await (await part("main")).ready;
+}
+
+window.bokeh = { ready, set, pictures, canvas, point, press, drop, scene, frames };

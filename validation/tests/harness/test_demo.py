@@ -4,10 +4,8 @@ import base64
 import re
 import tempfile
 import threading
-import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -27,54 +25,24 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, compared
 from bokeh_validation.shaders.passes import is_linear, target_size
-from bokeh_validation.truth import peers, ray_traced
+from bokeh_validation.truth import ray_traced
+from bokeh_validation.truth.peers import effects
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
 SIZE = (160, 90)
 
 
 class Page:
-    """The page in a browser of its own.
-
-    said   on the console
-    first  seconds until its first picture of both sides
-    """
+    """The page in a browser of its own, and all of its errors on the console."""
 
     def __init__(self, file: Path, kind: str = "webgl2"):
-        self.said, self.chromium, self.first, self.kind = [], None, 0.0, kind
-        address = f"{file.as_uri()}#{kind}"
+        self.kind = kind
         flags = CANVAS if kind == "webgpu" else ()
-        self.session = browser.Session(open_page=lambda chromium: self._open(chromium, address), flags=flags)
-        self.call = self.session.call
-
-    def _open(self, chromium, address: str):
-        self.chromium = chromium
-        self.tab = page = chromium.new_page(viewport={"width": 1280, "height": 800}, has_touch=True)
-        page.on("console", lambda message: self.said.append(message.text))
-        page.on("pageerror", lambda error: self.said.append(error.message))
-        page.add_init_script(SCRIPT)
-        began = self._clocks()
-        page.goto(address)
-        page.evaluate("async () => (await import('bokeh/main.js')).ready")
-        self.first = min(self._clocks() - began)
-        return page
-
-    def _clocks(self) -> np.ndarray:
-        """Of the wall, and what all of Chromium's processes took of any core."""
-        client = self.chromium.new_browser_cdp_session()
-        processes = client.send("SystemInfo.getProcessInfo")["processInfo"]
-        client.detach()
-        return np.array([time.perf_counter(), sum(one["cpuTime"] for one in processes)])
-
-    def hand(self, step: Callable) -> object:
-        """What a hand does with mouse, finger or keys: step(Playwright's page)."""
-        return self.session._ask(lambda: step(self.tab)).result(browser.RUN_LIMIT)
-
-    def timed(self, function: str, argument: object) -> float:
-        """Seconds of a call on cores that are free: what it took of them, where others used them meanwhile."""
-        began = self.session._ask(self._clocks).result()
-        self.call(function, argument)
-        return min(self.session._ask(self._clocks).result() - began)
+        tab = {"viewport": {"width": 1280, "height": 800}, "has_touch": True}
+        address = f"{file.as_uri()}#{kind}"
+        self.session = browser.Session(address, script=SCRIPT, flags=flags, strict=True, **tab)
+        self.call, self.hand = self.session.call, self.session.work
+        self.call("ready")
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +61,7 @@ def page(file, request):
         opened = Page(file, request.param)
     yield opened
     opened.session.close()
-    assert opened.said == []
+    assert opened.session.said == []
 
 
 def own(depth=True) -> tuple[bytes, np.ndarray, np.ndarray]:
@@ -215,13 +183,10 @@ def test_others(page, name):
     assert re.match(r"\d+\.\d+\.\d+, a disc, ", said["rightFacts"]) and said["said"] == ""
     shown = Shown(page, "right").run((), {}, (), keep=(name,))[name]
     factors, options = others.FACTORS[name]
-    beside = peers.Peers()
-    try:
+    with effects.Page() as beside:
         beside.load(color, depth, CAMERA)
         parameters = {k: value * factors.get(k, 1.0) for k, value in beside.documented(name).items()}
         wanted = beside.draw(name, {**parameters, **options})
-    finally:
-        beside.close()
     np.testing.assert_array_equal(shown[..., :3], wanted[..., :3])
     assert abs(wanted[..., :3].astype(float) - color[..., :3]).max() > 1.0
 
@@ -232,7 +197,7 @@ def test_without_npm(monkeypatch):
     def absent():
         raise Unavailable("npm is not on this machine")
 
-    monkeypatch.setattr(peers, "installed", absent)
+    monkeypatch.setattr(effects, "installed", absent)
     assert others.listed() == {} and 'id="others"' not in demo.page()
 
 
@@ -381,19 +346,3 @@ def test_served(file):
             thread.join()
     refused(called("demo", "--port", 70000), ["--port 70000"])
     refused(called("demo", "--output", "/nonexistent/demo.html"), ["/nonexistent"])
-
-
-@pytest.mark.alone
-def test_time(file):
-    """In software at 960 x 540: a first picture within 5 s of loading, a slider answered within 1 s at preset LOW."""
-    with needed("Chromium"):
-        page = Page(file, "")
-    try:
-        assert page.first < 5.0
-        # in software, where nobody asked for the other
-        assert page.hand(lambda tab: tab.locator("#api").inner_text()) == "WebGL 2"
-        # programs are made on the first draw
-        page.call("set", {"left": "input", "right": "layered", "preset": "low"})
-        assert max(page.timed("set", {"stop": stop}) for stop in (1, 0, -0.5)) < 1.0
-    finally:
-        page.session.close()

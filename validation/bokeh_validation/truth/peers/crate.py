@@ -1,6 +1,6 @@
 """Bevy's crate with its depth of field, for the WGSL in it: brought by cargo, never compiled."""
 
-import json
+import os
 import shutil
 from functools import cache
 from pathlib import Path
@@ -14,7 +14,7 @@ SECONDS = 300.0
 # only what this system would need is fetched: cargo has no way to leave out what a crate depends on
 TARGET = "x86_64-unknown-linux-gnu"
 MANIFEST = f"""[package]
-name = "wanted"
+name = "shaders"
 version = "0.0.0"
 edition = "2024"
 [lib]
@@ -35,8 +35,5 @@ def source() -> Path:
     (folder / "Cargo.toml").write_text(MANIFEST, encoding="ascii")
     (folder / "empty.rs").touch()
     process.run([cargo, "fetch", "--quiet", "--target", TARGET], SECONDS, folder)
-    said = process.run(
-        [cargo, "metadata", "--format-version=1", "--offline", f"--filter-platform={TARGET}"], SECONDS, folder
-    )
-    packages = json.loads(said[said.index('{"packages"') :])["packages"]
-    return next(Path(one["manifest_path"]).parent for one in packages if one["name"] == NAME)
+    home = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
+    return next(home.glob(f"registry/src/*/{NAME}-{VERSION}"))

@@ -1,7 +1,8 @@
-"""What is measured of the effects and of ours: on a scene, of one light, and the time of a frame."""
+"""What is measured of the effects and of ours, on a scene and of one light."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +14,8 @@ from bokeh_validation.probes.impulse import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
-from bokeh_validation.truth.peers import Peers, counted, crate
-from bokeh_validation.truth.peers.effects import EFFECTS, Parameters
+from bokeh_validation.truth.peers import counted, crate
+from bokeh_validation.truth.peers.effects import EFFECTS, Effect, Page, Parameters
 
 OURS = ("paper", "exact", "layered low", "layered medium")
 DRIVER = "webgl2"  # the device that the others are on
@@ -22,10 +23,9 @@ DRIVER = "webgl2"  # the device that the others are on
 LIGHT, FAR = 3, 10000.0
 LIGHT_SIZE, LIGHT_COC = (270, 270), 34
 LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
-ROUNDS = 5
-# The pictures of the grid are compared at a quarter of their size: FLIP takes longer than an effect
+# Pictures of a search are compared at a quarter of their size: FLIP takes longer than an effect
 SMALLER = 4
-STEP = 0.8  # of a parameter, after the grid
+STEPS = (0.5, 0.8)  # of a parameter in a search
 # Effect -> its parameters; None: they are searched
 Chosen = dict[str, Parameters | None]
 
@@ -42,62 +42,65 @@ class Drawn(NamedTuple):
     fetches: float
 
 
+class Shape(NamedTuple):
+    """One light: its overlap with the aperture (probes.model.overlap, the light of both being the same), and the share
+    of its light that is kept."""
+
+    parameters: Parameters
+    overlap: float
+    light: float
+
+
+def search(effect: Effect, start: Parameters, error: Callable[[Parameters], float]) -> Parameters:
+    """Parameters with the least error: each number smaller or larger and each option tried, as long as it gets better.
+
+    start  where it begins: what the documentation asks for
+    """
+    best, least = start, error(start)
+    for step in STEPS:
+        before = None
+        while before != best:
+            before = best
+            trials = [{name: best[name] * factor} for name in effect.numbers for factor in (step, 1 / step)]
+            trials += [{name: value} for name, values in effect.options.items() for value in values]
+            for trial in trials:
+                if (distance := error(best | trial)) < least:
+                    best, least = best | trial, distance
+    return best
+
+
 def scene(name: str, chosen: Chosen) -> tuple[list[Drawn], dict[str, np.ndarray]]:
     """Rows and pictures of a scene; ours among them. Effects with parameters None: the best are searched."""
-    one = next(found for found in ray_traced.SCENES if found.name == name)
-    lens, images, rows = ray_traced.truth(one, "hexagon"), {}, []
-    if chosen:
-        rows = _of_effects(one, chosen, lens, images)
+    (file,) = ray_traced.chosen([name])
+    lens, images, rows = ray_traced.truth(file, "hexagon"), {}, []
+    for effect, (parameters, image, count) in _of_effects(file, chosen, lens).items() if chosen else ():
+        images[effect] = image
+        rows.append(Drawn(name, effect, parameters, *truth.row(file, effect, image, lens)[2:], count))
     for label in OURS:
-        case = truth.case(one, label)
-        images[label] = truth.picture(drivers.load(DRIVER), one, label)
-        count = sum(fetches.of_frame(case.plan.passes).values())
-        measured = truth.row(one, label, images[label], lens)
-        rows.append(Drawn(name, label, {}, *measured[2:], count))
+        images[label] = truth.picture(drivers.load(DRIVER), file, label)
+        count = sum(fetches.of_frame(truth.case(file, label).plan.passes).values())
+        rows.append(Drawn(name, label, {}, *truth.row(file, label, images[label], lens)[2:], count))
     return rows, images
 
 
-def _of_effects(one: ray_traced.SceneFile, chosen: Chosen, lens: np.ndarray, images: dict) -> list[Drawn]:
-    picture, rows = ray_traced.picture(one), []
-    peers = Peers()
-    peers.load(picture.color, picture.depth, one.camera)
-    for effect, parameters in chosen.items():
+def _of_effects(file: ray_traced.SceneFile, chosen: Chosen, lens: np.ndarray) -> dict:
+    """Effect -> parameters, picture, fetches."""
+    picture, drawn = ray_traced.picture(file), {}
+    with Page() as page:
+        page.load(picture.color, picture.depth, file.camera)
 
-        def off(tried: Parameters, effect: str = effect) -> float:
-            return metrics.flip(_small(peers.draw(effect, tried)), _small(lens))
+        def error(effect: str, parameters: Parameters) -> float:
+            return metrics.flip(_small(page.draw(effect, parameters)), _small(lens))
 
-        # what is better of small pictures need not be of the whole ones
-        asked = [parameters] if parameters else best_two(peers, effect, off)
-        found = [(peers.draw(effect, one), one) for one in asked]
-        of_each = [truth.row(one, effect, image, lens) for image, _ in found]
-        measured, (images[effect], best) = min(zip(of_each, found, strict=True), key=lambda pair: pair[0].flip)
-        bevy = EFFECTS[effect].package == crate.NAME
-        count = counted.of_bevy(effect, best["maxDiameter"]) if bevy else counted.fetches(peers.draws(effect, best))
-        rows.append(Drawn(one.name, effect, best, *measured[2:], count))
-    peers.close()
-    return rows
-
-
-def best_two(peers: Peers, effect: str, off: Callable[[Parameters], float]) -> list[Parameters]:
-    """What is the least off of an effect's grid, and of the steps from there; of both one where they are the same."""
-    tried = {off(parameters): parameters for parameters in peers.grid(effect)}
-    best = tried[min(tried)]
-    further = climbed(off, best, min(tried), EFFECTS[effect].factors)
-    return [best] if further == best else [best, further]
-
-
-def climbed(off: Callable[[Parameters], float], best: Parameters, least: float, names: Iterable[str]) -> Parameters:
-    """From the best of a grid on, beyond its edges too: each parameter smaller or larger, as long as it gets better."""
-    before = None
-    while before != best:
-        before = best
-        for name in names:
-            for factor in (STEP, 1 / STEP):
-                tried = {**best, name: best[name] * factor}
-                if (found := off(tried)) < least:
-                    best, least = tried, found
-                    break
-    return best
+        for name, given in chosen.items():
+            effect = EFFECTS[name]
+            used = given or search(effect, page.documented(name), partial(error, name))
+            if effect.package == crate.NAME:
+                count = counted.of_bevy(name, used["maxDiameter"])
+            else:
+                count = counted.fetches(page.draws(name, used))
+            drawn[name] = used, page.draw(name, used), count
+    return drawn
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -106,62 +109,36 @@ def _small(image: np.ndarray) -> np.ndarray:
     return cells.reshape(height, SMALLER, width, SMALLER, 3).mean(axis=(1, 3))
 
 
-class Shape(NamedTuple):
-    """One light: its overlap with the aperture (patterns.model.overlap, the light of both being the same), and what is
-    kept of its light."""
-
-    parameters: Parameters
-    overlap: float
-    light: float
-
-
 def shapes(chosen: Chosen) -> dict[str, Shape]:
-    """Of effects, and of ours. Those with parameters None: what overlaps the most is searched."""
+    """Of effects, and of ours. Those with parameters None: the largest overlap is searched."""
     middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
     color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
     color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
     depth = depth_of(LIGHT_SIZE, FAR)
     before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
     hexagon = LIGHT_COC * outline(truth.case(ray_traced.MARKET, "exact").settings)
-    center = pixel_center(*(side // 2 for side in LIGHT_SIZE))
-    wanted = sum(
-        np.roll(polygons.coverage(hexagon, LIGHT_SIZE, center), (y, x), (0, 1))
-        for y in range(-(LIGHT // 2), LIGHT // 2 + 1)
-        for x in range(-(LIGHT // 2), LIGHT // 2 + 1)
-    )
+    blurred = polygons.coverage(hexagon, LIGHT_SIZE, pixel_center(*(side // 2 for side in LIGHT_SIZE)))
+    reach = range(-(LIGHT // 2), LIGHT // 2 + 1)
+    expected = sum(np.roll(blurred, (y, x), (0, 1)) for y in reach for x in reach)
 
     def shape(image: np.ndarray, parameters: Parameters) -> Shape:
-        seen = image[..., 1].astype(np.float64) - AMBIENT
-        return Shape(parameters, overlap(seen / seen.sum(), wanted / wanted.sum()), float(seen.sum() / before))
+        light = image[..., 1].astype(np.float64) - AMBIENT
+        return Shape(parameters, overlap(light / light.sum(), expected / expected.sum()), float(light.sum() / before))
 
-    found = {}
+    measured = {}
     if chosen:
-        peers = Peers()
-        peers.load(color, depth, LIGHT_CAMERA)
-        for effect, parameters in chosen.items():
+        with Page() as page:
+            page.load(color, depth, LIGHT_CAMERA)
 
-            def off(tried: Parameters, effect: str = effect) -> float:
-                return 1.0 - shape(peers.draw(effect, tried), tried).overlap
+            def drawn(effect: str, parameters: Parameters) -> Shape:
+                return shape(page.draw(effect, parameters), parameters)
 
-            best = parameters or best_two(peers, effect, off)[-1]
-            found[effect] = shape(peers.draw(effect, best), best)
-        peers.close()
+            for name, given in chosen.items():
+                error = lambda tried, name=name: 1.0 - drawn(name, tried).overlap  # noqa: E731
+                measured[name] = drawn(name, given or search(EFFECTS[name], page.documented(name), error))
     for label in OURS:
         settings = replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA)
         case = Case("", settings, color, depth)
-        found[label] = shape(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"], {})
-    return found
-
-
-def times(one: ray_traced.SceneFile, chosen: Chosen) -> dict[str, float]:
-    """Milliseconds of a frame, the median of ROUNDS, each drawing one after the other; 'input': the scene's quad alone,
-    which is in the time of every effect and not in that of ours."""
-    picture, peers = ray_traced.picture(one), Peers()
-    peers.load(picture.color, picture.depth, one.camera)
-    for label in OURS:
-        case = truth.case(one, label)
-        peers.add(label, drivers.load(DRIVER).job(case.plan.passes, case.textures(), case.size))
-    asked = {"input": {}, **chosen, **dict.fromkeys(OURS, {})}
-    taken = peers.time(asked, ROUNDS)
-    peers.close()
-    return {name: float(np.median(one)) for name, one in zip(asked, taken, strict=True)}
+        image = drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"]
+        measured[label] = shape(image, {})
+    return measured

@@ -14,7 +14,7 @@ import "@babylonjs/core/PostProcesses/RenderPipeline/postProcessRenderPipelineMa
 import "@babylonjs/core/Engines/Extensions/engine.rawTexture.js";
 import "@babylonjs/core/Engines/Extensions/engine.readTexture.js";
 import { Scene } from "@babylonjs/core/scene.js";
-import { FEED, VERTEX, canvasOf } from "./feed.js";
+import { FEED, VERTEX, canvasOf, upsideDown } from "./feed.js";
 
 const HALF = Constants.TEXTURETYPE_HALF_FLOAT;
 const NEAREST = Constants.TEXTURE_NEAREST_SAMPLINGMODE;
@@ -28,10 +28,7 @@ export function Babylon(handed) {
   const raw = (data, format, type) => new RawTexture(data, width, height, format, scene, false, false, NEAREST, type);
 
   // the effect takes depth in metres as a texture, here upright like what is drawn
-  const rows = Array.from({ length: height }, (_, y) => handed.depth.subarray((height - 1 - y) * width, (height - y) * width));
-  const upright = new Float32Array(width * height);
-  rows.forEach((row, y) => upright.set(row, y * width));
-  const depth = raw(upright, Constants.TEXTUREFORMAT_R, Constants.TEXTURETYPE_FLOAT);
+  const depth = raw(upsideDown(handed.depth, handed), Constants.TEXTUREFORMAT_R, Constants.TEXTURETYPE_FLOAT);
   depth.activeCamera = camera;
 
   const main = "void main() { gl_FragColor = peerLight(); gl_FragDepth = 0.5; }";
@@ -49,14 +46,14 @@ export function Babylon(handed) {
   let last = null;
   let level = null;
   let effect = null;
-  const build = (wanted) => {
+  const build = (next) => {
     if (level !== null) {
       last.dispose(camera);
       manager.detachCamerasFromRenderPipeline("peer", camera);
       manager.removePipeline("peer");
       effect.disposeEffects(camera);
     }
-    level = wanted;
+    level = next;
     effect = new DepthOfFieldEffect(scene, depth, level, HALF, false, true);
     const pipeline = new PostProcessRenderPipeline(engine, "peer");
     pipeline.addEffect(effect);

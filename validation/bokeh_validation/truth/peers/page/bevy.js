@@ -1,6 +1,8 @@
 // Bevy's depth of field, hexagonal and Gaussian: its WGSL on WebGPU, with what it imports put in before it.
 
-import { checked, copy, start, texture } from "./browser/webgpu.js";
+import { decode } from "./browser/job.js";
+import { checked, copy, read, start, texture } from "./browser/webgpu.js";
+import { upsideDown } from "./feed.js";
 
 const FOLDER = "/bevy_post_process/src";
 // What its #import lines stand for, as far as it is used; depth is Bevy's: reversed, infinite, near / z
@@ -104,7 +106,6 @@ async function bevy(handed, passes) {
   }
   const [result] = reads;
   return {
-    gl: null,
     set: ({ focalDistance, focalLength, scale, maxDiameter, maxDepth }) => {
       device.queue.writeBuffer(lens, 0, new Float32Array([focalDistance, focalLength, scale, maxDiameter, maxDepth]));
     },
@@ -119,17 +120,11 @@ async function bevy(handed, passes) {
     },
     read: async () => {
       const commands = device.createCommandEncoder();
-      const { buffer, bytesPerRow } = copy(device, commands, rgba, result);
+      const copied = copy(device, commands, rgba, result);
       device.queue.submit([commands.finish()]);
-      await buffer.mapAsync(GPUMapMode.READ);
-      const rows = new Uint16Array(buffer.getMappedRange());
-      const found = new Uint16Array(4 * width * height);
-      // from the bottom, as WebGL reads
-      for (let y = 0; y < height; y++) {
-        found.set(rows.subarray((y * bytesPerRow) / 2, (y * bytesPerRow) / 2 + 4 * width), (height - 1 - y) * 4 * width);
-      }
-      buffer.destroy();
-      return found;
+      const picture = decode(await read(copied));
+      copied.buffer.destroy();
+      return upsideDown(picture, handed); // as WebGL reads
     },
   };
 }

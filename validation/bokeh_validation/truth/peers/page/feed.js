@@ -24,4 +24,12 @@ export function canvasOf({ width, height }) {
   return Object.assign(document.createElement("canvas"), { width, height });
 }
 
+// Rows in the opposite order; rows begin with the first as they come from Python, with the last in WebGL
+export function upsideDown(data, { height }) {
+  const turned = new data.constructor(data.length);
+  const row = data.length / height;
+  for (let y = 0; y < height; y++) turned.set(data.subarray(y * row, (y + 1) * row), (height - 1 - y) * row);
+  return turned;
+}
+
 export const degrees = ({ fovy }) => (fovy * 180) / Math.PI;

@@ -4,17 +4,15 @@ import { decode } from "./browser/job.js";
 import { MAPPED } from "./lens.js";
 import { Babylon } from "./babylon.js";
 import { BevyBokeh, BevyGaussian } from "./bevy.js";
-import { ours } from "./ours.js";
+import { upsideDown } from "./feed.js";
 import { CameraFrame } from "./playcanvas.js";
 import { DepthOfFieldNode } from "./three_tsl.js";
 import { BokehPass, DepthOfFieldEffect, input } from "./three_webgl.js";
 
-const THREE = { BokehPass, DepthOfFieldNode, DepthOfFieldEffect };
-const OPEN = { input, ...THREE, Babylon, CameraFrame, BevyBokeh, BevyGaussian };
+const OPEN = { input, BokehPass, DepthOfFieldNode, DepthOfFieldEffect, Babylon, CameraFrame, BevyBokeh, BevyGaussian };
 
 let scene = null;
-const opened = new Map(); // name -> { set, draw, read, gl }
-let newest = null; // the context made last
+const opened = new Map(); // name -> { set, draw, read }
 let record = null; // draws of the frame that is being counted
 
 // ------------------------------------------------------------------------------------ what an engine asks of WebGL
@@ -44,19 +42,8 @@ for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawEl
     record.push({ text: sources.get(used.get(gl)), share: (width * height) / (scene.width * scene.height) });
   });
 }
-const getContext = HTMLCanvasElement.prototype.getContext;
-HTMLCanvasElement.prototype.getContext = function (...given) {
-  const made = getContext.apply(this, given);
-  if (made instanceof WebGL2RenderingContext) newest = made;
-  return made;
-};
 
 // ------------------------------------------------------------------------------------------------------------- calls
-
-// Passes of ours, as the browser driver has them, under a name like a peer's
-export function add({ name, job }) {
-  OPEN[name] = () => ours(job);
-}
 
 // { width, height, color: base64 of half RGBA, depth: base64 of float32 metres, near, far, fovy,
 //   camera: as in lens.js }
@@ -72,7 +59,7 @@ export const mapped = (name) => MAPPED[name](scene.camera, [scene.width, scene.h
 async function ready(name, parameters) {
   if (!opened.has(name)) {
     const peer = await OPEN[name](scene);
-    opened.set(name, { gl: newest, ...peer });
+    opened.set(name, peer);
     await peer.set(parameters);
     await peer.draw(); // three.js's nodes draw nothing at first
   }
@@ -86,10 +73,7 @@ export async function draw({ name, parameters }) {
   const peer = await ready(name, parameters);
   await peer.draw();
   const data = await peer.read();
-  const row = 4 * scene.width;
-  const upright = new data.constructor(data.length);
-  for (let y = 0; y < scene.height; y++) upright.set(data.subarray(y * row, (y + 1) * row), (scene.height - 1 - y) * row);
-  return { data: new Uint8Array(upright.buffer).toBase64(), half: data instanceof Uint16Array };
+  return { data: new Uint8Array(upsideDown(data, scene).buffer).toBase64(), half: data instanceof Uint16Array };
 }
 
 // The draws of a frame: [{ text: of the fragment shader, share: of the picture that it covers }]
@@ -99,31 +83,7 @@ export async function draws({ name, parameters }) {
   await peer.set(parameters);
   record = [];
   await peer.draw();
-  const found = record;
+  const frame = record;
   record = null;
-  return found;
-}
-
-// Milliseconds of a frame of each, in turn: [[...], ...]
-export async function time({ peers, rounds }) {
-  const found = peers.map(() => []);
-  // all that was asked for has to be done when a pixel is read, be it one of the canvas
-  const wait = (gl) => {
-    if (!gl) return; // WebGPU: draw() has waited
-    const bound = gl.getParameter(gl.READ_FRAMEBUFFER_BINDING);
-    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, null);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, bound);
-  };
-  for (let round = 0; round <= rounds; round++) {
-    for (const [index, { name, parameters }] of peers.entries()) {
-      const peer = await ready(name, parameters);
-      wait(peer.gl);
-      const before = performance.now();
-      await peer.draw();
-      wait(peer.gl);
-      if (round > 0) found[index].push(performance.now() - before);
-    }
-  }
-  return found;
+  return frame;
 }

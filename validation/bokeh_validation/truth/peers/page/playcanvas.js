@@ -1,7 +1,7 @@
 // PlayCanvas's CameraFrame with nothing of it but depth of field.
 
 import * as pc from "playcanvas";
-import { FEED, VERTEX, canvasOf, degrees } from "./feed.js";
+import { FEED, VERTEX, canvasOf, degrees, upsideDown } from "./feed.js";
 
 export async function CameraFrame(handed) {
   const { width, height, near, far } = handed;
@@ -22,9 +22,7 @@ export async function CameraFrame(handed) {
       addressU: pc.ADDRESS_CLAMP_TO_EDGE, addressV: pc.ADDRESS_CLAMP_TO_EDGE, levels: data ? [data] : undefined,
     }); // prettier-ignore
   // its first pass leaves depth in metres, upright, as this is
-  const upright = new Float32Array(width * height);
-  for (let y = 0; y < height; y++) upright.set(handed.depth.subarray(y * width, (y + 1) * width), (height - 1 - y) * width);
-  const depth = texture("metres", pc.PIXELFORMAT_R32F, pc.FILTER_NEAREST, upright);
+  const depth = texture("metres", pc.PIXELFORMAT_R32F, pc.FILTER_NEAREST, upsideDown(handed.depth, handed));
   depth.destroy = () => {}; // which the frame does to what it takes for its own, whenever its passes change
   const material = new pc.ShaderMaterial({
     uniqueName: "feed",
