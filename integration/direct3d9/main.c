@@ -14,10 +14,12 @@
 #include <d3d9.h>
 #include <d3dcompiler.h>
 
+#include "../parameters/BokehParameters.h"
 #include "capture.h"
 #include "scene.h"
 
-enum { ZOOM = 2, MAX_INPUTS = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_PARAMETERS = 35, NUM_DEBUG_VIEWS = 4 };
+enum { ZOOM = 2, MAX_INPUTS = 4, MAX_TARGETS = 3, MAX_PASSES = 5, NUM_DEBUG_VIEWS = 4 };
+enum { NUM_PARAMETERS = sizeof(struct BokehParameters) / sizeof(float) };
 
 typedef struct {
     IDirect3DTexture9 *texture;
@@ -102,23 +104,18 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 to c39 of the package's passes, as docs/parameters.md lists them. */
-static struct {
-    float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, constantCoC, aspectRatio, angle, angleB;
-    float bleedingBias, bleedingMult, blurCoC, useMax, debugMode, lineLength, lineCenterX, lineCenterY, squeeze;
-    float spacing, imageWidth, imageHeight, jitter, frame, sides, edge, depthKind, zNear, zFar, viewportX, viewportY;
-    float textureWidth, textureHeight, passIndex, axis, layer, catsEye, roundness, lateral, axialRed, axialBlue;
-} parameters = {
-    .sensorHeight = 0.024f,
-    .bleedingBias = 0.02f,
-    .bleedingMult = 30.0f,
-    .blurCoC = 1.0f,
-    .lineLength = 1.0f,
-    .squeeze = 1.0f,
-    .spacing = 1.0f,
-    .aspectRatio = (float)WIDTH / HEIGHT,
-    .imageWidth = WIDTH,
-    .imageHeight = HEIGHT,
+/* Registers c0 and up of the package's passes, as docs/parameters.md lists them. */
+static struct BokehParameters parameters = {
+    .SensorHeight = 0.024f,
+    .BleedingBias = 0.02f,
+    .BleedingMult = 30.0f,
+    .BlurCoC = 1.0f,
+    .LineLength = 1.0f,
+    .Squeeze = 1.0f,
+    .Spacing = 1.0f,
+    .AspectRatio = (float)WIDTH / HEIGHT,
+    .ImageWidth = WIDTH,
+    .ImageHeight = HEIGHT,
 };
 
 static HWND window;
@@ -282,7 +279,7 @@ static void draw_pass(const Pass *pass)
     /* colour and depth are copied texel by texel, all else is sampled between texels */
     for (int i = 0; i < MAX_INPUTS; i++)
         set_texture(i, pass->from[i], pass->from[i] == &color || i == 1 ? D3DTEXF_POINT : D3DTEXF_LINEAR);
-    parameters.angle = pass->degrees * PI / 180.0f;
+    parameters.Angle = pass->degrees * PI / 180.0f;
     set_parameters();
     draw_quad(pass->shader, WIDTH, HEIGHT);
 }
@@ -318,7 +315,7 @@ static void draw_frame(void)
     if (debug_view < 0) {
         show(DISPLAY, &result, back_buffer, 0, WIDTH * ZOOM, HEIGHT * ZOOM);
     } else {
-        parameters.debugMode = (float)debug_view;
+        parameters.DebugMode = (float)debug_view;
         show(DEBUG_VIEW, &coc, back_buffer, 0, WIDTH * ZOOM, HEIGHT * ZOOM);
     }
     CHECK(IDirect3DDevice9_EndScene(device));
@@ -348,9 +345,9 @@ static float aimed[NUM_AIMS];
 /* On a place in the world. */
 static void focus_on_place(const float place[3])
 {
-    parameters.focusDistance = view_depth(&camera, place);
+    parameters.FocusDistance = view_depth(&camera, place);
     for (int i = 0; i < NUM_AIMS; i++)
-        aimed[i] = parameters.focusDistance;
+        aimed[i] = parameters.FocusDistance;
 }
 
 /* At what is seen at a pixel of the last frame and around it. */
@@ -368,7 +365,7 @@ static void aim_at(int x, int y)
 /* Each frame, with the seconds that it took. INFINITY: there at once. */
 static void pull_focus(float seconds)
 {
-    parameters.focusDistance = pulled_focus(parameters.focusDistance, aimed, seconds, PULL_SECONDS);
+    parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
 }
 
 /* ---- the program ---- */
@@ -435,10 +432,10 @@ static void capture(const char *folder)
         read_back(&result, WIDTH, HEIGHT, 8, pixels);
         snprintf(name, sizeof name, "%s.f16", shot->name);
         write_file(folder, name, pixels, WIDTH * HEIGHT * 8);
-        shots[i] = (CapturedShot){shot->name, shot->method, shot->aperture, parameters.focusDistance};
+        shots[i] = (CapturedShot){shot->name, shot->method, shot->aperture, parameters.FocusDistance};
         if (i == 0) {
             CHECK(IDirect3DDevice9_BeginScene(device));
-            parameters.debugMode = 3.0f;
+            parameters.DebugMode = 3.0f;
             show(DISPLAY, &color, picture.surface, 0, WIDTH, HEIGHT);
             show(DEBUG_VIEW, &coc, picture.surface, WIDTH, WIDTH, HEIGHT);
             show(DISPLAY, &result, picture.surface, WIDTH * 2, WIDTH, HEIGHT);
@@ -455,12 +452,12 @@ static void capture(const char *folder)
     read_back(&depth, WIDTH, HEIGHT, 4, pixels);
     write_file(folder, "depth.f32", pixels, WIDTH * HEIGHT * 4);
     CHECK(IDirect3D9_GetAdapterIdentifier(direct3d, D3DADAPTER_DEFAULT, 0, &adapter));
-    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.focusDistance, {0}, {0}};
+    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {0}, {0}};
     aim_at(pulled.x, pulled.y);
     memcpy(pulled.depths, aimed, sizeof aimed);
     for (int i = 0; i < NUM_PULLED; i++) {
         pull_focus(pulled.frame);
-        pulled.distances[i] = parameters.focusDistance;
+        pulled.distances[i] = parameters.FocusDistance;
     }
     write_capture(folder, "Direct3D 9", adapter.Description, shots, NUM_SHOTS, &pulled);
 }
@@ -473,9 +470,9 @@ int main(int argc, char **argv)
     make_shaders();
     make_scene();
     camera = make_camera();
-    parameters.focalLength = focal_length();
-    parameters.apertureDiameter = parameters.focalLength / F_STOP;
-    parameters.maxCoC = MAX_COC;
+    parameters.FocalLength = focal_length();
+    parameters.ApertureDiameter = parameters.FocalLength / F_STOP;
+    parameters.MaxCoC = MAX_COC;
     focus_on_place(SUBJECT);
     if (argc > 1)
         capture(argv[1]);

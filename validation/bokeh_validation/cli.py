@@ -33,7 +33,7 @@ COMMANDS = {
     "probes": ("run.validate", "run_patterns"),
     "parity": ("shaders.parity", "parity"),
     "bench": ("bench.bench_command", "bench"),
-    "port": ("engines.godot", "port"),
+    "port": ("frame.port", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
     "engines": ("run.validate", "run_engines"),

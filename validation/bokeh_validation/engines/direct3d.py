@@ -61,5 +61,5 @@ def build(name: str) -> Path:
 
 def sources(name: str) -> list[Path]:
     """The files of a sample that are compiled, those that it shares too, without the package's own."""
-    files = [*(SAMPLES / name).iterdir(), *SHARED.glob("*.h")]
+    files = [*(SAMPLES / name).iterdir(), *SHARED.glob("*.h"), *(SAMPLES / "parameters").glob("*.h")]
     return sorted({file for file in files if file.suffix in (".c", ".cpp", ".h", ".hlsl")})

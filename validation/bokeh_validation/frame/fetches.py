@@ -3,7 +3,7 @@
 import numpy as np
 
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import COPY, EDGE, FIRST, LATERAL, SECOND
+from bokeh_validation.shaders.entries import COPY, DEPTH, EDGE, FIRST, LATERAL, SECOND
 from bokeh_validation.shaders.passes import Pass
 
 KINDS = ("color", "depth", "table")
@@ -25,7 +25,7 @@ def of_pass(item: Pass, in_focus: bool = False) -> dict[str, int]:
     times = 3 if item.spec.role in (FIRST, SECOND, EDGE) and item.constants["BOKEH_CHARACTER"] > 1 else 1
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
     return {
-        "color": times * (1 + others + samples),
+        "color": 0 if item.spec.role == DEPTH else times * (1 + others + samples),
         "depth": depth,
         "table": item.samples if "KernelSamp" in item.inputs else 0,
     }

@@ -79,6 +79,7 @@ class Settings:
 
 
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
+PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
 PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
 PAPER_SAMPLES = 13
 # With spacing, where nobody says
@@ -230,8 +231,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     """
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}Layer"
-    constants = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
-    defines = dict(zip(constants, PRESETS[settings.preset], strict=True))
+    defines = dict(zip(PRESET_CONSTANTS, PRESETS[settings.preset], strict=True))
     common = _filter_parameters(settings, size) | {
         "BokehMaxCoC": settings.camera.max_coc,
         "BokehAngle": radians(settings.rotation),

@@ -1,81 +1,193 @@
-"""A method's frame as data: what `validation/run plan` prints, and what docs/passes.md is made from.
+"""A method's frame as data: what `validation/run plan` prints, and what `validation/run port` writes into the samples.
 
 It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
 """
 
 import math
+import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, files, options, paths, shaders, terminal
+from bokeh_validation import __version__, options, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES
-from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SLOTS, Pass, is_linear, target_size
+from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, VIEW
+from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
 
 LEAST_SIDE, MOST_SIDE = 2, 16384
-FORMAT, TEXEL_BYTES = "RGBA16F", 8
-PAGE = paths.ROOT / "docs/passes.md"
-BEGIN, END = "<!-- made by validation/run plan --docs: begin -->\n", "<!-- end -->\n"
-PAGE_SIZE = (1920, 1080)
+# Role of an entry -> format of its target and bytes of a texel
+FORMATS = {DEPTH: ("R32F", 4)}
+USUAL_FORMAT = ("RGBA16F", 8)
+# From the engine's depth buffer to metres; the drivers are given metres
+LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
+VERTEX = {
+    "entry": "BokehFullScreen",
+    "vertices": 3,
+    "topology": "triangle list",
+    "vertex_buffer": None,
+    "note": "Draw three vertices without a vertex buffer: they are made of the vertex index. Core OpenGL draws nothing "
+    "without a bound vertex array: bind an empty one. Shader model 3 has no vertex index: there it takes a quad of "
+    "your own with a position of -1 .. 1.",
+}
+# What is known in the engine only. The values in `parameters` are those of the settings, or defaults.
+OVERWRITE = {
+    "lens": [
+        "BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC",
+    ],
+    "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
+    "size": ["BokehAspectRatio", "BokehImageWidth", "BokehImageHeight"],
+    "each frame, with BokehJitter": ["BokehFrame"],
+}  # fmt: skip
+NOTES = (
+    "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
+    "their order, as one text. The same files with the vertex entry are the vertex shader.",
+    "`size` is ceil(width / scale) x ceil(height / scale) of the full size: rounded up. The viewport of a pass is its "
+    "whole target, unless the pass has a `viewport` (x, y, width, height in texels of the target).",
+    "Blending, depth test and culling off. `linear`: linear filter, clamp, no mip levels. `nearest`: fetched texel by "
+    "texel; only shader model 3 needs a filter of that kind.",
+    "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
+    "those that your engine must give.",
+    "Pass 0 makes metres of the depth buffer. Leave it out where `depth` holds metres along the view axis already.",
+    "Constants that are not listed have the library's default; BOKEH_ADAPTIVE_SAMPLES 1 lets BokehSpacing and "
+    "BokehJitter act. A constant beats a preset without a word: where BOKEH_PRESET_.. is defined, define none of those "
+    "that it stands for.",
+)
 
 
-def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
+def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
     """Everything, ready for JSON. Raises UserError for settings that mean nothing.
 
-    Passes are numbered from 1. A pass's parameters are `parameters` with its own `changes`: one block for all passes
-    will do. `constants` are fixed when its program is compiled. `last_read` is the last pass that reads a texture, null
-    for the result; textures with the same number in `memory` may be one target. Bindings are those of WebGPU and
-    Vulkan, `register` is Direct3D's. Fetches are those of a texel of its targets, at most; those of the frame are a
-    pixel of the full size.
+    size      (width, height) of the textures, pixels
+    viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
+              are multiples of every pass's scale, or ValueError is raised
+
+    Passes are numbered as listed: 0 makes metres of the depth buffer. A pass's parameters are `parameters` with its own
+    `changes`: one block for all passes will do. `constants` are fixed when its program is compiled. `last_read` is the
+    last pass that reads a texture, null for the result; textures with the same number in `memory` may be one target.
+    Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel of its targets, at
+    most; those of the frame are per pixel of the full size.
     """
     options.check(settings)
-    plan = methods.plan(settings, size)
+    plan = methods.plan(settings, viewport[2:] if viewport else size)
+    if any("depth" in item.inputs.values() for item in plan.passes):
+        plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
+    if viewport:
+        plan = methods.in_viewport(plan, viewport, size)
+    first = 0 if plan.passes[0].entry == LINEAR_DEPTH.entry else 1
     same, changes = _parameters(plan.passes)
-    textures = _textures(plan, size)
-    steps = []
-    for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True), start=1):
-        step = {
-            "pass": number,
-            "entry": item.entry,
-            "define": shaders.glsl_pass(item.entry),
-            "inputs": [_input(item, slot) for slot in SLOTS if slot in item.inputs],
-            "targets": list(item.outputs),
-            "scale": item.scale,
-            "size": list(target_size(item.scale, size)),
-            "format": FORMAT,
-            "changes": changed,
-            "constants": item.constants,
-            "fetches": fetches.of_pass(item),
-            "free": [texture["name"] for texture in textures if texture["last_read"] == number],
-        }
-        steps.append(step)
-    made = {texture["memory"]: texture["bytes"] for texture in textures if texture["written"]}
+    textures = _textures(plan, size, first)
+    steps = [
+        _step(number, item, changed, size, textures)
+        for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True), start=first)
+    ]
+    memory = {texture["memory"]: texture["bytes"] for texture in textures if texture["written"] is not None}
     return {
         "version": __version__,
         "method": settings.method,
         "aperture": settings.aperture,
-        "preset": settings.preset if settings.method == "layered" else None,
+        "preset": _preset(settings),
         "several_targets": settings.targets,
         "size": list(size),
+        "notes": list(NOTES),
+        "programs": programs(settings.method),
+        "vertex": VERTEX,
         "passes": steps,
         "parameters": same,
+        "overwrite": OVERWRITE,
+        "block": {"floats": BLOCK_FLOATS, "order": list(PARAMETERS)},
         "bindings": {"parameters": 0, "sampler": FIRST_SAMPLER},
         "textures": textures,
         "tables": {name: table[0, :, :2].tolist() for name, table in plan.tables.items()},
         "result": plan.result,
-        "bytes": sum(texture["bytes"] for texture in textures if texture["written"]),
-        "bytes_shared": sum(made.values()),
+        "bytes": sum(texture["bytes"] for texture in textures if texture["written"] is not None),
+        "bytes_shared": sum(memory.values()),
         "fetches": fetches.of_frame(plan.passes),
     }
+
+
+def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
+    """A pass of frame()."""
+    return {
+        "pass": number,
+        "entry": item.entry,
+        "define": shaders.glsl_pass(item.entry),
+        "inputs": [_input(item, slot) for slot in SLOTS if slot in item.inputs],
+        "targets": list(item.outputs),
+        "scale": item.scale,
+        "size": list(target_size(item.scale, size)),
+        "viewport": list(target_area(item.scale, item.viewport)) if item.viewport else None,
+        "format": FORMATS.get(item.spec.role, USUAL_FORMAT)[0],
+        "changes": changed,
+        "constants": constants(item),
+        "fetches": fetches.of_pass(item),
+        "free": [texture["name"] for texture in textures if texture["last_read"] == number],
+    }
+
+
+def programs(method: str) -> dict[str, dict]:
+    """Language -> files to put together in their order, the lines before them, and names of the entries."""
+    layers = ["bokeh_layers"] if method == "layered" else []
+    files = {
+        language: [f"{language}/{stem}.{language}" for stem in ("bokeh", *middle, "bokeh_passes")]
+        # WGSL has no #ifdef: its passes need the layers always
+        for language, middle in (("glsl", layers), ("hlsl", layers), ("wgsl", ["bokeh_layers"]))
+    }
+    version = "#version 330"
+    return {
+        "glsl": {
+            "files": files["glsl"],
+            "before": [version, "#define BOKEH_PASS {define}"],
+            "vertex_before": [version, "#define BOKEH_PASS BOKEH_FULL_SCREEN"],
+            "entry": "main",
+            "vertex_entry": "main",
+            "versions": [line.removeprefix("#version ") for line in shaders.GLSL_VERSIONS.values()],
+        },
+        "hlsl": {
+            "files": files["hlsl"],
+            "before": ["#define BOKEH_HLSL_SM 5"],
+            "vertex_before": ["#define BOKEH_HLSL_SM 5"],
+            "entry": "{entry}_PS",
+            "vertex_entry": "BokehFullScreen_VS",
+            "versions": ["3", "4", "5", "6"],
+        },
+        "wgsl": {
+            "files": files["wgsl"],
+            "before": [],
+            "vertex_before": [],
+            "entry": "{entry}_PS",
+            "vertex_entry": "BokehFullScreen_VS",
+        },
+    }
+
+
+def constants(item: Pass) -> dict[str, int]:
+    """What a program is compiled with beside the library's defaults and the preset; 0 is the default of the others."""
+    known = {name: value for name, value in item.constants.items() if name not in item.defines and value}
+    # whether a spacing acts is for BokehSpacing to say
+    del known["BOKEH_NUM_SAMPLES"]
+    known.pop("BOKEH_ADAPTIVE_SAMPLES", None)
+    if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, VIEW):
+        return known
+    return {"BOKEH_NUM_SAMPLES": item.samples, **known}
+
+
+def _preset(settings: methods.Settings) -> dict | None:
+    """The preset of layered: one #define in GLSL and HLSL, or the constants that it stands for; others have none."""
+    if settings.method != "layered":
+        return None
+    values = dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True))
+    return {"name": settings.preset, "define": f"BOKEH_PRESET_{settings.preset.upper()}", "stands_for": values}
 
 
 def _input(item: Pass, slot: str) -> dict:
     """A texture of a pass. What is not filtered is fetched; shader model 3 needs a nearest filter for that."""
     return {
         "slot": slot,
+        "uniform": f"Bokeh{slot}",
         "register": SLOTS.index(slot),
         "binding": BINDINGS[slot],
         "texture": item.inputs[slot],
@@ -86,9 +198,9 @@ def _input(item: Pass, slot: str) -> dict:
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
     """All parameters as most passes have them, and what each pass has differently.
 
-    The passes that make the CoC map read the camera only, so what they do not give is no difference.
+    The passes that make the CoC map and metres read the camera only, so what they do not give is no difference.
     """
-    filters = [item for item in passes if item.entry not in COPYING_ENTRIES]
+    filters = [item for item in passes if item.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
     differ = {name for name in PARAMETERS if len({item.values()[name] for item in filters}) > 1}
     same = dict(PARAMETERS)
     for item in passes:
@@ -99,38 +211,44 @@ def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[s
     return same, changes
 
 
-def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
-    """What the passes read and write, in the order of their first use; `written` is null where it is handed in."""
+def _textures(plan: methods.Plan, size: tuple[int, int], first: int) -> list[dict]:
+    """What the passes read and write, in the order of their first use; `written` is null where it is handed in.
+
+    first  number of the first pass
+    """
     read: dict[str, list[int]] = {}
-    found: dict[str, dict] = {}
-    for number, item in enumerate(plan.passes, start=1):
+    textures: dict[str, dict] = {}
+    for number, item in enumerate(plan.passes, start=first):
         for name in item.inputs.values():
             read.setdefault(name, []).append(number)
-            if name not in found:
+            if name not in textures:
                 table = plan.tables.get(name)
                 whole = size if table is None else (table.shape[1], table.shape[0])
-                found[name] = {"name": name, "written": None, "size": list(whole), "format": None, "bytes": None}
+                textures[name] = {"name": name, "written": None, "size": list(whole), "format": None, "bytes": None}
         wide, high = target_size(item.scale, size)
+        kind, texel = FORMATS.get(item.spec.role, USUAL_FORMAT)
         for name in item.outputs:
-            kind = {"size": [wide, high], "format": FORMAT, "bytes": TEXEL_BYTES * wide * high}
-            found[name] = {"name": name, "written": number, **kind}
-    for name, texture in found.items():
+            place = {"size": [wide, high], "format": kind, "bytes": texel * wide * high}
+            textures[name] = {"name": name, "written": number, **place}
+    for name, texture in textures.items():
         texture["read"] = read.get(name, [])
         texture["last_read"] = None if name == plan.result else texture["read"][-1]
-    _share(found.values())
-    return list(found.values())
+    _share(textures.values())
+    return list(textures.values())
 
 
 def _share(textures: Iterable[dict]) -> None:
-    """Number the memory: a target takes that of one of its size that nobody reads any more."""
+    """Number the memory: a target takes that of one of its size and format that nobody reads any more."""
     taken: list[dict] = []
     for texture in textures:
         texture["memory"] = None
-        if texture["written"]:
+        if texture["written"] is not None:
+            last = [math.inf if other["last_read"] is None else other["last_read"] for other in taken]
             free = (
                 number
                 for number, other in enumerate(taken)
-                if other["size"] == texture["size"] and (other["last_read"] or math.inf) < texture["written"]
+                if (other["size"], other["format"]) == (texture["size"], texture["format"])
+                and last[number] < texture["written"]
             )
             texture["memory"] = number = next(free, len(taken))
             taken[number : number + 1] = [texture]
@@ -141,151 +259,88 @@ def _share(textures: Iterable[dict]) -> None:
 WORDS = {"color": "colour", "depth": "depth", "table": "the table"}
 
 
-def lines(found: dict) -> Iterator[str]:
+def lines(planned: dict) -> Iterator[str]:
     """A frame as text."""
-    wide, high = found["size"]
-    preset = f" {found['preset']}" if found["preset"] else ""
-    targets = "several targets" if found["several_targets"] else "one target"
-    yield f"{found['method']}{preset} {found['aperture']}, {wide} x {high}, {targets} a pass"
-    given = {name: value for name, value in found["parameters"].items() if value != PARAMETERS[name]}
-    yield f"in every pass: {_values(given)}; what is not named has its default"
-    yield f"constants: {_values(constants(found))}"
+    wide, high = planned["size"]
+    preset = f" {planned['preset']['name']}" if planned["preset"] else ""
+    targets = "several targets" if planned["several_targets"] else "one target"
+    yield f"{planned['method']}{preset} {planned['aperture']}, {wide} x {high}, {targets} a pass"
+    given = {name: value for name, value in planned["parameters"].items() if value != PARAMETERS[name]}
+    yield f"in every pass: {values(given)}; what is not named has its default"
+    yield f"constants: {values(all_constants(planned)) or 'as the library has them'}"
     yield "linear: linear filter, clamp; nearest: fetched texel by texel, in shader model 3 by a nearest filter"
-    for step in found["passes"]:
+    for step in planned["passes"]:
         yield ""
         yield f"{step['pass']:2}  {step['entry']}  ({step['define']})"
         for source in step["inputs"]:
             yield f"      {source['slot']} <- {source['texture']}  ({source['filter']})"
         share = "" if step["scale"] == 1 else f", 1/{step['scale']}"
-        yield f"      writes {', '.join(step['targets'])}  ({_size(step['size'])} {step['format']}{share})"
+        yield f"      writes {', '.join(step['targets'])}  ({size_text(step['size'])} {step['format']}{share})"
+        if step["viewport"]:
+            x, y, *area = step["viewport"]
+            yield f"      viewport {size_text(area)} at {x}, {y}"
         if step["changes"]:
-            yield f"      sets {_values(step['changes'])}"
+            yield f"      sets {values(step['changes'])}"
         yield f"      fetches a texel, at most: {_counts(step['fetches'])}"
         if step["free"]:
             yield f"      not read any more: {', '.join(step['free'])}"
     yield ""
-    yield f"fetches a pixel of the full size, at most: {_counts(found['fetches'])}"
-    yield f"targets: {_megabytes(found['bytes'])} MB, {_megabytes(found['bytes_shared'])} MB where they share memory"
+    yield f"fetches a pixel of the full size, at most: {_counts(planned['fetches'])}"
+    yield f"targets: {megabytes(planned['bytes'])} MB, {megabytes(planned['bytes_shared'])} MB where they share memory"
 
 
-def constants(found: dict) -> dict[str, int]:
-    """What the programs of a frame are compiled with; the first pass has no filter, and takes any of these.
-
-    The passes of the layers have no number of samples of their own.
-    """
-    last = found["passes"][-1]["constants"]
-    return {n: v for n, v in last.items() if n != "BOKEH_NUM_SAMPLES" or found["method"] != "layered"}
-
-
-def _values(values: dict) -> str:
-    return ", ".join(f"{name} {value:g}" for name, value in values.items())
+def all_constants(planned: dict) -> dict[str, int]:
+    """What the programs of a frame are compiled with, those of the preset too."""
+    together = dict(planned["preset"]["stands_for"]) if planned["preset"] else {}
+    for step in planned["passes"]:
+        together |= step["constants"]
+    return together
 
 
-def _size(size: list[int]) -> str:
+def values(named: dict) -> str:
+    """'BokehAxis 1, BokehLayer 0'."""
+    return ", ".join(f"{name} {value:g}" for name, value in named.items())
+
+
+def size_text(size: list[int]) -> str:
+    """'1920 x 1080'."""
     return f"{size[0]} x {size[1]}"
+
+
+def megabytes(count: int) -> str:
+    """Of bytes, without a fraction."""
+    return f"{count / 1e6:.0f}"
 
 
 def _counts(counts: dict) -> str:
     return ", ".join(f"{round(count, 1):g} of {WORDS[kind]}" for kind, count in counts.items() if count)
 
 
-def _megabytes(count: int) -> str:
-    return f"{count / 1e6:.0f}"
-
-
-# ---------------------------------------------------------------------------------------------------------------- page
-
-SHOWN = (("paper", "hexagon"), ("exact", "hexagon"), ("layered", "hexagon"))
-OTHERS = (
-    *(("paper", aperture) for aperture in ("square", "hexagon", "octagon")),
-    *(("exact", aperture) for aperture in methods.EXACT),
-    *(("layered", aperture) for aperture in methods.EXACT),
-    ("naive", "hexagon"),
-)
-
-
-def page(text: str) -> str:
-    """The text of docs/passes.md with what is between its markers made anew. Raises UserError without markers."""
-    if text.count(BEGIN) != 1 or text.count(END) != 1 or text.index(BEGIN) > text.index(END):
-        raise UserError(f"{PAGE.name}: its two markers are not there once each. Restore them.")
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    return before + BEGIN + "\n".join([*_page_lines(), ""]) + END + after
-
-
-def _page_lines() -> Iterator[str]:
-    for method, aperture in SHOWN:
-        yield from _section(frame(methods.Settings(method, aperture), PAGE_SIZE))
-    yield from ("## Other polygons, and one target a pass", "")
-    shared = "every target's memory is used again as soon as it is free."
-    yield from (f"At {_size(PAGE_SIZE)}, CoC map and result included; *shared*: {shared}", "")
-    heads = ("method, shape", "passes", "targets at once, at most", "colour fetches a pixel, at most", "MB", "shared")
-    yield _row(*heads, "one target a pass")
-    yield "|---|---|---|---|---|---|---|"
-    for method, aperture in OTHERS:
-        several, one = (frame(methods.Settings(method, aperture, targets=each), PAGE_SIZE) for each in (True, False))
-        most = max(len(step["targets"]) for step in several["passes"])
-        yield _row(
-            f"{method}, {aperture}",
-            len(several["passes"]),
-            most,
-            f"{several['fetches']['color']:.0f}",
-            _megabytes(several["bytes"]),
-            _megabytes(several["bytes_shared"]),
-            f"{len(one['passes'])} passes, {one['fetches']['color']:.0f} fetches" if most > 1 else "the same",
-        )
-
-
-def _section(found: dict) -> Iterator[str]:
-    preset = f", preset {found['preset'].upper()}" if found["preset"] else ""
-    yield from (f"## {found['method']}, {found['aperture']}{preset}", "")
-    yield from (f"Constants: {_values({n: v for n, v in constants(found).items() if v})}.", "")
-    yield "| | entry | reads | writes | size | sets | fetches |"
-    yield "|---|---|---|---|---|---|---|"
-    for step in found["passes"]:
-        counts = step["fetches"]
-        yield _row(
-            step["pass"],
-            step["entry"],
-            ", ".join(_sources(step["inputs"])),
-            ", ".join(step["targets"]),
-            "full" if step["scale"] == 1 else f"1/{step['scale']}",
-            _values(step["changes"]),
-            f"{counts['color']}" + (f", depth {counts['depth']}" if counts["depth"] else ""),
-        )
-    yield ""
-
-
-def _sources(inputs: list[dict]) -> Iterator[str]:
-    """Textures; each with its slot where that is not the next colour slot, and its filter where it is not linear."""
-    expected = iter(COLORS)
-    for source in inputs:
-        notes = []
-        if source["slot"] not in COLORS or source["slot"] != next(expected):
-            notes.append(source["slot"])
-        if source["filter"] != "linear":
-            notes.append(source["filter"])
-        yield f"{source['texture']} ({', '.join(notes)})" if notes else source["texture"]
-
-
-def _row(*cells: object) -> str:
-    return f"| {' | '.join(str(cell) for cell in cells)} |"
-
-
 @options.with_settings
 def plan(
     settings: methods.Settings,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, pixels.")] = "1920x1080",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the textures, pixels.")] = "1920x1080",
+    viewport: Annotated[
+        str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
+    ] = None,
     json_file: terminal.JsonFile = None,
-    docs: Annotated[
-        bool, typer.Option("--docs", help="Rewrite the tables of docs/passes.md, and nothing else.")
-    ] = False,
 ) -> None:
     """Every pass of a method in order: entry, inputs, targets, sizes, formats, filters, parameters."""
-    if docs:
-        text = page(PAGE.read_text(encoding="utf-8"))
-        files.whole(PAGE, lambda partial: partial.write_text(text, encoding="utf-8"))
-        return
-    found = frame(settings, terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE))
-    terminal.write_json(json_file, found)
-    terminal.tell(*lines(found))
+    whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
+    planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
+    terminal.write_json(json_file, planned)
+    terminal.tell(*lines(planned))
+
+
+def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """(x, y, width, height) of '1280x720+64+32'. Raises UserError."""
+    numbers = re.fullmatch(r"(\d{1,5})x(\d{1,5})\+(\d{1,5})\+(\d{1,5})", text)
+    wide, high, x, y = map(int, numbers.groups()) if numbers else (0, 0, 0, 0)
+    fits = min(wide, high) >= LEAST_SIDE and x + wide <= size[0] and y + high <= size[1]
+    # the smallest targets have 1/8 of the size
+    if not fits or x % 8 or y % 8:
+        raise UserError(
+            f"--viewport {text}: no part of {size_text(size)}. Give width x height + x + y in pixels, x and y "
+            f"multiples of 8, for example 1280x720+64+32."
+        )
+    return x, y, wide, high

@@ -6,51 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, ENTRIES, Entry
-
-# Order is the layout: parameter i is SM3 register c(i) and byte offset 4 i of the uniform block (docs/parameters.md).
-# The values are used where a pass does not say otherwise.
-PARAMETERS: dict[str, float] = {
-    "BokehApertureDiameter": 0.05,
-    "BokehFocalLength": 0.05,
-    "BokehFocusDistance": 5.0,
-    "BokehSensorHeight": 0.024,
-    "BokehMaxCoC": 0.1,
-    "BokehConstantCoC": 0.0,
-    "BokehAspectRatio": 1.0,
-    "BokehAngle": 0.0,
-    "BokehAngleB": 0.0,
-    "BokehBleedingBias": 0.02,
-    "BokehBleedingMult": 30.0,
-    "BokehBlurCoC": 1.0,
-    "BokehUseMax": 0.0,
-    "BokehDebugMode": 0.0,
-    "BokehLineLength": 1.0,
-    "BokehLineCenterX": 0.0,
-    "BokehLineCenterY": 0.0,
-    "BokehSqueeze": 1.0,
-    "BokehSpacing": 0.0,
-    "BokehImageWidth": 1.0,
-    "BokehImageHeight": 1.0,
-    "BokehJitter": 0.0,
-    "BokehFrame": 0.0,
-    "BokehSides": 6.0,
-    "BokehEdge": 1.0,
-    "BokehDepthKind": 0.0,
-    "BokehNear": 0.1,
-    "BokehFar": 1000.0,
-    "BokehViewportX": 0.0,
-    "BokehViewportY": 0.0,
-    "BokehTextureWidth": 1.0,
-    "BokehTextureHeight": 1.0,
-    "BokehPassIndex": 0.0,
-    "BokehAxis": 0.0,
-    "BokehLayer": 0.0,
-    "BokehCatsEye": 0.0,
-    "BokehRoundness": 1.0,
-    "BokehLateral": 0.0,
-    "BokehAxialRed": 0.0,
-    "BokehAxialBlue": 0.0,
-}
+from bokeh_validation.shaders.parameters import PARAMETERS
 
 # Texture slots in the order of their bindings.
 SLOTS = (

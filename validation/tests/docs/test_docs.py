@@ -48,40 +48,11 @@ def test_links_exist():
                 assert not anchor or anchor in anchors(file), f"{document.name}: {target}#{anchor}"
 
 
-def test_parameter_table():
-    """docs/parameters.md lists the parameters with the indices and offsets that the drivers use."""
-    rows = re.findall(r"^\| (\d+) \| (\d+) \| (Bokeh\w+) \|", PARAMETERS_PAGE, re.MULTILINE)
-    assert rows == [(str(i), str(4 * i), name) for i, name in enumerate(passes.PARAMETERS)]
-
-
 def test_texture_table():
     """docs/parameters.md lists the textures with the bindings and registers that the drivers use."""
     rows = re.findall(r"^\| Bokeh(\w+Samp\w?) \| uniform \| (\d+) \| s(\d+) / t(\d+) \|", PARAMETERS_PAGE, re.MULTILINE)
     assert rows == [(slot, str(passes.BINDINGS[slot]), str(i), str(i)) for i, slot in enumerate(passes.SLOTS)]
     assert f"the linear sampler at {passes.FIRST_SAMPLER}." in PARAMETERS_PAGE
-
-
-@pytest.mark.parametrize(
-    ("file", "start", "end"),
-    [
-        ("integration/parameters/BokehParameters.h", "struct BokehParameters", "};"),
-        ("integration/parameters/BokehParameters.cs", "struct BokehParameters", "\n}"),
-        ("integration/parameters/bokeh_parameters.rs", "struct BokehParameters", "}"),
-        ("integration/parameters/bokehParameters.js", "const BOKEH_PARAMETERS", "]"),
-        ("integration/bevy/src/lib.rs", "struct BokehParameters {", "}"),
-        ("integration/direct3d9/main.c", "    float apertureDiameter", "}"),
-        ("integration/direct3d11/main.cpp", "    float apertureDiameter", "}"),
-    ],
-)
-def test_parameter_structs(file, start, end):
-    """Structs of documents and samples have the fields of the block in its order, and only padding after them."""
-    text = (paths.ROOT / file).read_text(encoding="utf-8")
-    struct, found, _ = text[text.index(start) :].partition(end)
-    wanted = [name.removeprefix("Bokeh").lower() for name in passes.PARAMETERS]
-    words = re.findall(r"\w+", re.sub(r"//.*", "", struct).replace("_", "").lower())
-    # near and far are macros of Windows' headers
-    fields = [re.sub("^z(near|far)$", r"\1", word) for word in words]
-    assert found and [field for field in dict.fromkeys(fields) if field in wanted] == wanted
 
 
 def test_parameter_buffer(monkeypatch):

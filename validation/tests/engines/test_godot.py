@@ -20,12 +20,6 @@ def sample():
         yield opened
 
 
-def test_shaders_are_ported():
-    """The add-on's are those of glsl/, made by `validation/run port`."""
-    for path, text in godot.shaders().items():
-        assert path.read_text(encoding="ascii") == text, f"{path.name}: run validation/run port"
-
-
 @pytest.mark.parametrize("name", ["bokeh", "bokeh_layers"])
 def test_port_only_leaves_out(name):
     """One line is new, those that are gone are of section [2], and of its functions only BokehSetViewport is gone."""

@@ -1,31 +1,35 @@
-"""The frame as data: drivers run from the JSON of `validation/run plan` alone, docs/passes.md is made from it."""
+"""The frame as data: an engine that knows nothing but the JSON draws it; what is made from it is not out of date."""
 
 import json
 import re
 from dataclasses import replace
 
+import moderngl
 import numpy as np
 import pytest
 from support import called, load
 
 from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
-from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import apertures, methods, port
 from bokeh_validation.frame import plan as frame
-from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass, target_size
+from bokeh_validation.shaders.passes import target_size
 
 # The lens blurs the near and the far depths of `picture` by most of the height, so that every pass has work to do.
 CAMERA = methods.Camera(aperture_diameter=0.4, focal_length=0.05, focus_distance=2.0, max_coc=0.8)
-SIZE = (101, 77)
-EVERY = [
-    ("paper", "star", True),
-    ("naive", "hexagon", True),
-    ("exact", "octagon", True),
-    ("exact", "octagon", False),
-    ("layered", "hexagon", True),
-    ("layered", "octagon", False),
-    ("layered", "decagon", True),
-]
+SIZE, WINDOW = (101, 77), (8, 16, 71, 53)
+EVERY = {
+    "paper star": ({"method": "paper", "aperture": "star", "spacing": 1.0, "jitter": 0.5, "frame": 3}, None),
+    "naive": ({"method": "naive"}, None),
+    # with a spacing: BOKEH_ADAPTIVE_SAMPLES is 1 in the harness's own programs then, as it is in the library
+    "exact, a lens": (
+        {"aperture": "octagon", "cats_eye": 0.4, "roundness": 0.7, "axial": (0.1, -0.1), "spacing": 1.5}, None
+    ),
+    "exact, one target": ({"targets": False, "lateral": 0.02, "spacing": 2.0}, WINDOW),
+    "layered": ({"method": "layered", "cats_eye": 0.3}, None),
+    "layered low": ({"method": "layered", "aperture": "octagon", "targets": False, "preset": "low"}, WINDOW),
+    "layered decagon": ({"method": "layered", "aperture": "decagon", "coc": 0.1}, None),
+}  # fmt: skip
 
 
 def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
@@ -38,57 +42,78 @@ def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
     return {"color": color, "depth": blocks.repeat(4, 0).repeat(4, 1)[:high, :wide].copy()}
 
 
-def through_json(found: dict) -> dict:
-    """What another program reads."""
-    return json.loads(json.dumps(found, allow_nan=False))
+class Engine:
+    """OpenGL 3.3 that draws what the JSON says, of the files that it names; targets share their memory."""
 
+    def __init__(self, context: moderngl.Context, planned: dict):
+        self.context, self.planned, self.handles = context, planned, {}
+        self.places = {t["name"]: t["name"] if t["memory"] is None else t["memory"] for t in planned["textures"]}
+        for texture in planned["textures"]:
+            if texture["written"] is not None:
+                channels, dtype = {"RGBA16F": (4, "f2"), "R32F": (1, "f4")}[texture["format"]]
+                handle = context.texture(texture["size"], channels, dtype=dtype)
+                self.handles.setdefault(self.places[texture["name"]], handle)
 
-def driven(driver, found: dict, color: np.ndarray, depth: np.ndarray, memory: bool = False) -> dict[str, np.ndarray]:
-    """A frame on a driver, from its JSON and nothing else; with `memory`, targets share theirs. Texture -> pixels."""
-    named = {t["name"]: f"memory {t['memory']}" if memory and t["written"] else t["name"] for t in found["textures"]}
-    passes = []
-    for step in found["passes"]:
-        constants = dict(step["constants"])
-        item = Pass(
-            step["entry"],
-            {source["slot"]: named[source["texture"]] for source in step["inputs"]},
-            tuple(named[name] for name in step["targets"]),
-            {**found["parameters"], **step["changes"]},
-            constants.pop("BOKEH_NUM_SAMPLES"),
-            constants,
-            scale=step["scale"],
+    def give(self, name: str, pixels: np.ndarray) -> None:
+        """A texture that no pass writes."""
+        size, channels = pixels.shape[1::-1], pixels.shape[2] if pixels.ndim == 3 else 1
+        dtype = {2: "f2", 4: "f4"}[pixels.itemsize]
+        self.handles[name] = self.context.texture(size, channels, pixels.tobytes(), alignment=1, dtype=dtype)
+
+    def text(self, before: list[str], constants: dict) -> str:
+        """A shader."""
+        preset = self.planned["preset"]
+        lines = before + [f"#define {name} {value}" for name, value in constants.items()]
+        lines += [f"#define {preset['define']}"] if preset else []
+        files = self.planned["programs"]["glsl"]["files"]
+        return "\n".join(lines + [(paths.ROOT / name).read_text(encoding="ascii") for name in files])
+
+    def draw(self, step: dict) -> None:
+        """A pass."""
+        glsl = self.planned["programs"]["glsl"]
+        program = self.context.program(
+            vertex_shader=self.text(glsl["vertex_before"], {}),
+            fragment_shader=self.text([line.format(**step) for line in glsl["before"]], step["constants"]),
         )
-        passes.append(item)
-    textures = {"color": color, "depth": depth}
-    for name, offsets in found["tables"].items():
-        textures[name] = np.float32([[(x, y, 0.0, 0.0) for x, y in offsets]])
-    wanted = [found["result"]] if memory else [name for step in found["passes"] for name in step["targets"]]
-    output = driver.run(passes, textures, tuple(found["size"]), keep=[named[name] for name in wanted])
-    return {name: output[named[name]] for name in wanted}
+        for unit, source in enumerate(step["inputs"]):
+            self.handles[self.places[source["texture"]]].use(unit)
+            kind = {"linear": moderngl.LINEAR, "nearest": moderngl.NEAREST}[source["filter"]]
+            self.context.sampler(repeat_x=False, repeat_y=False, filter=(kind, kind)).use(unit)
+            program[source["uniform"]] = unit
+        for name, value in {**self.planned["parameters"], **step["changes"]}.items():
+            if name in program:
+                program[name] = value
+        target = self.context.framebuffer([self.handles[self.places[name]] for name in step["targets"]])
+        assert list(target.size) == step["size"]
+        target.viewport = tuple(step["viewport"] or (0, 0, *step["size"]))
+        target.use()
+        self.context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=self.planned["vertex"]["vertices"])
 
 
-@pytest.mark.parametrize(("method", "aperture", "targets"), EVERY)
-def test_a_driver_runs_from_the_json(method, aperture, targets):
-    """Bit for bit what the harness itself draws, in every target, and each target of the size that the JSON says.
-
-    Out of fewer targets too, which share their memory as `memory` says.
-    """
-    driver = load("osmesa")
-    settings = methods.Settings(method, aperture, camera=CAMERA, targets=targets, rotation=10.0, squeeze=0.8)
-    found = through_json(frame.frame(settings, SIZE))
-    plan, textures = methods.plan(settings, SIZE), picture(SIZE)
-    names = [name for item in plan.passes for name in item.outputs]
-    wanted = driver.run(plan.passes, {**textures, **plan.tables}, SIZE, keep=names)
-    output = driven(driver, found, **textures)
-    assert list(output) == names
-    for texture in found["textures"]:
-        if texture["written"]:
-            name = texture["name"]
-            np.testing.assert_array_equal(output[name], wanted[name], err_msg=name)
-            assert list(output[name].shape[1::-1]) == texture["size"]
-    assert np.ptp(output["result"][..., :3].astype(float)) > 0.0
-    shared = driven(driver, found, **textures, memory=True)["result"]
-    np.testing.assert_array_equal(shared, output["result"])
+@pytest.mark.parametrize("name", EVERY)
+def test_an_engine_runs_from_the_json(name):
+    """Bit for bit what the harness draws: every method, and every option of render."""
+    options, window = EVERY[name]
+    settings = methods.Settings(**{"method": "exact", "rotation": 10.0, "squeeze": 0.8, "camera": CAMERA, **options})
+    planned = json.loads(json.dumps(frame.frame(settings, SIZE, window), allow_nan=False))
+    plan = methods.plan(settings, window[2:] if window else SIZE)
+    plan = methods.in_viewport(plan, window, SIZE) if window else plan
+    driver, given = load("osmesa"), picture(SIZE)
+    expected = driver.run(plan.passes, {**given, **plan.tables}, SIZE)["result"]
+    driver.make_current()
+    engine = Engine(driver.context, planned)
+    # metres already: BokehDepthKind 0
+    tables = {key: np.float32([[(x, y, 0.0, 0.0) for x, y in rows]]) for key, rows in planned["tables"].items()}
+    for key, pixels in {"color": given["color"], "depth buffer": given["depth"], **tables}.items():
+        engine.give(key, pixels)
+    for step in planned["passes"]:
+        engine.draw(step)
+    output = engine.handles[engine.places[planned["result"]]].read(alignment=1)
+    x, y, wide, high = window or (0, 0, *SIZE)
+    part = (slice(y, y + high), slice(x, x + wide))
+    output = np.frombuffer(output, np.float16).reshape(expected.shape)[part]
+    np.testing.assert_array_equal(output, expected[part])
+    assert np.ptp(output[..., :3].astype(float)) > 0.0
 
 
 @pytest.mark.parametrize("targets", [True, False])
@@ -96,33 +121,29 @@ def test_a_driver_runs_from_the_json(method, aperture, targets):
 def test_every_frame_is_whole(method, targets):
     """What is read was written before or handed in, what is written is read; all is set free once, but the result.
 
-    Textures share memory with their like, so that there is less of it.
+    Textures share memory with their like, and no two at a time.
     """
-    allowed = methods.EXACT if method in ("exact", "layered") else apertures.NAMES
-    for aperture in allowed:
-        found = through_json(frame.frame(methods.Settings(method, aperture, targets=targets), (1921, 1081)))
-        there = {"color", "depth", *found["tables"]}
+    for aperture in methods.EXACT if method in ("exact", "layered") else apertures.NAMES:
+        planned = frame.frame(methods.Settings(method, aperture, targets=targets), (1921, 1081))
+        there = {"color", "depth buffer", *planned["tables"]}
         freed = []
-        for number, step in enumerate(found["passes"], start=1):
-            assert step["pass"] == number
+        for number, step in enumerate(planned["passes"]):
+            assert step["pass"] == number and (len(step["targets"]) == 1 or targets)
             read = [source["texture"] for source in step["inputs"]]
             assert there.issuperset(read) and not there.intersection(step["targets"])
             assert step["size"] == list(target_size(step["scale"], (1921, 1081)))
-            assert step["format"] == "RGBA16F" and step["define"] == shaders.glsl_pass(step["entry"])
-            assert len(step["targets"]) == 1 or targets
             assert set(step["free"]) <= set(read)
             there = there.union(step["targets"]).difference(step["free"])
             freed += step["free"]
-        assert there == {found["result"]} and len(freed) == len(set(freed)) == len(found["textures"]) - 1
-        written = [texture for texture in found["textures"] if texture["written"]]
+        assert there == {planned["result"]} and len(freed) == len(set(freed)) == len(planned["textures"]) - 1
+        written = [texture for texture in planned["textures"] if texture["written"] is not None]
         kinds = {texture["memory"]: (*texture["size"], texture["format"], texture["bytes"]) for texture in written}
         for texture in written:
             assert kinds[texture["memory"]] == (*texture["size"], texture["format"], texture["bytes"])
-        # RGBA16F: 8 bytes a texel
-        assert all(size == 8 * wide * high for wide, high, _, size in kinds.values())
-        assert found["bytes"] == sum(texture["bytes"] for texture in written)
-        assert found["bytes_shared"] == sum(size for *_, size in kinds.values())
-        assert found["bytes_shared"] < found["bytes"] or method == "naive"
+        assert all(count == {"RGBA16F": 8, "R32F": 4}[kind] * wide * high for wide, high, kind, count in kinds.values())
+        assert planned["bytes"] == sum(texture["bytes"] for texture in written)
+        assert planned["bytes_shared"] == sum(count for *_, count in kinds.values())
+        assert planned["bytes_shared"] < planned["bytes"] or method == "naive"
 
 
 # What docs/layers.md says of the targets that need two channels
@@ -146,77 +167,29 @@ def test_two_channels_are_enough():
     np.testing.assert_array_equal(output, wanted)
 
 
-def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:
-    """A pass that writes how often it fetched in place of its result."""
-    text = shaders.glsl(item.entry, "330", item.constants)
-    head = re.compile(r"^(vec4 BokehFetch(?:Grid|Around|Nearest)\([^)]*\)\n\{\n)", re.MULTILINE)
-    text, found = head.subn(r"\1    fetched += 1.0;\n", text)
-    assert found == 3
-    text, found = re.subn(r"\bvoid main\(\)", "void counted()", text)
-    assert found >= 1
-    version, rest = text.split("\n", 1)
-    main = "void main()\n{\n    counted();\n    BokehResult = vec4(fetched);\n}\n"
-    text = f"{version}\nfloat fetched = 0.0;\n{rest}\n{main}"
-    return replace(item, output=outputs, sources={"glsl": text})
-
-
-@pytest.mark.parametrize(("aperture", "preset", "targets"), [("hexagon", "medium", True), ("octagon", "low", False)])
-def test_fetches_of_layered(aperture, preset, targets):
-    """The largest number that any texel of a pass fetches, counted on a driver, is the one that is stated."""
-    driver, size = load("osmesa"), (160, 120)
-    settings = methods.Settings("layered", aperture, camera=CAMERA, preset=preset, targets=targets)
-    found = frame.frame(settings, size)
-    passes, names = [], []
-    for number, item in enumerate(methods.plan(settings, size).passes):
-        names.append(f"count {number}")
-        others = tuple(f"count {number}, {k}" for k in range(1, len(item.outputs)))
-        passes += [item, counting(item, (names[-1], *others))]
-    output = driver.run(passes, picture(size), size, keep=names)
-    for step, name in zip(found["passes"], names, strict=True):
-        stated = step["fetches"]["color"] + step["fetches"]["depth"]
-        assert output[name][..., 0].max() == stated, step["entry"]
-    assert all(step["fetches"]["depth"] == (step["entry"] in COPYING_ENTRIES) for step in found["passes"])
-
-
 def test_the_command(tmp_path):
     """`validation/run plan`: every pass in order with its textures, sizes and filters; the JSON is that of frame()."""
     target = tmp_path / "a frame.json"
     done = called("plan", "--method", "layered", "--size", "1921x1081", "--json", target)
     assert done.returncode == 0, done.stderr
-    settings = methods.Settings("layered", "hexagon")
-    found = frame.frame(settings, (1921, 1081))
-    assert json.loads(target.read_text()) == through_json(found)
-    assert done.stdout.splitlines() == list(frame.lines(found))
-    heads = re.findall(r"^ *(\d+)  (\w+)  \((\w+)\)$", done.stdout, re.MULTILINE)
-    plan = methods.plan(settings, (1921, 1081))
-    entries = [(str(n), item.entry, shaders.glsl_pass(item.entry)) for n, item in enumerate(plan.passes, start=1)]
-    assert heads == entries
+    planned = frame.frame(methods.Settings("layered", "hexagon"), (1921, 1081))
+    assert json.loads(target.read_text()) == json.loads(json.dumps(planned))
+    assert done.stdout.splitlines() == list(frame.lines(planned))
     assert "writes tiles  (241 x 136 RGBA16F, 1/8)" in done.stdout
     assert "ColorSampE <- middle  (linear)" in done.stdout and "DepthSamp <- depth  (nearest)" in done.stdout
 
 
-def test_json_to_standard_output(tmp_path, monkeypatch):
-    """`--json -`: there is nothing but the JSON; the text for people goes to standard error, of this command alone."""
-    monkeypatch.chdir(tmp_path)
-    done = called("plan", "--method", "layered", "--json", "-")
-    found = frame.frame(methods.Settings("layered"), (1920, 1080))
-    assert done.returncode == 0 and json.loads(done.stdout) == through_json(found)
-    assert done.stderr.splitlines() == list(frame.lines(found))
-    assert called("plan", "--method", "layered").stdout == done.stderr
-    assert list(tmp_path.iterdir()) == []
+def test_nothing_is_out_of_date():
+    """What samples and documents have of the frame, the parameters and the shaders. Otherwise: validation/run port."""
+    assert list(port.out_of_date()) == []
 
 
-def test_passes_page_is_up_to_date():
-    """Otherwise: validation/run plan --docs."""
-    text = frame.PAGE.read_text(encoding="utf-8")
-    assert frame.page(text) == text
-
-
-@pytest.mark.parametrize("text", ["", frame.BEGIN, frame.END + frame.BEGIN, 2 * (frame.BEGIN + frame.END)])
-def test_page_needs_its_markers(text):
-    """A page without them is left alone."""
-    with pytest.raises(UserError, match="markers"):
-        frame.page(text)
+@pytest.mark.parametrize("markers", ["", "{begin}\n", "{end}\n{begin}\n", "{begin}\n{end}\n{begin}\n{end}\n"])
+def test_a_region_needs_its_markers(markers):
+    """A file without them, or with more, is left alone."""
+    named = {word: f"# {port.WRITTEN_BY} {port.FRAME}: {word}" for word in ("begin", "end")}
+    with pytest.raises(UserError, match="a.py: its markers .* Restore them"):
+        port.replaced("a.py", markers.format(**named), port.FRAME, [])
 
 
 def test_layers_page():
@@ -226,10 +199,10 @@ def test_layers_page():
     found = {}
     for name, rings, cells, enlarged, fetches in rows:
         found[name.lower()] = (int(rings), int(cells), {"bilinear": 0, "cubic": 1}[enlarged])
-        stated = frame.frame(methods.Settings("layered", preset=name.lower()), frame.PAGE_SIZE)["fetches"]["color"]
+        stated = frame.frame(methods.Settings("layered", preset=name.lower()), port.PAGE_SIZE)["fetches"]["color"]
         assert round(stated) == int(fetches), name
     assert found == methods.PRESETS
     named = list(dict.fromkeys(re.findall(r"^\d+\. \*\*(\w+)\*\*", text, re.MULTILINE)))
-    steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][1:]
+    steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][2:]
     entries = dict.fromkeys(re.sub(r"Bokeh(?:Hexagon)?(?:Layer(?=[A-Z]))?", "", step["entry"]) for step in steps)
     assert named == list(entries)

@@ -78,6 +78,8 @@ LEVELS = (
         "render",
         "frame.fetches",
         "frame.plan",
+        "frame.port",
+        "frame.samples",
         "frame.tiling",
         "frame.aperture_command",
     ),

@@ -1,17 +1,18 @@
 """What the layers cost: time against the paper's hexagon, and texels fetched, counted on the device."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from support import load
-from test_frame import counting
 
+from bokeh_validation import shaders
 from bokeh_validation.bench import bench_command, rows, session
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import depth_of, flat
-from bokeh_validation.shaders.passes import COPYING_ENTRIES
+from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 
 pytestmark = pytest.mark.alone
 
@@ -31,6 +32,20 @@ def test_time(name):
     measured, _ = session.measure_rows(load(name), wanted, bench_command.LAYERS_SIZE, 5, scene=rows.LAYERS_SCENE)
     ratios = {row["key"]: row["ratios"]["paper"] for row in measured if row["key"] in MOST_TIME}
     assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
+
+
+def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:
+    """A pass that writes how often it fetched in place of its result."""
+    text = shaders.glsl(item.entry, "330", item.constants)
+    head = re.compile(r"^(vec4 BokehFetch(?:Grid|Around|Nearest)\([^)]*\)\n\{\n)", re.MULTILINE)
+    text, found = head.subn(r"\1    fetched += 1.0;\n", text)
+    assert found == 3
+    text, found = re.subn(r"\bvoid main\(\)", "void counted()", text)
+    assert found >= 1
+    version, rest = text.split("\n", 1)
+    main = "void main()\n{\n    counted();\n    BokehResult = vec4(fetched);\n}\n"
+    text = f"{version}\nfloat fetched = 0.0;\n{rest}\n{main}"
+    return replace(item, output=outputs, sources={"glsl": text})
 
 
 def counted(settings: methods.Settings, color: np.ndarray, depth: np.ndarray) -> dict[str, tuple[float, float]]:

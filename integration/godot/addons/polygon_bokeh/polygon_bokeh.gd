@@ -6,6 +6,8 @@
 ## For the Compatibility renderer.
 extends Node
 
+const Frames := preload("frames.gd")
+
 enum View { PICTURE, DEPTH, COC, FIELDS }
 
 ## [code]layered[/code]: near objects spread over what is behind them. [code]exact[/code]: each pixel by
@@ -236,77 +238,12 @@ func _keep(part: Node, parent: Node) -> void:
 
 func _frame() -> Array[Array]:
 	var rows: Array[Array] = []
+	var passes: Dictionary = { layered = Frames.LAYERED, exact = Frames.EXACT, paper = Frames.PAPER }[method]
 	if method == "paper":
 		rows.append(["metres", 1, "vec4(min(SceneDepth(UV), 65000.0), 0.0, 0.0, 1.0)"])
 		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehCoC(BokehFetchNearest(metres, UV).r, %s))" % LENS])
-		return rows + _paper()
-	rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehSignedCoC(SceneDepth(UV), %s))" % LENS])
-	return rows + (_layered() if method == "layered" else _exact())
-
-
-# Between the two passes of a polygon are half as many textures as it has sides, less one. The function
-# of the second takes four: it gets the last one for the rest, and does not read it.
-func _four(stem: String) -> String:
-	var names := []
-	for k in range(2, 6):
-		names.append("%s%d" % [stem, mini(k, sides / 2)])
-	return ", ".join(names)
-
-
-func _exact() -> Array[Array]:
-	var rows: Array[Array] = []
-	for k in range(2, sides / 2 + 1):
-		rows.append(["target%d" % k, 1, "BokehExactEdge(coc, UV, %d, polygon, settings)" % k])
-	rows.append(["result", 1, "BokehExactSecond(%s, UV, polygon, settings)" % _four("target")])
-	return rows
-
-
-# Each pair of lines is a parallelogram, and min of the two is the polygon (docs/apertures.md).
-func _paper() -> Array[Array]:
-	var line := func(degrees: int, from: String) -> String:
-		return ("BokehDepthOfFieldAdaptive(%s, metres, UV, BokehSegment(radians(%d.0) + rotation, 1.0, "
-				+ "vec2(0.0, 0.0), squeeze), settings, true)") % [from, degrees]
-	var combined := func(a: String, b: String) -> String:
-		return "BokehCombine(%s, BokehFetch(%s, UV), false)" % [a, b]
-	if sides == 6:
-		return [
-			["line1", 1, line.call(90, "coc")],
-			["line2", 1, line.call(30, "line1")],
-			["result", 1, combined.call(line.call(150, "line1"), "line2")],
-		]
-	return [
-		["line1", 1, line.call(0, "coc")],
-		["line2", 1, line.call(90, "line1")],
-		["line3", 1, line.call(45, "coc")],
-		["result", 1, combined.call(line.call(135, "line3"), "line2")],
-	]
-
-
-# docs/passes.md, with one target a pass
-func _layered() -> Array[Array]:
-	var rows: Array[Array] = []
-	var several := func(names: Array, scale: int, call: String) -> void:
-		for i in names.size():
-			rows.append([names[i], scale, "BokehPickTarget(%s, %d)" % [call, i + 2]])
-	rows.append(["tiles", 8, "BokehLayerTiles(coc, UV, layers)"])
-	rows.append(["reach_along_rows", 8, "BokehLayerReach(tiles, UV, vec2(1.0, 0.0), layers)"])
-	rows.append(["reach", 8, "BokehLayerReach(reach_along_rows, UV, vec2(0.0, 1.0), layers)"])
-	several.call(["near", "far", "sums", "leftovers"], 2, "BokehLayerSplit(coc, reach, UV, layers)")
-	several.call(["tile_leftovers", "tile_sums"], 8, "BokehLayerKernels(sums, leftovers, UV, layers)")
-	several.call(["row_leftovers", "row_sums"], 8,
-			"BokehLayerSpread(tile_leftovers, tile_sums, reach, UV, vec2(1.0, 0.0), layers)")
-	several.call(["reaches", "sizes"], 8, "BokehLayerSizes(row_leftovers, row_sums, reach, UV, layers)")
-	several.call(["middle_with_holes", "far_with_holes", "shares"], 4,
-			"BokehLayerHoles(coc, reach, UV, layers)")
-	several.call(["middle", "back"], 4,
-			"BokehLayerFill(middle_with_holes, far_with_holes, shares, reach, UV, layers)")
-	for layer: String in ["near", "far"]:
-		var is_far := layer == "far"
-		for k in range(2, sides / 2 + 1):
-			rows.append(["%s_target%d" % [layer, k], 2,
-					"BokehLayerEdge(%s, sizes, UV, %s, %d, layers)" % [layer, is_far, k]])
-		rows.append([layer + "_blurred", 2,
-				"BokehLayerSecond(%s, sizes, UV, %s, layers)" % [_four(layer + "_target"), is_far]])
-	rows.append(["result", 1,
-			"BokehLayered(coc, reaches, near_blurred, far_blurred, middle, back, UV, layers)"])
+	else:
+		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehSignedCoC(SceneDepth(UV), %s))" % LENS])
+	for row: Array in passes[sides]:
+		rows.append(row)
 	return rows
