@@ -22,6 +22,7 @@ COMMANDS = {
     "doctor": ("doctor", "doctor"),
     "compile": ("compilers.matrix", "compile_programs"),
     "render": ("render", "render"),
+    "compare": ("compare", "compare"),
     "plan": ("frame.plan", "plan"),
     "aperture": ("frame.aperture_command", "aperture"),
     "shapes": ("probes.shapes", "shapes"),

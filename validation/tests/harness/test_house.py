@@ -75,6 +75,7 @@ LEVELS = (
         "pictures",
         "compilers",
         "options",
+        "compare",
         "render",
         "frame.fetches",
         "frame.plan",

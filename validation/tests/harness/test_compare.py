@@ -1,0 +1,115 @@
+"""validation/run compare: a right engine passes on either kind of targets, and each mistake is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import called, load
+from support_cases import noise_case
+
+from bokeh_validation import exr
+from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.probes.model import Case
+from bokeh_validation.reference.listings import stored_depth
+from bokeh_validation.shaders.passes import Pass
+
+CAMERA = Camera(0.1, 0.05, 4.0, max_coc=0.3)
+SETTINGS = Settings("exact", "hexagon", rotation=20.0, camera=CAMERA)
+GIVEN = ("--rotation", 20, "--aperture-diameter", 0.1, "--focus-distance", 4, "--max-coc", 0.3, "--driver", "egl")
+NEAR, FAR = 0.5, 200.0
+
+
+def drawn(case: Case, storage: str = "half", coc=None) -> np.ndarray:
+    """What an engine makes of a case; `coc` changes its signed CoC map."""
+    driver, (first, *others), textures = load("egl"), case.plan.passes, case.textures()
+    textures["coc"] = driver.run([first], textures, case.size, storage, keep=("coc",))["coc"]
+    if coc is not None:
+        textures["coc"][..., 3] = coc(textures["coc"][..., 3])
+    return driver.run(others, textures, case.size, storage)["result"]
+
+
+def metres_read_as(kind: int, held: int, depth: np.ndarray) -> np.ndarray:
+    """Of a depth buffer that holds another kind, by the shaders."""
+    parameters = {"BokehDepthKind": float(kind), "BokehNear": NEAR, "BokehFar": FAR}
+    textures = {"depth": stored_depth(depth.astype(np.float64), held, NEAR, FAR).astype(np.float32)}
+    item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "result", parameters)
+    return load("egl").run([item], textures, depth.shape[::-1], "float")["result"][..., 0].copy()
+
+
+def gamma(image: np.ndarray) -> np.ndarray:
+    """sRGB's curve about, as many engines have it."""
+    return np.concatenate([image[..., :3].astype(np.float32) ** (1 / 2.2), image[..., 3:]], axis=-1).astype(image.dtype)
+
+
+def with_depth(case: Case, kind: int, held: int) -> np.ndarray:
+    """The picture of an engine that misreads its depth buffer."""
+    return drawn(replace(case, depth=metres_read_as(kind, held, case.depth)))
+
+
+MISTAKES = {
+    "upside down: v is flipped": lambda case: drawn(case)[::-1].copy(),
+    "depth is upside down": lambda case: drawn(replace(case, depth=case.depth[::-1].copy())),
+    "the result is sRGB": lambda case: gamma(drawn(case)),
+    "the colour that was blurred is sRGB": lambda case: drawn(replace(case, color=gamma(case.color))),
+    "the CoC's sign is the other one": lambda case: drawn(case, coc=np.negative),
+    "the CoC has no sign": lambda case: drawn(case, coc=np.abs),
+    "reversed and was read as window": lambda case: with_depth(case, 1, 2),
+    "window and was read as metres": lambda case: with_depth(case, 0, 1),
+    "the rotation's sign": lambda case: drawn(replace(case, settings=replace(SETTINGS, rotation=-20.0))),
+    "preset LOW": lambda case: drawn(replace(case, settings=replace(SETTINGS, samples=5, spacing=2.0))),
+}
+
+
+def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
+    """Arguments of compare: the case and its result as files."""
+    import OpenEXR
+
+    channels = {name: np.ascontiguousarray(case.color[..., i].astype(dtype)) for i, name in enumerate("RGB")}
+    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {**channels, "Z": case.depth}) as file:
+        file.write(str(folder / "in.exr"))
+    exr.write(folder / "result.exr", result)
+    return ["compare", folder / "in.exr", folder / "result.exr"]
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_named(name, tmp_path):
+    case = noise_case((96, 64), SETTINGS)
+    files = saved(tmp_path, case, MISTAKES[name](case))
+    done = called(*files, *GIVEN, "--near", NEAR, "--far", FAR)
+    assert done.returncode == 1, done.stdout + done.stderr
+    (line,) = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
+    assert name in line
+    # window and reversed taken for each other make the same depth; nothing else is as near
+    assert line.count("; or ") == ("window" in name and "reversed" in name)
+
+
+def test_preset_of_layered_is_named(tmp_path):
+    settings = Settings("layered", "hexagon", preset="low", camera=CAMERA, rotation=20.0)
+    case = noise_case((96, 64), settings)
+    done = called(*saved(tmp_path, case, drawn(case)), *GIVEN, "--method", "layered")
+    assert done.returncode == 1 and "likeliest mistake: it is preset LOW" in done.stdout
+
+
+@pytest.mark.parametrize("storage", ["half", "float"])
+@pytest.mark.parametrize("dtype", [np.float16, np.float32])
+def test_a_right_engine_passes(dtype, storage, tmp_path):
+    """Whatever the file's colour and the engine's targets are; which these were is said."""
+    case = noise_case((96, 64), SETTINGS)
+    case = replace(case, color=(case.color.astype(np.float32) * np.float32(1.0001)).astype(dtype))
+    done = called(*saved(tmp_path, case, drawn(case, storage).astype(np.float32), dtype), *GIVEN)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"nearest to {storage} targets" in done.stdout and "the same" in done.stdout
+
+
+def test_another_driver_is_right(tmp_path):
+    """A device whose filter and rounding are its own."""
+    case = noise_case((96, 64), SETTINGS)
+    result = load("webgl2").run(case.plan.passes, case.textures(), case.size)["result"]
+    done = called(*saved(tmp_path, case, result), *GIVEN)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_sizes(tmp_path):
+    case = noise_case((96, 64), SETTINGS)
+    done = called(*saved(tmp_path, case, drawn(case)[:32].copy()), *GIVEN)
+    assert done.returncode == 2 and "(96, 32) pixels, the input has (96, 64)" in done.stderr
