@@ -14,7 +14,7 @@ cache=${BOKEH_CACHE:-${XDG_CACHE_HOME:-${HOME:-~}/.cache}/bokeh-validation}
 # $BOKEH_CHROMIUM names. Node.js from elsewhere brings its own npm, which the system's would not go with.
 opengl="libosmesa6 libgl1-mesa-dri libegl1 libgl1"
 vulkan="mesa-vulkan-drivers libvulkan1 libatomic1"
-compilers="glslang-tools glslc libmojoshader-dev spirv-tools spirv-cross"
+compilers="glslang-tools spirv-tools spirv-cross"
 windows="wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
 browser=""
 if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then browser="chromium"; fi
@@ -39,7 +39,8 @@ packages_for() {
     parity | plan | port | aperture | release | doctor) ;;
     demo) printf '%s ' "$opengl $browser" ;;
     peers) printf '%s ' "$opengl $vulkan $browser" ;;
-    compile | engines) printf '%s ' "$everything" ;;
+    compile) printf '%s ' "$opengl $vulkan $compilers $windows $browser" ;;
+    engines) printf '%s ' "$everything" ;;
     render | truth | gallery | figures | shapes | compare) printf '%s ' "$opengl" ;;
     isa) printf '%s ' "$opengl $vulkan $compilers" ;;
     bench | check | mutants | probes) printf '%s ' "$opengl $vulkan $compilers" ;;

@@ -20,7 +20,7 @@ EXIT_BAD_INPUT = 2
 # name -> module and function
 COMMANDS = {
     "doctor": ("doctor", "doctor"),
-    "compile": ("compilers.matrix", "compile_programs"),
+    "compile": ("compilers.compile", "compile_all"),
     "render": ("render", "render"),
     "compare": ("compare", "compare"),
     "plan": ("frame.plan", "plan"),

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from bokeh_validation import drivers, paths
 from bokeh_validation.compilers import dxc, fxc
-from bokeh_validation.compilers.registry import TOOLS
+from bokeh_validation.compilers.registry import COMPILERS
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.terminal import console
 
@@ -64,8 +64,8 @@ def doctor(
         dxc.fetch()
         fxc.fetch()
     table = Table("", "", "", box=None, show_header=False, pad_edge=False)
-    for name, version in TOOLS.items():
-        table.add_row(f"compiler {name}", *find(name, version))
+    for tool, version in {compiler.tool: compiler.version for compiler in COMPILERS}.items():
+        table.add_row(f"compiler {tool}", *find(tool, version))
     for name in drivers.NAMES:
         table.add_row(f"driver {name}", *find(name, partial(_adapter, name)))
     for driver, adapter in adapters():

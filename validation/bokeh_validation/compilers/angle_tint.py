@@ -17,13 +17,11 @@ def version(api: str) -> str:
 
 def angle(vertex: str, fragment: str) -> CompileResult:
     """Compile both stages and link them. Each line of the messages begins with its stage, or with 'link'."""
-
-    def messages(done: dict) -> list[str]:
-        # ANGLE ends its logs with a zero
-        logs = {stage: done["logs"][stage].replace("\0", "") for stage in ("vertex", "fragment", "link")}
-        return [f"{stage}: {line.rstrip()}" for stage, log in logs.items() for line in log.splitlines() if line.strip()]
-
-    return _compiled("webgl2.compile", {"vertex": vertex, "fragment": fragment}, messages)
+    done = _called("webgl2.compile", {"vertex": vertex, "fragment": fragment})
+    # ANGLE ends its logs with a zero
+    logs = {stage: log.replace("\0", "").splitlines() for stage, log in done.get("logs", {}).items()}
+    lines = [f"{stage}: {line.rstrip()}" for stage, log in logs.items() for line in log if line.strip()]
+    return (accepted if done["ok"] else refused)("\n".join(lines) or done.get("error", ""))
 
 
 def tint(vertex: Stage, fragment: Stage) -> CompileResult:
@@ -33,11 +31,6 @@ def tint(vertex: Stage, fragment: Stage) -> CompileResult:
     """
     if vertex.code != fragment.code:
         raise ValueError("the stages are of different modules")
-
-    def messages(done: dict) -> list[str]:
-        lines = [f"wgsl:{said['line']}:{said['column']}: {said['type']}: {said['text']}" for said in done["messages"]]
-        return lines + done["pipeline"].splitlines()
-
     job = {
         "code": fragment.code,
         "slots": SAMPLE_TYPES,
@@ -45,13 +38,14 @@ def tint(vertex: Stage, fragment: Stage) -> CompileResult:
         "vertex": {"entry": vertex.entry, "constants": dict(vertex.constants)},
         "fragment": {"entry": fragment.entry, "constants": dict(fragment.constants)},
     }
-    return _compiled("webgpu.compile", job, messages)
+    done = _called("webgpu.compile", job)
+    lines = [f"wgsl:{m['line']}:{m['column']}: {m['type']}: {m['text']}" for m in done.get("messages", ())]
+    return (accepted if done["ok"] else refused)("\n".join(lines) + "\n" + done.get("pipeline", done.get("error", "")))
 
 
-def _compiled(function: str, job: dict, messages) -> CompileResult:
-    session = browser.session()
+def _called(function: str, job: dict) -> dict:
+    """What the page answers; a crash or a hang is {'ok': False, 'error': ..}."""
     try:
-        done = session.call(function, job, limit=browser.COMPILE_LIMIT)
+        return browser.session().call(function, job, limit=browser.COMPILE_LIMIT)
     except (browser.BrowserError, browser.Refused) as error:
-        return refused(str(error))
-    return (accepted if done["ok"] else refused)("\n".join(messages(done)))
+        return {"ok": False, "error": str(error)}

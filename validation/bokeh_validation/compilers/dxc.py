@@ -15,6 +15,7 @@ from bokeh_validation.compilers.tool import CompileResult, accepted, once, refus
 from bokeh_validation.errors import Unavailable
 
 VERSION = "0.17.5"
+RELEASE = "1.7"  # of DXC, in that version of the package
 PACKAGE = Package(
     "dxc",
     "compushady",
@@ -30,14 +31,15 @@ CLSID_COMPILER = uuid.UUID("73e22d93-e6ce-47f3-b5bf-f0664f39c1b0").bytes_le
 IID_COMPILER3 = uuid.UUID("228B4687-5A6A-4730-900C-9702B2203F54").bytes_le
 IID_RESULT = uuid.UUID("58346CDA-DDE7-4497-9461-6F87AF5E0659").bytes_le
 IID_BLOB = uuid.UUID("8BA5FB08-5195-40e2-AC58-0D989C3A0102").bytes_le
-IID_VERSION = uuid.UUID("b04f5b50-2059-4f12-a8ff-a1e0cde1cc7e").bytes_le
 OUT_OBJECT, OUT_ERRORS = 1, 2
 UTF8 = 65001
 
 # Slots of the virtual tables. Outside Windows IUnknown has a virtual destructor, which takes slots 3 and 4.
-QUERY_INTERFACE, RELEASE, FIRST = 0, 2, 5
+SLOT_RELEASE, SLOT_FIRST = 2, 5
+# IDxcResult inherits GetStatus and two more; GetOutput comes after HasOutput. IDxcBlob: pointer, size.
+SLOT_OUTPUT = SLOT_FIRST + 4
 
-# Printed for every shader on Linux: it tells of signing for Windows, nothing of the shader.
+# Printed for every shader on Linux: it is about signing for Windows, not about the shader.
 UNSIGNED = "warning: DXIL.dll not found.  Resulting DXIL will not be signed for use in release environments."
 
 
@@ -58,33 +60,23 @@ class Buffer(ctypes.Structure):
     _fields_ = [("pointer", ctypes.c_char_p), ("size", ctypes.c_size_t), ("encoding", ctypes.c_uint32)]
 
 
-class Interface:
-    """A COM pointer whose methods are called by slot."""
+def _call(pointer: ctypes.c_void_p, slot: int, *arguments, returns=ctypes.c_int32):
+    """A method of a COM object by its slot in the virtual table."""
+    table = ctypes.cast(pointer, ctypes.POINTER(ctypes.POINTER(ctypes.c_void_p))).contents
+    kinds = [type(a) if isinstance(a, ctypes._SimpleCData) else ctypes.c_void_p for a in arguments]
+    return ctypes.CFUNCTYPE(returns, ctypes.c_void_p, *kinds)(table[slot])(pointer, *arguments)
 
-    def __init__(self, pointer: ctypes.c_void_p):
-        self.pointer = pointer
 
-    def call(self, slot: int, *arguments, returns=ctypes.c_int32):
-        """Method `slot` of the virtual table."""
-        table = ctypes.cast(self.pointer, ctypes.POINTER(ctypes.POINTER(ctypes.c_void_p))).contents
-        kinds = [type(a) if isinstance(a, ctypes._SimpleCData) else ctypes.c_void_p for a in arguments]
-        return ctypes.CFUNCTYPE(returns, ctypes.c_void_p, *kinds)(table[slot])(self.pointer, *arguments)
-
-    def output(self, kind: int) -> bytes:
-        """An output of an IDxcResult. GetOutput is its fifth method, after HasOutput and three it inherits."""
-        pointer = ctypes.c_void_p()
-        status = self.call(FIRST + 4, ctypes.c_uint32(kind), IID_BLOB, ctypes.byref(pointer), ctypes.c_void_p(None))
-        if status or not pointer:
-            return b""
-        blob = Interface(pointer)
-        start, size = blob.call(FIRST, returns=ctypes.c_void_p), blob.call(FIRST + 1, returns=ctypes.c_size_t)
-        data = ctypes.string_at(start, size) if start and size else b""
-        blob.release()
-        return data
-
-    def release(self) -> None:
-        """Give the reference back."""
-        self.call(RELEASE, returns=ctypes.c_uint32)
+def _output(result: ctypes.c_void_p, kind: int) -> bytes:
+    blob = ctypes.c_void_p()
+    status = _call(result, SLOT_OUTPUT, ctypes.c_uint32(kind), IID_BLOB, ctypes.byref(blob), ctypes.c_void_p(None))
+    if status or not blob:
+        return b""
+    start = _call(blob, SLOT_FIRST, returns=ctypes.c_void_p)
+    size = _call(blob, SLOT_FIRST + 1, returns=ctypes.c_size_t)
+    data = ctypes.string_at(start, size) if start and size else b""
+    _call(blob, SLOT_RELEASE, returns=ctypes.c_uint32)
+    return data
 
 
 def _leave_without_it() -> None:
@@ -98,47 +90,34 @@ def _leave_without_it() -> None:
         program.on_exit(program._exit, None)
 
 
-class Compiler:
+class Library:
     """A loaded DXC."""
 
     def __init__(self, library: Path):
         loaded = ctypes.CDLL(str(library))
         _leave_without_it()
-        pointer = ctypes.c_void_p()
-        status = loaded.DxcCreateInstance(CLSID_COMPILER, IID_COMPILER3, ctypes.byref(pointer))
-        if status or not pointer:
+        self.instance = ctypes.c_void_p()
+        status = loaded.DxcCreateInstance(CLSID_COMPILER, IID_COMPILER3, ctypes.byref(self.instance))
+        if status or not self.instance:
             raise Unavailable(f"libdxcompiler gave no compiler (status {status & 0xFFFFFFFF:08x})")
-        self.instance = Interface(pointer)
-        self.version = self._version()
-
-    def _version(self) -> str:
-        pointer = ctypes.c_void_p()
-        if self.instance.call(QUERY_INTERFACE, IID_VERSION, ctypes.byref(pointer)):
-            return "unknown"
-        major, minor = ctypes.c_uint32(), ctypes.c_uint32()
-        Interface(pointer).call(FIRST, ctypes.byref(major), ctypes.byref(minor))
-        return f"{major.value}.{minor.value}"
 
     def compile(self, source: str, profile: str, entry: str, spirv: bool = True) -> CompileResult:
         """Compile HLSL text to SPIR-V, or to DXIL with spirv=False."""
         options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(spirv_options(source) if spirv else ())]
-        arguments = (ctypes.c_wchar_p * len(options))(*options)
+        arguments = ((ctypes.c_wchar_p * len(options))(*options), ctypes.c_uint32(len(options)))
         data = source.encode("ascii")
-        buffer = Buffer(data, len(data), UTF8)
-        pointer = ctypes.c_void_p()
-        status = self.instance.call(
-            FIRST, ctypes.byref(buffer), arguments, ctypes.c_uint32(len(options)), ctypes.c_void_p(None), IID_RESULT,
-            ctypes.byref(pointer),
-        )  # fmt: skip
-        if status or not pointer:
+        buffer, result = Buffer(data, len(data), UTF8), ctypes.c_void_p()
+        given = (ctypes.byref(buffer), *arguments, ctypes.c_void_p(None), IID_RESULT, ctypes.byref(result))
+        status = _call(self.instance, SLOT_FIRST, *given)
+        if status or not result:
             return refused(f"Compile() failed with status {status & 0xFFFFFFFF:08x}")
-        result = Interface(pointer)
         outcome = ctypes.c_int32()
-        result.call(FIRST, ctypes.byref(outcome))
-        messages = result.output(OUT_ERRORS).rstrip(b"\0").decode("utf-8", "replace").strip()
-        binary = result.output(OUT_OBJECT) if outcome.value == 0 else b""
-        result.release()
-        return CompileResult(outcome.value == 0, messages, binary)
+        _call(result, SLOT_FIRST, ctypes.byref(outcome))
+        lines = _output(result, OUT_ERRORS).rstrip(b"\0").decode("utf-8", "replace").splitlines()
+        messages = "\n".join(line for line in lines if line.strip() != UNSIGNED)
+        binary = _output(result, OUT_OBJECT) if outcome.value == 0 else b""
+        _call(result, SLOT_RELEASE, returns=ctypes.c_uint32)
+        return accepted(messages, binary) if outcome.value == 0 else refused(messages)
 
 
 def fetch() -> Path:
@@ -149,19 +128,20 @@ def fetch() -> Path:
 
 
 @once
-def load() -> Compiler:
-    """The compiler, fetched on first use. Raises Unavailable."""
-    return Compiler(fetch())
+def load() -> Library:
+    """The library, fetched on first use. Raises Unavailable."""
+    return Library(fetch())
+
+
+def version() -> str:
+    """Of DXC. Raises Unavailable."""
+    load()
+    return RELEASE
 
 
 def build(source: str, stage: str, entry: str, to_spirv: bool = True) -> CompileResult:
-    """HLSL of shader model 6 to SPIR-V or DXIL, with facts. `stage` is 'vert' or 'frag'.
+    """HLSL of shader model 6 to SPIR-V or DXIL. `stage` is 'vert' or 'frag'.
 
     Not for several threads at once: there is one compiler object. Raises Unavailable.
     """
-    result = load().compile(source, {"vert": "vs_6_0", "frag": "ps_6_0"}[stage], entry, to_spirv)
-    messages = "\n".join(line for line in result.messages.splitlines() if line.strip() != UNSIGNED)
-    if not result.ok:
-        return refused(messages)
-    facts = spirv.facts(result.binary) if to_spirv else {"bytes": len(result.binary)}
-    return accepted(messages, result.binary, facts)
+    return load().compile(source, {"vert": "vs_6_0", "frag": "ps_6_0"}[stage], entry, to_spirv)

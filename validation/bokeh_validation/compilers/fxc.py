@@ -1,4 +1,4 @@
-"""Microsoft's fxc: HLSL of shader models 3, 4 and 5 to Direct3D bytecode, by d3dcompiler_47.dll.
+"""Microsoft's fxc: HLSL of shader models 3 to 5 to Direct3D bytecode, by d3dcompiler_47.dll.
 
 The library ships in a Windows package of kivy-deps-angle. A small program of ours (windows/fxc.cpp) loads it, on
 Windows or under Wine.
@@ -6,7 +6,6 @@ Windows or under Wine.
 
 import hashlib
 import re
-import struct
 import threading
 from collections.abc import Mapping
 
@@ -16,6 +15,7 @@ from bokeh_validation.compilers.tool import CompileResult, accepted, once, refus
 from bokeh_validation.windows import programs, server
 
 VERSION = "0.5.0"
+RELEASE = "10.0.26100.4654"  # of the library, in that version of the package
 LIBRARY = "d3dcompiler_47.dll"
 PACKAGE = Package(
     "fxc",
@@ -38,20 +38,14 @@ BUDGETS = {
 fetch = PACKAGE.fetch
 
 
-class Compiler:
-    """The running compiler, for any number of programs. Several threads may call it: they take turns.
-
-    version  such as 10.0.26100.1
-    """
+class Process:
+    """The running compiler, for any number of programs. Several threads may call it: they take turns."""
 
     def __init__(self) -> None:
         program, library = programs.build("fxc"), fetch().read_bytes()
         beside = program.with_name(LIBRARY)
         if not beside.exists():
             files.whole(beside, lambda partial: partial.write_bytes(library))
-        # VS_FIXEDFILEINFO begins with its signature; the version follows 4 bytes later, two words in each half
-        place = library.index(b"\xbd\x04\xef\xfe") + 8
-        self.version = "{1}.{0}.{3}.{2}".format(*struct.unpack_from("<4H", library, place))
         self._server = server.Server(program)
         self._server.start()
         self._turn = threading.Lock()
@@ -71,60 +65,39 @@ class Compiler:
                 ok, answer = self._server.ask(f"{profile} {entry} {flags:x}", COMPILE_S)
             except server.Ended as error:
                 return refused(str(error))
-            messages, bytecode, listing = (file.read_bytes() for file in kept.values())
-        messages = _places(messages.decode("utf-8", "replace"))
+            said, bytecode, listing = (file.read_bytes() for file in kept.values())
+        messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said.decode("utf-8", "replace").replace("\r", "")).strip()
         if not ok:
             return refused(messages or f"fxc failed: {answer}")
-        return judged(messages, bytecode, listing.decode("utf-8", "replace"), profile)
+        listing = listing.decode("utf-8", "replace")
+        known = facts(listing)
+        problem = over_budget(known, profile) or dead_break(listing)
+        if problem:
+            return CompileResult(False, f"{problem}\n{messages}".strip(), b"", known)
+        return accepted(messages, bytecode, known)
 
 
-# fxc names the file with the whole path of its working directory, and (line,column)
+# fxc names the file with the whole path of its working directory, and (line,column); DXC writes bokeh.hlsl:12:5
 _PLACE = re.compile(r"^.*?bokeh\.hlsl\((\d+),([\d-]+)\)", re.MULTILINE)
-
-
-def _places(messages: str) -> str:
-    """Messages with places as DXC writes them, bokeh.hlsl:12:5, which registry.located knows."""
-    return _PLACE.sub(r"bokeh.hlsl:\1:\2", messages.replace("\r", "")).strip()
-
-
-def judged(messages: str, bytecode: bytes, listing: str, profile: str) -> CompileResult:
-    """What compiled, with its facts; refused where it is over the budget of its shader model, or miscompiled."""
-    known = facts(listing)
-    over = over_budget(known, profile) or dead_break(listing)
-    if over:
-        return CompileResult(False, "\n".join(filter(None, (over, messages))), b"", known)
-    return accepted(messages, bytecode, known)
-
-
 _SLOTS = re.compile(
     r"approximately (\d+) instruction slots? used(?: \((\d+) texture, (\d+) arithmetic\))?", re.IGNORECASE
 )
 
 
-def facts(listing: str) -> dict[str, object]:
+def facts(listing: str) -> dict[str, int]:
     """Counts from a disassembly.
 
     slots, texture_slots, arithmetic_slots  as fxc counts them; without texture instructions all are arithmetic
-    temporaries, constants, samplers        registers rN, cN and sN that the code names (from shader model 4 on:
-                                            dcl_temps, the size of cb0, and s registers)
+    temporaries, constants, samplers        registers rN, cN and sN that the code names, of shader model 3
     """
     code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
-    known: dict[str, object] = {}
-    if found := _SLOTS.search(listing):
-        total, texture, arithmetic = found.groups()
+    known: dict[str, int] = {}
+    if match := _SLOTS.search(listing):
+        total, texture, arithmetic = match.groups()
         known |= {"slots": int(total), "texture_slots": int(texture or 0), "arithmetic_slots": int(arithmetic or total)}
-    temporaries = re.search(r"dcl_temps (\d+)", code)
-    buffer = re.search(r"dcl_constantbuffer cb0\[(\d+)\]", code, re.IGNORECASE)
-    return known | {
-        "temporaries": int(temporaries[1]) if temporaries else _registers("r", code),
-        "constants": int(buffer[1]) if buffer else _registers("c", code),
-        "samplers": _registers("s", code),
-    }
-
-
-def _registers(kind: str, code: str) -> int:
-    """Number of different registers of a kind that the code names."""
-    return len(set(re.findall(rf"(?<![\w.]){kind}\d+(?!\w)", code)))
+    for name, letter in {"temporaries": "r", "constants": "c", "samplers": "s"}.items():
+        known[name] = len(set(re.findall(rf"(?<![\w.]){letter}\d+(?!\w)", code)))
+    return known
 
 
 # break_ne and its like: a comparison, two operands
@@ -137,27 +110,32 @@ def dead_break(listing: str) -> str:
     fxc writes `break` as 'break_ne 1, -1' and takes the two from its constants. Where it holds -1 alone, it has been
     seen to write 'break_ne -c0.w, -c0.w', which is never taken.
     """
-    for comparison, one, other in _BREAK.findall(listing):
-        if one == other:
-            return f"miscompiled: 'break_{comparison} {one}, {other}' is never taken, the loop runs to its end"
+    for comparison, left, right in _BREAK.findall(listing):
+        if left == right:
+            return f"miscompiled: 'break_{comparison} {left}, {right}' is never taken, the loop runs to its end"
     return ""
 
 
-def over_budget(known: Mapping[str, object], profile: str) -> str:
+def over_budget(known: Mapping[str, int], profile: str) -> str:
     """A line for each limit of the shader model that is exceeded, or ''."""
     words = {"slots": "instruction slots"}
-    lines = [
+    return "\n".join(
         f"over the budget of {profile}: {known[name]} {words.get(name, name)}, {limit} allowed"
         for name, limit in BUDGETS.get(profile, {}).items()
         if known.get(name, 0) > limit
-    ]
-    return "\n".join(lines)
+    )
 
 
 @once
-def load() -> Compiler:
+def load() -> Process:
     """The compiler, fetched, built and started on first use. Raises Unavailable."""
-    return Compiler()
+    return Process()
+
+
+def version() -> str:
+    """Of the library. Raises Unavailable."""
+    load()
+    return RELEASE
 
 
 def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResult:

@@ -1,12 +1,11 @@
-"""The Khronos reference front end for GLSL, GLSL ES and HLSL (glslangValidator), and Google's glslc, made of it."""
+"""The Khronos reference front end for GLSL, GLSL ES and HLSL: glslangValidator."""
 
 from collections.abc import Sequence
 
-from bokeh_validation.compilers.spirv import REGISTERS, facts
-from bokeh_validation.compilers.tool import CompileResult, Source, Tool, accepted, refused
+from bokeh_validation.compilers.spirv import REGISTERS
+from bokeh_validation.compilers.tool import CompileResult, Tool
 
 GLSLANG = Tool("glslangValidator", "glslang-tools", "--version", r"^Glslang Version: *(.*)")
-GLSLC = Tool("glslc", "glslc", "--version", r"^(.*)")
 
 # What the SPIR-V is for, as a client and as glslangValidator's options. OpenGL: GLSL 330 states no locations or
 # bindings, so they are assigned. HLSL: those of the WGSL file; to what --rsb gives a texture its shift is added.
@@ -33,26 +32,7 @@ def spirv(source: str, stage: str, options: Sequence[str], entry: str | None = N
     """Compile to SPIR-V. `options` is OPENGL, VULKAN or HLSL; HLSL takes the name of its entry point."""
     name = f"shader.{stage}"
     arguments = [*options, *(("-e", entry) if entry else ()), "-o", "out.spv", name]
-    result = GLSLANG.compile(arguments, {name: source.encode()}, "out.spv")
-    if not result.ok:
-        return result
-    try:
-        return accepted(result.messages, result.binary, facts(result.binary))
-    except ValueError as error:
-        return refused(f"glslangValidator ended well but what it wrote is {error}\n{result.messages}")
-
-
-def glsl(sources: Sequence[Source], profile: str) -> list[CompileResult]:
-    """GLSL of a profile of shaders.GLSL_VERSIONS: 450 to SPIR-V for Vulkan, 330 parsed and to SPIR-V for OpenGL.
-
-    300es is parsed only: GLSL ES makes SPIR-V from 3.10 on.
-    """
-    if profile == "300es":
-        return [parse(*source) for source in sources]
-    if profile == "450":
-        return [spirv(*source, VULKAN) for source in sources]
-    parsed = zip(sources, GLSLANG.each((), sources), strict=True)
-    return [spirv(*source, OPENGL) if result.ok else result for source, result in parsed]
+    return GLSLANG.compile(arguments, {name: source.encode()}, "out.spv")
 
 
 def hlsl(source: str, stage: str, entry: str) -> CompileResult:
@@ -61,20 +41,3 @@ def hlsl(source: str, stage: str, entry: str) -> CompileResult:
     Not for shader model 3: glslang takes sampler2D and tex2D but makes SPIR-V of it that is not valid.
     """
     return spirv(source, stage, HLSL, entry)
-
-
-def checked(texts: Sequence[tuple[CompileResult, str]], target: str) -> list[CompileResult]:
-    """What spirv-cross wrote as GLSL ES, each with its stage, where glslang takes it."""
-    parsed = iter(GLSLANG.each((), [(text.binary.decode(), stage) for text, stage in texts if text.ok]))
-    return [_checked(text, next(parsed), target) if text.ok else text for text, _ in texts]
-
-
-def _checked(text: CompileResult, parsed: CompileResult, target: str) -> CompileResult:
-    if not parsed.ok:
-        return refused(f"spirv-cross wrote {target} that glslang refuses:\n{parsed.messages}")
-    return accepted("\n".join(filter(None, (text.messages, parsed.messages))), text.binary, {"bytes": len(text.binary)})
-
-
-def glslc(sources: Sequence[Source]) -> list[CompileResult]:
-    """GLSL for Vulkan to SPIR-V by glslc."""
-    return GLSLC.each(("--target-env=vulkan1.0", "-c"), sources, ".spv")

@@ -38,7 +38,7 @@ def version() -> str:
     device = driver()
     from wgpu.backends import wgpu_native
 
-    native = ".".join(str(part) for part in wgpu_native.lib_version_info)
+    native = ".".join(map(str, wgpu_native.lib_version_info))
     return f"wgpu-native {native}, {device.adapter}"
 
 

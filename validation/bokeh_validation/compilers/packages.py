@@ -47,19 +47,18 @@ class Package:
     def _downloaded(self, folder: Path) -> Path:
         """The archive; pip refuses one that has another hash."""
         print(f"fetching {self.compiler} (the {self.name} package, once)", file=sys.stderr)
-        wanted = folder / "requirements.txt"
-        wanted.write_text(f"{self.name}=={self.version} --hash=sha256:{self.sha256}\n", encoding="ascii")
+        requirements = folder / "requirements.txt"
+        requirements.write_text(f"{self.name}=={self.version} --hash=sha256:{self.sha256}\n", encoding="ascii")
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", *self.options, "--require-hashes"]
+        command += ["-r", str(requirements), "-d", str(folder)]
         try:
-            done = subprocess.run(
-                [*command, "-r", str(wanted), "-d", str(folder)], capture_output=True, text=True, timeout=DOWNLOAD_S
-            )
-            said = "" if done.returncode == 0 else done.stderr.strip() or "no message"
+            done = subprocess.run(command, capture_output=True, text=True, timeout=DOWNLOAD_S)
+            problem = "" if done.returncode == 0 else done.stderr.strip() or "no message"
         except subprocess.TimeoutExpired:
-            said = f"it took over {DOWNLOAD_S} s"
-        if said:
+            problem = f"it took over {DOWNLOAD_S} s"
+        if problem:
             raise Unavailable(
-                f"could not download {self.name} {self.version} for {self.compiler}: {said.splitlines()[-1]}; "
+                f"could not download {self.name} {self.version} for {self.compiler}: {problem.splitlines()[-1]}; "
                 "validation/run doctor --install fetches it"
             )
         return folder / self.archive

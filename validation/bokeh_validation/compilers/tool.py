@@ -1,4 +1,4 @@
-"""What a compiler says of a shader; those on the command line, run with a time limit and their end told as it was."""
+"""What a compiler says of a shader; compilers on the command line, run with a time limit."""
 
 import re
 import shutil
@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import cache, wraps
 from pathlib import Path
 from threading import Lock
 from typing import TypeVar
@@ -21,20 +21,20 @@ TIMEOUT = 30.0  # seconds; what runs here takes 0.05
 
 @dataclass(frozen=True)
 class CompileResult:
-    """Outcome of one compilation; `facts` holds what the compiler tells of its output (slots, sizes)."""
+    """Outcome of one compilation; `facts` holds what the compiler says of its output (slots, warnings)."""
 
     ok: bool
     messages: str = ""
     binary: bytes = b""
-    facts: dict[str, object] = field(default_factory=dict)
+    facts: dict[str, int] = field(default_factory=dict)
 
 
-def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, object] | None = None) -> CompileResult:
+def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, int] | None = None) -> CompileResult:
     """A result that is ok. What was printed all the same are warnings: their lines are counted in facts."""
-    known = dict(facts or {})
-    if messages.strip():
-        known["warnings"] = len(messages.strip().splitlines())
-    return CompileResult(True, messages.strip(), binary, known)
+    lines = messages.strip().splitlines()
+    return CompileResult(
+        True, messages.strip(), binary, {**(facts or {}), **({"warnings": len(lines)} if lines else {})}
+    )
 
 
 def refused(messages: str) -> CompileResult:
@@ -44,7 +44,7 @@ def refused(messages: str) -> CompileResult:
 
 @dataclass(frozen=True)
 class Finished:
-    """One run of a tool.
+    """One run of a program.
 
     ok      it ended by itself with exit status 0
     output  standard output and error; after a crash or a hang it begins with a line that says so
@@ -80,19 +80,12 @@ def run(
     with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
         for file, data in inputs.items():
             Path(folder, file).write_bytes(data)
+        options = {"cwd": folder, "stdin": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "timeout": timeout}
         try:
-            done = subprocess.run(
-                [program, *arguments],
-                cwd=folder,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=timeout,
-            )
+            done = subprocess.run([program, *arguments], stdout=subprocess.PIPE, **options)
         except subprocess.TimeoutExpired as error:
-            return Finished(
-                False, _text(f"{name} hung: stopped after {timeout:g} s\n".encode() + (error.output or b""))
-            )
+            hung = f"{name} hung: stopped after {timeout:g} s\n".encode()
+            return Finished(False, _text(hung + (error.output or b"")))
         except OSError as error:
             return Finished(False, f"{name} could not be started: {error}")
         if done.returncode < 0:
@@ -103,7 +96,10 @@ def run(
         return Finished(done.returncode == 0, _text(done.stdout, inputs), written)
 
 
-Source = tuple[str, str]  # text and stage, 'vert' or 'frag'
+def _text(output: bytes, names: Sequence[str] | Mapping = ()) -> str:
+    """Output without blank lines and without the lines that only name an input, which glslang prints every time."""
+    lines = output.decode("utf-8", "replace").splitlines()
+    return "\n".join(line.rstrip() for line in lines if line.strip() and line.strip() not in names)
 
 
 @dataclass(frozen=True)
@@ -124,14 +120,14 @@ class Tool:
         """The command that does."""
         return f"apt-get install -y {self.package}"
 
-    def run(self, *given) -> Finished:
+    def run(self, *arguments) -> Finished:
         """See run(). Raises Unavailable."""
-        return run(find(self.name, self.install), *given)
+        return run(find(self.name, self.install), *arguments)
 
     def version(self) -> str:
         """Such as 2023.1. Raises Unavailable."""
-        found = re.search(self.pattern, self.run([self.option]).output, re.MULTILINE)
-        return found[1] if found else "unknown"
+        match = re.search(self.pattern, self.run([self.option]).output, re.MULTILINE)
+        return match[1] if match else "unknown"
 
     def compile(self, arguments: Sequence[str], inputs: Mapping[str, bytes], output: str = "") -> CompileResult:
         """What it says, and the file that it was to write, if any. Raises Unavailable."""
@@ -141,47 +137,28 @@ class Tool:
         binary = done.files.get(output, b"")
         if output and not binary.strip():
             return refused(f"{self.name} ended well but wrote nothing\n{done.output}")
-        return accepted(done.output, binary, {"bytes": len(binary)} if output else None)
-
-    def each(self, options: Sequence[str], sources: Sequence[Source], written: str = "") -> list[CompileResult]:
-        """compile() of several shaders; `written` is added to the name of a file for that of what is made of it.
-
-        All at once, since a start takes far longer than a shader. Where anything is said, one after the other: each is
-        told what is its own. It does not link them.
-        """
-        inputs = {f"{index}.{stage}": text.encode("ascii") for index, (text, stage) in enumerate(sources)}
-        outputs = [name + written for name in inputs] if written else []
-        done = self.run([*options, *inputs], inputs, outputs) if inputs else Finished(True, "")
-        if done.ok and not done.output and len(done.files) == len(outputs):
-            found = [done.files[name] for name in outputs] if written else [b""] * len(inputs)
-            return [accepted("", binary, {"bytes": len(binary)} if written else None) for binary in found]
-        alone = [(f"shader.{stage}", text.encode("ascii")) for text, stage in sources]
-        return [self.compile([*options, name], {name: text}, name + written if written else "") for name, text in alone]
-
-
-def _text(output: bytes, names: Sequence[str] | Mapping = ()) -> str:
-    """Output without blank lines and without the lines that only name an input, which glslang prints every time."""
-    lines = output.decode("utf-8", "replace").splitlines()
-    return "\n".join(line.rstrip() for line in lines if line.strip() and line.strip() not in names)
+        return accepted(done.output, binary)
 
 
 def once(make: Callable[[], T]) -> Callable[[], T]:
     """Decorator: what lives in this process is made on first use, and where it is missing, that is remembered too."""
-    made: list[T | Unavailable] = []
     lock = Lock()
+
+    @cache
+    def attempt() -> T | Unavailable:
+        try:
+            return make()
+        except Unavailable as error:
+            return error
+        except ImportError as error:
+            return Unavailable(f"{error.name} is not installed; validation/run sets it up")
 
     @wraps(make)
     def remembered() -> T:
         with lock:
-            if not made:
-                try:
-                    made.append(make())
-                except Unavailable as error:
-                    made.append(error)
-                except ImportError as error:
-                    made.append(Unavailable(f"{error.name} is not installed; validation/run sets it up"))
-        if isinstance(made[0], Unavailable):
-            raise made[0]
-        return made[0]
+            result = attempt()
+        if isinstance(result, Unavailable):
+            raise result
+        return result
 
     return remembered

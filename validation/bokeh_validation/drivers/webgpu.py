@@ -231,7 +231,7 @@ class DXC(WGPU):
 
         self.compiler = dxc.load()
         super().__init__(adapter)
-        self.adapter += f", DXC {self.compiler.version}"
+        self.adapter += f", DXC {dxc.RELEASE}"
         self._vertex = None
 
     def modules(self, item: Pass) -> tuple:

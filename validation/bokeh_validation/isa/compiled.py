@@ -1,6 +1,7 @@
 """The methods whose cost is counted, and their passes as programs: as they are, and with their loops written out."""
 
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from bokeh_validation.shaders.passes import Pass
 
 VERTEX = "BokehFullScreen"
 PATH = " path"  # ends the names of programs with their loops written out
+THREADS = 2  # for the compilations to SPIR-V
 SIZE = (1920, 1080)  # for which the tiles that the largest CoC reaches are counted
 # preset of `exact` -> BOKEH_NUM_SAMPLES, pixels between samples
 EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
@@ -110,7 +112,7 @@ def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, Progra
 def made(
     wanted: dict[str, Program], profile: str, folder: Path | None = None
 ) -> tuple[bytes, dict[str, tuple[bytes, int]]]:
-    """(vertex shader, name -> (code, targets)): SPIR-V in profile 450, else text. Raises Unavailable without glslc.
+    """(vertex shader, name -> (code, targets)): SPIR-V in profile 450, else text. Raises Unavailable without glslang.
 
     folder  holds glsl/ of another release, whose entries need not be all of them; None: this one's
     """
@@ -126,11 +128,15 @@ def made(
 
 def _spirv(sources: list[str], names: list[str]) -> list[bytes]:
     """A vertex shader and fragment shaders for Vulkan."""
-    results = glslang.glslc([(source, "frag" if index else "vert") for index, source in enumerate(sources)])
-    for result, name in zip(results, names, strict=True):
+
+    def compiled(source: str, name: str) -> bytes:
+        result = glslang.spirv(source, "frag" if name else "vert", glslang.VULKAN)
         if not result.ok:
             raise UserError(f"{name or 'the vertex shader'}: {result.messages.splitlines()[0]}")
-    return [result.binary for result in results]
+        return result.binary
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(compiled, sources, names))
 
 
 def _other(folder: Path) -> str:

@@ -13,7 +13,7 @@ import typer
 from rich.table import Table
 
 from bokeh_validation import drivers, jobs, metrics, paths, pictures, terminal, truth
-from bokeh_validation.compilers import matrix
+from bokeh_validation.compilers.compile import Compilation, compile_programs
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import ENGINES, Broken
 from bokeh_validation.engines import run as run_engine
@@ -23,15 +23,15 @@ from bokeh_validation.probes import run as run_probe
 from bokeh_validation.probes.model import compared
 from bokeh_validation.run import report
 from bokeh_validation.run.sections import Panel, Run, Section, drivers_of, of_capture, of_probe, strip
+from bokeh_validation.shaders.variants import load
 from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
 from bokeh_validation.truth import ray_traced
 
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 # One driver for each language: GLSL, WGSL, HLSL
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
-# Variant -> its main compilers
-BRIEF_COMPILERS = {"glsl-330": ("glslang", "mesa"), "hlsl-sm6": ("dxc-spirv",), "wgsl": ("naga",)}
-BRIEF_COMPILERS |= dict.fromkeys(("hlsl-sm3", "hlsl-sm5"), ("fxc",))
+# Compiled by their main compilers
+BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
 # Probes for --full only: another one shows the same on another polygon or in another place
 FULL_PROBES = (
     "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep", "layered-constant",
@@ -119,10 +119,9 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     return Section(title, f"{name}, {method}, {aperture}", text, runs, strips, **said)
 
 
-def compiled(variant: str, brief: bool) -> matrix.Matrix:
+def compiled(variant: str, brief: bool) -> Compilation:
     """The programs of a variant, through all of its compilers or the main ones."""
-    rows = [row for row in matrix.load(quick=brief) if row.variant == variant]
-    return matrix.run([replace(row, compilers=BRIEF_COMPILERS[variant]) for row in rows] if brief else rows)
+    return compile_programs(one for one in load(quick=brief, main=brief) if one.variant == variant)
 
 
 def sample(name: str) -> Section:
@@ -135,10 +134,8 @@ def sample(name: str) -> Section:
         return Section(name, name, "", [Run(name, {}, [Check("built and run", 0.0, 1.0, 1.0, str(error))])], {})
 
 
-def _joined(parts: Sequence[matrix.Matrix]) -> matrix.Matrix:
-    versions = {name: version for part in parts for name, version in part.versions.items()}
-    ordered = {name: versions[name] for name in matrix.COLUMNS if name in versions}
-    return matrix.Matrix([row for part in parts for row in part.rows], ordered, sum(part.seconds for part in parts))
+def _joined(parts: Sequence[Compilation]) -> Compilation:
+    return Compilation([row for part in parts for row in part.rows], sum(part.seconds for part in parts))
 
 
 # ------------------------------------------------------------------------------------------------------------ commands
@@ -149,7 +146,7 @@ class Everything:
     """All results of a run."""
 
     full: bool
-    matrix: matrix.Matrix
+    compilation: Compilation
     probes: Sequence[Section]
     scenes: Sequence[Section]
     market: Section
@@ -168,7 +165,7 @@ class Everything:
     @property
     def ok(self) -> bool:
         """Nothing failed; under CI nothing is missing either."""
-        found = matrix.passed(self.matrix) and all(section.ok for section in (*self.drawn, *self.engines))
+        found = self.compilation.passed and all(section.ok for section in (*self.drawn, *self.engines))
         return found and not (os.environ.get("CI") and self.missing)
 
 
@@ -180,7 +177,7 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     console.print(f"About {MINUTES[full]} minutes on two cores; this machine has {jobs.CORES}.")
     found = everything(full, adapter)
     report.write(path, found)
-    for text in (matrix.summary(found.matrix), *matrix.failures(found.matrix)):
+    for text in (found.compilation.summary, *found.compilation.failures()):
         console.print(text, markup=False, highlight=False)
     _print_grid(found.drawn)
     for section in (*found.drawn, *found.engines):
@@ -207,12 +204,12 @@ def everything(full: bool, adapter: str | None) -> Everything:
         for method in reversed(METHODS) for file in ray_traced.DRIVER_SCENES for aperture in ray_traced.TRUTHS
     ]  # fmt: skip
     probes = [one.name for one in PROBES if full or one.name not in FULL_PROBES]
-    variants = dict.fromkeys(row.variant for row in matrix.load())
+    variants = dict.fromkeys(program.variant for program in load())
     parts = {
         "scenes": scenes if full else [],
         "engines": [(sample, (name,)) for name, engine in ENGINES.items() if full and not engine.slow],
         "probes": [(probe, (name, names, adapter, not full)) for name in probes],
-        "matrix": [(compiled, (name, not full)) for name in variants if full or name in BRIEF_COMPILERS],
+        "compile": [(compiled, (name, not full)) for name in variants if full or name in BRIEF_VARIANTS],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }
     ordered = [(part, job) for part, some in parts.items() for job in some]
@@ -221,7 +218,9 @@ def everything(full: bool, adapter: str | None) -> Everything:
         results = jobs.run([job for _, job in ordered], step)
     made = {job: result for (_, job), result in zip(ordered, results, strict=True)}
     done = {part: [made[job] for job in some] for part, some in parts.items()}
-    return Everything(full, _joined(done["matrix"]), done["probes"], done["scenes"], done["market"][0], done["engines"])
+    return Everything(
+        full, _joined(done["compile"]), done["probes"], done["scenes"], done["market"][0], done["engines"]
+    )
 
 
 def run_patterns(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = None) -> None:

@@ -1,4 +1,4 @@
-"""Which shader programs there are, and which compilers each goes through."""
+"""The shader programs that are compiled, and the compilers that each goes through."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,8 +7,6 @@ from bokeh_validation import shaders
 from bokeh_validation.shaders import entries
 
 VERTEX = "BokehFullScreen"
-ENTRIES = (VERTEX, *entries.ENTRIES)
-
 PAPER_SAMPLES = 13  # on a line, section 4.3
 
 # Values of BOKEH_NUM_SAMPLES by the role of an entry; others, and those of the layers, do not depend on it.
@@ -29,40 +27,46 @@ SAMPLES_SM3 = SAMPLES | {
     entries.TABLE: (2, 13, 16, 64, 127, 144, 256, 400, 576),
     entries.GRID: (2, 4, 8, 12, 13, 16, 20, 24),
 }
-# For images that are a part of their textures, one of each kind: the longest program of shader model 3 among them
-_FILTERS = "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond"
-_FILTERS += " LateralColor"
-_OF_LAYERS = "LayerReach LayerSplit LayerFill DecagonLayerSecond Layered"
-VIEWPORT = {f"Bokeh{name}": (7,) for name in _FILTERS.split()} | {f"Bokeh{n}": (None,) for n in _OF_LAYERS.split()}
-# With the character of a lens, one of each kind; in shader model 3 only exact polygons with several targets have room
-_CUT = "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond"
-_CUT_LAYERS = "LayerFill DecagonLayerFirst DecagonLayerSecond LayerEdge Layered"
-CHARACTER = {f"Bokeh{name}": (7,) for name in _CUT.split()}
-_AXIAL = "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge"
-CHARACTER_LAYERS = {"BokehExactEdge": (7,)} | {f"Bokeh{name}": (None,) for name in _CUT_LAYERS.split()}
 
-# Language, profile, compilers of the programs as they are, compilers of those with BOKEH_VIEWPORT or BOKEH_CHARACTER
+# Switches of the library -> a few entries that have code under them, one of each kind
+SWITCHES = {
+    # images that are a part of their textures; the longest program of shader model 3 is among them
+    "viewport": (
+        {"BOKEH_VIEWPORT": 1},
+        "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond "
+        "LateralColor LayerReach LayerSplit LayerFill DecagonLayerSecond Layered",
+    ),
+    # a cat's eye and curved blades
+    "character": (
+        {"BOKEH_CHARACTER": 1},
+        "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond ExactEdge LayerFill "
+        "DecagonLayerFirst DecagonLayerSecond LayerEdge Layered",
+    ),
+    "axial": (
+        {"BOKEH_CHARACTER": 2},
+        "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge",
+    ),
+}  # fmt: skip
+# In shader model 3 only exact polygons with several targets have room for a cat's eye, and none for axial colour
+NO_ROOM = {"character": ("ExactEdge", "Layer"), "axial": ("",)}
+
+# Language, profile, main compilers, the others. The main ones are those that users of the language have.
 VARIANTS = (
     # OpenGL 3.3
-    ("glsl", "330", "glslang spirv-val mesa", "glslang spirv-val mesa"),
+    ("glsl", "330", "glslang mesa", "spirv-val"),
     # OpenGL ES 3.0, WebGL 2. The ES dialect has no SPIR-V below 3.10.
-    ("glsl", "300es", "glslang mesa angle", "glslang mesa angle"),
-    # Vulkan, and from there to where Vulkan is not; mesa compiles it as OpenGL 4.5
-    (
-        "glsl", "450", "glslang glslc spirv-val essl300 essl310 msl hlsl50 mesa",
-        "glslang glslc spirv-val essl300 msl hlsl50",
-    ),
+    ("glsl", "300es", "angle", "glslang mesa"),
+    # Vulkan, and from there to Apple's Metal; mesa compiles it as OpenGL 4.5
+    ("glsl", "450", "glslang", "spirv-val msl mesa"),
     # Direct3D 9: ps_3_0, vs_3_0. fxc does not enforce its 512 slots, 224 constants, 16 samplers, 32 temporaries: we do.
-    ("hlsl", "sm3", "fxc mojoshader", "fxc mojoshader"),
-    # Direct3D 10: ps_4_0, vs_4_0
-    ("hlsl", "sm4", "fxc", ""),
-    # Direct3D 11: ps_5_0, vs_5_0, and by way of glslang to where Direct3D is not
-    ("hlsl", "sm5", "fxc glslang spirv-val essl300 essl310 msl", "fxc glslang spirv-val"),
+    ("hlsl", "sm3", "fxc", ""),
+    # Direct3D 11: ps_5_0, vs_5_0, and by way of glslang to Vulkan and Metal
+    ("hlsl", "sm5", "fxc", "glslang spirv-val msl"),
     # Direct3D 12, and Vulkan by way of DXC
-    ("hlsl", "sm6", "dxc-spirv dxc-dxil spirv-val essl300 essl310 msl naga", "dxc-spirv dxc-dxil spirv-val naga"),
+    ("hlsl", "sm6", "dxc-spirv", "dxc-dxil spirv-val msl naga"),
     # WebGPU; BOKEH_NUM_SAMPLES is a pipeline constant
-    ("wgsl", "wgsl", "naga tint", "naga tint"),
-)  # fmt: skip
+    ("wgsl", "wgsl", "naga tint", ""),
+)
 
 
 @dataclass(frozen=True)
@@ -72,11 +76,10 @@ class Program:
     variant    such as 'glsl-330' or 'wgsl-viewport': what it is compiled for
     language   'hlsl', 'glsl' or 'wgsl'
     profile    such as '330' or 'sm6'
-    entry      one of ENTRIES
+    entry      an entry's name or VERTEX
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
     compilers  those it goes through, of registry.COMPILERS
     values     other configuration values of section [1], as they are written in the file
-    cells      what each compiler said of it (registry.Cell), once they were asked
     """
 
     variant: str
@@ -86,11 +89,10 @@ class Program:
     samples: int | None
     compilers: tuple[str, ...]
     values: Mapping[str, int] = field(default_factory=dict)
-    cells: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """Unique in the matrix and readable, such as 'glsl-330 BokehNaiveGather 127'."""
+        """Unique and readable, such as 'glsl-330 BokehNaiveGather 127'."""
         return " ".join(filter(None, (self.variant, self.entry, str(self.samples or ""))))
 
     @property
@@ -109,11 +111,6 @@ class Program:
         return self.entry + ("_VS" if self.entry == VERTEX else "_PS")
 
     @property
-    def shader_model(self) -> int:
-        """Of HLSL, 3 to 6."""
-        return int(self.profile.removeprefix("sm"))
-
-    @property
     def configuration(self) -> dict[str, int]:
         """What is not left at the default of the shader file: in WGSL, the pipeline constants."""
         return ({} if self.samples is None else {"BOKEH_NUM_SAMPLES": self.samples}) | dict(self.values)
@@ -124,30 +121,38 @@ class Program:
         if self.language == "glsl":
             return shaders.glsl(self.entry, self.profile, self.configuration)
         if self.language == "hlsl":
-            return shaders.hlsl(self.shader_model, self.configuration)
+            return shaders.hlsl(int(self.profile.removeprefix("sm")), self.configuration)
         return shaders.wgsl()
 
 
-def load(quick: bool = False) -> list[Program]:
-    """All programs; `quick`: one sample count for each entry, the paper's where there is one."""
-    found = []
-    for language, profile, usual, viewport in VARIANTS:
-        name = language if language == profile else f"{language}-{profile}"
-        counts = SAMPLES_SM3 if profile == "sm3" else SAMPLES
-        axial = {} if profile == "sm3" else dict.fromkeys((f"Bokeh{one}" for one in _AXIAL.split()), (7,))
-        whole = {VERTEX: (None,)}
-        cut = CHARACTER if profile == "sm3" else CHARACTER | CHARACTER_LAYERS
-        for entry in entries.ENTRIES.values():
-            whole[entry.name] = counts.get("" if entry.layers else entry.role, (None,))
-        for variant, chosen, compilers, values in (
-            (name, whole, usual, {}),
-            (f"{name}-viewport", VIEWPORT, viewport, {"BOKEH_VIEWPORT": 1}),
-            (f"{name}-character", cut, viewport, {"BOKEH_CHARACTER": 1}),
-            (f"{name}-axial", axial, viewport, {"BOKEH_CHARACTER": 2}),
-        ):
-            for entry, samples in chosen.items() if compilers else ():
-                if quick:
-                    samples = (PAPER_SAMPLES,) if PAPER_SAMPLES in samples else samples[:1]
-                known = tuple(compilers.split())
-                found += [Program(variant, language, profile, entry, count, known, values) for count in samples]
-    return found
+def load(quick: bool = False, main: bool = False) -> list[Program]:
+    """All programs.
+
+    quick  one sample count for each entry, the paper's where there is one, and no switches
+    main   through the main compilers only
+    """
+    programs = []
+    for language, profile, main_compilers, other_compilers in VARIANTS:
+        base = language if language == profile else f"{language}-{profile}"
+        compilers = tuple(main_compilers.split() if main else (main_compilers + " " + other_compilers).split())
+        for switch, entry, counts in _entries(profile, quick):
+            variant, values = (f"{base}-{switch}", SWITCHES[switch][0]) if switch else (base, {})
+            programs += [Program(variant, language, profile, entry, count, compilers, values) for count in counts]
+    return programs
+
+
+def _entries(profile: str, quick: bool) -> list[tuple[str, str, tuple[int | None, ...]]]:
+    """(switch or '', entry, sample counts) of a profile."""
+    by_role = SAMPLES_SM3 if profile == "sm3" else SAMPLES
+    counts = {VERTEX: (None,)}
+    for entry in entries.ENTRIES.values():
+        counts[entry.name] = (None,) if entry.layers else by_role.get(entry.role, (None,))
+    if quick:
+        return [("", name, (PAPER_SAMPLES,) if PAPER_SAMPLES in some else some[:1]) for name, some in counts.items()]
+    chosen = [("", name, some) for name, some in counts.items()]
+    for switch, (_, names) in SWITCHES.items():
+        no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
+        for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in names.split()):
+            if not any(part in entry.name for part in no_room):
+                chosen.append((switch, entry.name, (None if entry.layers else 7,)))
+    return chosen

@@ -15,10 +15,11 @@ from support import called
 
 from bokeh_validation import jobs, paths
 from bokeh_validation import probes as patterns
-from bokeh_validation.compilers import matrix
+from bokeh_validation.compilers.compile import Compilation
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.run import report, validate
 from bokeh_validation.run.sections import Section, of_probe
+from bokeh_validation.shaders.variants import load
 
 LEAKAGE = next(probe for probe in patterns.PROBES if probe.name == "leakage")
 
@@ -37,7 +38,7 @@ class Dark(Reference):
 def page_of(tmp_path, sections: list[Section]) -> str:
     """The report of some sections."""
     market = Section("market_7", "", "", [], {"": []})
-    found = validate.Everything(True, matrix.Matrix([], {}, 0.0), sections, [], market, sections[:0])
+    found = validate.Everything(True, Compilation([], 0.0), sections, [], market, sections[:0])
     report.write(tmp_path / "page.html", found)
     return (tmp_path / "page.html").read_text(encoding="utf-8")
 
@@ -71,12 +72,11 @@ def test_brief(tmp_path):
 
 def test_every_entry_and_language_is_compiled_in_brief():
     """By its main compilers."""
-    rows = [row for row in matrix.load(quick=True) if row.variant in validate.BRIEF_COMPILERS]
-    assert {row.language for row in rows} == set(paths.LANGUAGES)
-    for variant, compilers in validate.BRIEF_COMPILERS.items():
-        mine = [row for row in rows if row.variant == variant]
-        assert {row.entry for row in mine} == {row.entry for row in matrix.load()}
-        assert set(compilers) <= set(mine[0].compilers)
+    programs = [program for program in load(quick=True, main=True) if program.variant in validate.BRIEF_VARIANTS]
+    assert {program.language for program in programs} == set(paths.LANGUAGES)
+    for variant in validate.BRIEF_VARIANTS:
+        entries = {program.entry for program in programs if program.variant == variant}
+        assert entries == {program.entry for program in load()}
 
 
 def test_report_shows_what_differs(tmp_path):
@@ -99,7 +99,7 @@ def test_what_is_missing(tmp_path, monkeypatch):
     section = validate.probe("leakage", ("egl",), None, True)
     assert section.missing == {"egl": "no egl here"} and not section.runs
     assert "egl was not run: no egl here" in page_of(tmp_path, [section])
-    found = SimpleNamespace(drawn=[section], engines=[], matrix=matrix.Matrix([], {}, 0.0), missing=section.missing)
+    found = SimpleNamespace(drawn=[section], engines=[], compilation=Compilation([], 0.0), missing=section.missing)
     monkeypatch.delenv("CI", raising=False)
     assert validate.Everything.ok.fget(found)
     monkeypatch.setenv("CI", "1")

@@ -20,7 +20,7 @@ COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")
 
 
 @pytest.fixture
-def compiler() -> fxc.Compiler:
+def compiler() -> fxc.Process:
     """fxc, or the end of the test."""
     with needed("fxc"):
         return fxc.load()
