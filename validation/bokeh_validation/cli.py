@@ -24,7 +24,7 @@ COMMANDS = {
     "render": ("render", "render"),
     "compare": ("compare", "compare"),
     "plan": ("frame.plan", "plan"),
-    "aperture": ("frame.aperture_command", "aperture"),
+    "aperture": ("frame.aperture", "aperture"),
     "shapes": ("probes.shapes", "shapes"),
     "truth": ("truth", "truth"),
     "gallery": ("truth.gallery", "gallery"),

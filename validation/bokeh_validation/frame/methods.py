@@ -5,7 +5,8 @@ from math import radians
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, decomposition
+from bokeh_validation.frame import apertures
+from bokeh_validation.frame.decomposition import decompose
 from bokeh_validation.shaders.entries import COLORS, EXACT
 from bokeh_validation.shaders.passes import Pass
 
@@ -139,7 +140,7 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
     """
     if settings.aperture in apertures.POLYGONS:
         corners = apertures.regular_polygon(apertures.POLYGONS[settings.aperture])
-        return paper_polygon(decomposition.decompose(corners), settings, size)
+        return paper_polygon(corners, settings, size)
     common = _filter_parameters(settings, size)
     shapes = apertures.PARALLELOGRAMS[settings.aperture]
     passes = [_coc_pass(settings)]
@@ -181,14 +182,14 @@ def _line(settings: Settings, common: dict, angle: float, source: str, target: s
     return Pass(entry + "Final", inputs, target, parameters, settings.count)
 
 
-def paper_polygon(shape: decomposition.Decomposition, settings: Settings, size: tuple[int, int]) -> Plan:
-    """The paper's method for any convex polygon, turned by `settings.rotation`; `settings.aperture` is not looked at.
+def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]) -> Plan:
+    """The paper's method for a convex polygon (n, 2), units of the CoC; `settings.aperture` is not looked at.
 
     Names are those of `paper`. The entries are the adaptive ones, which take lines of any length beside the pixel.
     """
     common = _filter_parameters(settings, size)
     common["BokehUseMax"] = 0.0
-    lines = shape.rotated(settings.rotation).lines
+    lines = decompose(corners, settings.rotation).passes
     names = [f"line {index + 1}" for index in range(len(lines) - 1)] + ["result"]
     passes = [_coc_pass(settings)]
     for line, name in zip(lines, names, strict=True):

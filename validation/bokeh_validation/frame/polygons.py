@@ -1,34 +1,32 @@
 """Analytic apertures: polygons as corner lists (N, 2), x right and y down, and their coverage of pixels."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 SUBPIXELS = 8
 
 
+def _sides(polygon: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """(start, edge) of each side; inside is where the cross product of the edge with place - start is above 0."""
+    polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
+    return zip(polygon, np.roll(polygon, -1, axis=0) - polygon, strict=True)
+
+
 def clip_convex(subject: np.ndarray, clip: np.ndarray) -> np.ndarray:
     """Intersection of two convex polygons (Sutherland-Hodgman)."""
-    clip = clip if signed_area(clip) > 0 else clip[::-1]
-    corners = [np.asarray(p, float) for p in subject]
-    for start, end in zip(clip, np.roll(clip, -1, axis=0), strict=True):
-        edge = end - start
-
-        def side(p, start=start, edge=edge):
-            return edge[0] * (p[1] - start[1]) - edge[1] * (p[0] - start[0])
-
+    corners = np.asarray(subject, float)
+    for start, edge in _sides(clip):
+        offs = edge[0] * (corners[:, 1] - start[1]) - edge[1] * (corners[:, 0] - start[0])
         kept = []
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            sa, sb = side(a), side(b)
-            if sa >= 0:
+        for a, b, off_a, off_b in zip(corners, np.roll(corners, -1, axis=0), offs, np.roll(offs, -1), strict=True):
+            if off_a >= 0:
                 kept.append(a)
-            if (sa > 0 > sb) or (sa < 0 < sb):
-                kept.append(a + (b - a) * sa / (sa - sb))
-        corners = kept
-    return _without_repeats(np.array(corners))
-
-
-def _without_repeats(polygon: np.ndarray) -> np.ndarray:
-    gaps = np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1)
-    return polygon[gaps > 1e-9]
+            if off_a * off_b < 0:
+                kept.append(a + (b - a) * off_a / (off_a - off_b))
+        corners = np.array(kept).reshape(-1, 2)
+    gaps = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    return corners[gaps > 1e-9]
 
 
 def signed_area(polygon: np.ndarray) -> float:
@@ -52,12 +50,10 @@ def corner_angles(polygon: np.ndarray) -> np.ndarray:
 
 def inside(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Which places are in a convex polygon or on its edge, bool in the shape of x and y."""
-    polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
-    found = np.ones(np.broadcast(x, y).shape, bool)
-    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        edge = end - start
-        found &= edge[0] * (y - start[1]) - edge[1] * (x - start[0]) >= 0
-    return found
+    within = np.ones(np.broadcast(x, y).shape, bool)
+    for start, edge in _sides(polygon):
+        within &= edge[0] * (y - start[1]) - edge[1] * (x - start[0]) >= 0
+    return within
 
 
 def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, float]) -> np.ndarray:

@@ -81,8 +81,6 @@ LEVELS = (
         "frame.plan",
         "frame.port",
         "frame.samples",
-        "frame.tiling",
-        "frame.aperture_command",
     ),
     ("probes", "isa", "doctor"),
     ("truth", "engines", "figures"),

@@ -83,10 +83,17 @@ aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
 aperture --sides 2 | --sides 2; 3 to 12
 aperture --sides 26 | --sides 26; 24
 aperture --vertices '0,0 1,0 half' | --vertices: corner 3; 'half'
+aperture --vertices '' | 0 different corners
+aperture --vertices '0,0 0.1,0 nan,0.2' | corner 3 is nan
+aperture --vertices '0,0 120,0 60,90' | corner 2 is 120,0; up to 2
+aperture --vertices '0.1,0.1 0.1,0.1 0.1,0.1' | 1 different corners; three
+aperture --vertices '0,0 0.1,0 0.2,0' | thinner than 0.01
+aperture --vertices '0,0 0.4,0 0.1,0.1 0,0.4' | not convex; from corner 2
+aperture --vertices '0,-0.5 0.294,0.405 -0.476,-0.155 0.476,-0.155 -0.294,0.405' | not convex
+aperture --sides 13 | 3 to 12
 aperture --sides 3 --rotation nan | --rotation nan
 aperture --sides 3 --squeeze 0 | --squeeze 0; at most 16
-aperture --sides 3 --output /no/such/folder/x.png | /no/such/folder
-aperture --sides 3 --output a.png --json /no/such/folder/x.json | /no/such/folder
+aperture --sides 3 --json /no/such/folder/x.json | /no/such/folder
 release | --output
 release --output /no/such/folder/x | /no/such/folder; Make it first
 release --output /dev/null | is a file
