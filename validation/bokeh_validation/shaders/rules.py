@@ -1,4 +1,4 @@
-"""What every shader file has to keep on its own, whatever the other languages do."""
+"""What compilers and users trip over in a shader file by itself, whatever the other languages do."""
 
 import re
 from collections.abc import Iterator
@@ -39,14 +39,6 @@ DECLARED = re.compile(
     r"|^BOKEH_PARAMETER\(\w+, (\w+)",
     re.MULTILINE,
 )
-# Words that the comments do without: a loop has iterations, and one thing comes after another. 'Turns off' is right,
-# and 'behind' where it means deeper in the scene.
-WORDS = re.compile(
-    r"\bturns\b(?!\s+(?:it|them|the\s[a-z\s]+?)\s+(?:off|on)\b)"
-    r"|(?<!from )\bbehind\b(?!\s+(?:the\s+focus|the\s+camera|an?\s+\w+\s+(?:object|pixel)|it|them)\b)"
-    r"|\bcounts?\s+as\b|\bat\s+hand\b|\bhands\s+on\b|\btold\b|\bspelt\b",
-    re.IGNORECASE,
-)
 
 
 def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
@@ -64,20 +56,17 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
         yield 0, f"not {SPDX.strip()!r} first, and {version!r} once in the header"
     if not text.endswith("\n"):
         yield len(text), "no line end at the end of the file: the next one begins right there"
-    code = re.sub("//.*", _blank, text)
-    comments = re.sub(r"^(?! *//).*|//", _blank, text, flags=re.MULTILINE)
+    code = re.sub("//.*", lambda comment: " " * len(comment[0]), text)
     begins = re.search(r"^// (?:\[3\]|Layers:) ", text, re.MULTILINE) if is_library else None
     common = begins.start() if begins else 0
     for what, pattern in LINE.items():
-        yield from ((found.start(), what) for found in re.compile(pattern, re.MULTILINE).finditer(text))
+        yield from ((match.start(), what) for match in re.compile(pattern, re.MULTILINE).finditer(text))
     for what, pattern in COMMON.items():
-        yield from ((found.start(), what) for found in re.compile(pattern).finditer(code, common))
-    for found in DECLARED.finditer(code):
-        name = found[found.lastindex]
+        yield from ((match.start(), what) for match in re.compile(pattern).finditer(code, common))
+    for declaration in DECLARED.finditer(code):
+        name = declaration[declaration.lastindex]
         if not re.match(r"Bokeh|BOKEH_|bokeh", name) and (is_library or name != "main"):
-            yield found.start(), f"{name} does not begin with Bokeh, BOKEH_ or bokeh"
-    for found in WORDS.finditer(comments):
-        yield found.start(), f"{found[0]!r} in a comment: say it in plainer words"
+            yield declaration.start(), f"{name} does not begin with Bokeh, BOKEH_ or bokeh"
     if not is_library:
         yield from _interface(text, language)
         return
@@ -88,10 +77,6 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
             yield function.start("head"), f"more than {MAX_PARAMETERS[language]} parameters"
     if language != "wgsl":
         yield from _tables(text, language)
-
-
-def _blank(found: re.Match) -> str:
-    return " " * len(found[0])
 
 
 def _tables(text: str, language: str) -> Iterator[tuple[int, str]]:

@@ -249,10 +249,7 @@ ALIKE = {
     "a tag line": "// [[Exact: the=>The]] samples along one line",
     "a bit operator": "[[max(numSamples, 2)=>(numSamples | 2)]] - 1;",
     "a swizzle assigned": "    [[return lineEnd=>lineEnd.xy = lineEnd]] * t;",
-    "turns over a line break": "// Debug: [[=>after 255\n//   turns, ]]linear depth as",
 }
-WORDS = ("255 turns", "behind the line", "does not count as", "counts as", "at hand", "hands on", "told", "spelt")
-ALIKE |= {word: f"// Debug: [[=>{word}, ]]linear depth as" for word in WORDS}
 
 
 @pytest.mark.parametrize("name", ALIKE)
