@@ -16,10 +16,9 @@ from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case, drawn
 from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.ray_traced import SceneFile
-from bokeh_validation.truth.scatter import scatter
 
-# gather: shapes.brute_force, in one pass with Listing 3's weights; scatter: scatter.py
-METHODS = ("pinhole", "paper", "exact", "gather", "scatter", "layered")
+# gather: shapes.brute_force, in one pass with Listing 3's weights
+METHODS = ("pinhole", "paper", "exact", "gather", "layered")
 DEFAULT_PRESETS = ("low", "medium")
 # How bright the scenes are shown
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
@@ -27,12 +26,11 @@ CAPTIONS = {
     "pinhole": "input: color and depth through a pinhole",
     "paper": "paper, hexagon, 13 samples a line",
     "gather": "gather: Listing 3, 924 samples",
-    "scatter": "scatter: each pixel by its own CoC",
     "layered medium": "layered, preset MEDIUM",
     "truth": "truth: ray traced through a lens",
 }
 WHOLE = ("pinhole", "paper", "layered medium", "truth")
-DETAIL = ("gather", "scatter", "layered medium", "truth")
+DETAIL = ("pinhole", "gather", "layered medium", "truth")
 # scene, without the times of its lens -> left and top of its detail; width, height
 PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
 
@@ -78,8 +76,6 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
         return blurred.color
     if method == "gather":
         return shapes.brute_force(driver, blurred)
-    if method == "scatter":
-        return scatter(blurred)
     return drawn(driver, blurred)
 
 
@@ -118,7 +114,7 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
 def truth(
     method: Annotated[
         list[str] | None,
-        typer.Option(help="pinhole, paper, exact, gather, scatter or layered; may be given again. Default: all."),
+        typer.Option(help="pinhole, paper, exact, gather or layered; may be given again. Default: all."),
     ] = None,
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")

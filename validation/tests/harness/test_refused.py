@@ -97,7 +97,7 @@ aperture --sides 3 --json /no/such/folder/x.json | /no/such/folder
 release | --output
 release --output /no/such/folder/x | /no/such/folder; Make it first
 release --output /dev/null | is a file
-truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, scatter, layered.
+truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, layered.
 truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
 truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
 """
