@@ -61,19 +61,6 @@ def test_parallelograms_make_regular_polygons():
     assert np.degrees(polygons.corner_angles(diamond)).min() == pytest.approx(45)
 
 
-def test_steps_count_half_floats():
-    """One step is one half float, for colour; for the CoC not less than at one pixel."""
-    a = np.ones((8, 8, 4), np.float16)
-    b = a.copy()
-    b[0, 0, 0] = np.nextafter(np.float16(1), np.float16(2))
-    b[0, 1, 1] = np.nextafter(np.float16(1), np.float16(0))
-    b[0, 2, 2] = 1 + 5 * 2.0**-10
-    distance = metrics.steps(a, b)
-    assert distance[0, 0] == 1 and distance[0, 1] == 1 and distance[0, 2] == 5 and distance[1, 1] == 0
-    a[..., 3], b[..., 3] = 0.0, 2.0**-20
-    assert metrics.steps(a, b)[1, 1] < 0.02
-
-
 def test_compare_notices():
     """A wrong picture, a NaN and a shift by a tenth of a pixel are outside the interval."""
     random = np.random.default_rng(3)
