@@ -4,18 +4,22 @@
 const part = (name) => import(`bokeh/${name}.js`);
 const byId = (id) => document.getElementById(id);
 
+async function ready() {
+  while (!document.querySelector("script[type=importmap]")) await new Promise(requestAnimationFrame);
+  await (await part("main")).ready;
+}
+
 // Values of controls, as they are after an "input" or "change" of each; then what the page says.
 async function set(values) {
   const { change, settled, state } = await part("main");
   for (const [id, value] of Object.entries(values)) {
     const element = byId(id);
     // what lies between the steps of a slider is set as by the scene's lens
-    if (element.type === "range" && value.exactly !== undefined) {
-      change({ [id]: value.exactly });
-      continue;
+    if (value.exactly !== undefined) change({ [id]: value.exactly });
+    else {
+      element.value = value;
+      element.dispatchEvent(new Event(element.type === "range" ? "input" : "change"));
     }
-    element.value = value;
-    element.dispatchEvent(new Event(element.type === "range" ? "input" : "change"));
   }
   await settled();
   const facts = ["leftFacts", "rightFacts", "under", "said"].map((id) => [id, byId(id).textContent]);
@@ -24,8 +28,8 @@ async function set(values) {
 
 // The pictures of these names on a side, as job.js has them.
 async function pictures({ side, names }) {
-  const { view } = await part("main");
-  return Promise.all(names.map((name) => view.picture(side, name)));
+  const view = await part("view");
+  return names.map((name) => view.picture(side, name));
 }
 
 // The canvas: base64 of RGBA, first row on top.
@@ -39,30 +43,6 @@ async function canvas() {
   return new Uint8Array(context.getImageData(0, 0, element.width, element.height).data.buffer).toBase64();
 }
 
-// A pointer at a place of the picture, texels; "click" or "pointermove".
-async function point({ kind, place }) {
-  const { settled, state, under } = await part("main");
-  const element = byId("canvas");
-  const box = element.getBoundingClientRect();
-  const [clientX, clientY] = place.map(
-    (texel, axis) => [box.left, box.top][axis] + ((texel + 0.5) * [box.width, box.height][axis]) / [element.width, element.height][axis],
-  );
-  const kinds = { click: MouseEvent, pointermove: PointerEvent };
-  const seen = [];
-  element.dispatchEvent(new kinds[kind](kind, { clientX, clientY, bubbles: true }));
-  const watch = setInterval(() => seen.push(state.focus), 1);
-  await settled();
-  clearInterval(watch);
-  return { state, under: await under(), seen };
-}
-
-async function press({ key, code = "", shiftKey = false }) {
-  const { settled, state } = await part("main");
-  dispatchEvent.call(document.body, new KeyboardEvent("keydown", { key, code, shiftKey, bubbles: true }));
-  await settled();
-  return { ...state };
-}
-
 // Files that are dropped onto the page: [[name, base64], ..]
 async function drop(files) {
   const { open, settled, state } = await part("main");
@@ -72,9 +52,9 @@ async function drop(files) {
 }
 
 async function scene(index) {
-  const { choose, state } = await part("main");
-  await choose(index);
-  return state;
+  const { choose, under, state } = await part("main");
+  if (index !== null) await choose(index);
+  return { ...state, under: await under() };
 }
 
 // The passes that the page draws for settings, without their programs' common text.
@@ -86,8 +66,4 @@ async function frames(all) {
   );
 }
 
-async function ready() {
-  await (await part("main")).ready;
-}
-
-window.bokeh = { ready, set, pictures, canvas, point, press, drop, scene, frames };
+window.bokeh = { ready, set, pictures, canvas, drop, scene, frames };

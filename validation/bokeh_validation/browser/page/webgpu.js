@@ -198,7 +198,7 @@ async function record(gpu, job, made) {
 }
 
 // Encode the passes of a job; what is to be destroyed when they are done goes into `made`.
-export async function draw(gpu, encoder, job, textures, made) {
+async function draw(gpu, encoder, job, textures, made) {
   const { device } = gpu;
   for (const pass of job.passes) {
     const formats = pass.targets.map((image) => format(job.images[image]));

@@ -32,11 +32,11 @@ export function controls(element, { apertures, presets }, change, choose) {
 }
 
 function select(element, id, text, options) {
-  const made = document.createElement("select");
-  made.id = id;
-  made.replaceChildren(...options.map(([shown, value]) => new Option(shown, value)));
-  labelled(element, text, made);
-  return made;
+  const list = document.createElement("select");
+  list.id = id;
+  list.replaceChildren(...options.map(([shown, value]) => new Option(shown, value)));
+  labelled(element, text, list);
+  return list;
 }
 
 function labelled(element, text, input) {

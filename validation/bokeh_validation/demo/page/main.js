@@ -4,8 +4,7 @@ import { controls, shown } from "./controls.js";
 import * as others from "./others.js";
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
-import * as webgl2 from "./view.js";
-import * as webgpu from "./view_webgpu.js";
+import * as view from "./view.js";
 
 const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
 const SIDES = ["left", "right"];
@@ -17,13 +16,12 @@ for (const [name, { title }] of Object.entries(data.others)) METHODS[name] = tit
 const scenes = [...data.scenes];
 export const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
 const drawn = {}; // side -> { key, name, milliseconds, passes, fetches }
-export let view = webgl2;
 let work = Promise.resolve(); // what is drawn and loaded, one after the other
 let current = null; // the scene's pictures
 let pointer = null; // texel under it
 let pull = null; // { focus } where focus is on its way
 let waiting = []; // those who wait for the next picture
-let asked = false;
+let scheduled = false; // whether a picture is on its way
 let last = 0;
 
 // Resolves when everything is drawn, a pull of focus too.
@@ -40,8 +38,8 @@ export function change(changes) {
 }
 
 function ask() {
-  if (asked) return;
-  asked = true;
+  if (scheduled) return;
+  scheduled = true;
   requestAnimationFrame(() => after(step));
 }
 
@@ -52,7 +50,7 @@ function after(job) {
 }
 
 async function step() {
-  asked = false;
+  scheduled = false;
   if (!current) return;
   const now = performance.now();
   if (pull) focusOn((now - last) / 1000);
@@ -99,7 +97,7 @@ async function render(side) {
     return;
   }
   const passes = frame(data, settings, current.color.size);
-  const milliseconds = await view.run(side, passes);
+  const milliseconds = view.run(side, passes);
   drawn[side] = { key, name: "result", milliseconds, passes: passes.length, fetches: fetches(settings) };
 }
 
@@ -152,9 +150,8 @@ export async function under() {
   const [x, y] = pointer;
   const [width, height] = current.color.size;
   const metres = current.depth.data[y * width + x];
-  const side = SIDES.find((one) => drawn[one]?.passes);
-  const read = () => view.read(side, "coc", x, y);
-  const pixels = side ? Math.abs((await after(read))[3]) * height : null;
+  const side = SIDES.find((name) => drawn[name]?.passes);
+  const pixels = side ? Math.abs((await after(() => view.read(side, "coc", x, y)))[3]) * height : null;
   if (pointer?.[0] !== x || pointer[1] !== y) return null;
   const field = metres < state.focus ? "near" : "far";
   const circle = pixels === null ? "" : `, CoC ${pixels.toFixed(1)} pixels${pixels < 0.5 ? "" : ` ${field}`}`;
@@ -292,22 +289,8 @@ function key(event) {
   event.preventDefault();
 }
 
-// WebGPU where a GPU has it, else WebGL 2; the address says otherwise by #webgpu or #webgl2.
-async function openView() {
-  const wanted = location.hash.slice(1);
-  const adapter = wanted === "webgl2" ? null : await navigator.gpu?.requestAdapter();
-  const software = adapter?.info?.isFallbackAdapter || adapter?.info?.architecture === "swiftshader";
-  view = adapter && (wanted === "webgpu" || !software) ? webgpu : webgl2;
-  await view.open(byId("canvas"), data);
-  byId("api").textContent = view === webgpu ? "WebGPU" : "WebGL 2";
-  byId("api").addEventListener("click", () => {
-    location.hash = view === webgpu ? "webgl2" : "webgpu";
-    location.reload();
-  });
-}
-
 async function begin() {
-  await openView();
+  view.open(byId("canvas"), data);
   controls(byId("controls"), data, change, (index) => choose(index).catch(say));
   for (const side of SIDES) {
     byId(side).replaceChildren(...Object.entries(METHODS).map(([value, text]) => new Option(text, value)));

@@ -2,7 +2,7 @@
 // the page was made with.
 
 // settings: { method, blades, preset, rotation (degrees), squeeze, stop, focal, focus (metres) }
-// Returns [{ fragment, entry, constants, inputs, targets, size, values }], or null where the harness has no such frame.
+// Returns [{ fragment, inputs, targets, size, values }], or null where the harness has no such frame.
 export function frame({ plans, parameters, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
   const name = `${settings.method} ${apertures[settings.blades]}`;
   const plan = plans[`${name} ${settings.preset}`] ?? plans[name];
@@ -20,8 +20,6 @@ export function frame({ plans, parameters, apertures, glsl, sensor, maxCoC }, se
   };
   return plan.passes.map((pass) => ({
     fragment: pass.head + glsl,
-    entry: pass.entry,
-    constants: pass.constants,
     inputs: pass.inputs.map(([slot, image, linear]) => ({ slot, image, linear })),
     targets: pass.targets,
     size: [width, height].map((side) => Math.ceil(side / pass.scale)),

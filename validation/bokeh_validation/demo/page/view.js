@@ -24,9 +24,7 @@ void main()
 let gl = null;
 let canvas = null;
 let vertex = "";
-let size = [1, 1];
-const handed = {}; // color, depth, truth -> texture
-const pool = new Map(); // "side name" -> { size, handle }
+const images = new Map(); // color, depth, truth of the scene, and "side name" -> { size, handle }
 
 export function open(element, data) {
   canvas = element;
@@ -36,82 +34,71 @@ export function open(element, data) {
 
 // Take other pictures: images as in job.js; truth may be null.
 export function load({ color, depth, truth }) {
-  for (const old of [...Object.values(handed), ...[...pool.values()].map(({ handle }) => handle)]) gl.deleteTexture(old);
-  pool.clear();
-  for (const name of Object.keys(handed)) delete handed[name];
-  size = color.size;
-  [canvas.width, canvas.height] = size;
-  handed.color = texture(color);
-  handed.depth = texture(depth);
-  if (truth) handed.truth = texture(truth);
+  for (const { handle } of images.values()) gl.deleteTexture(handle);
+  images.clear();
+  [canvas.width, canvas.height] = color.size;
+  for (const [name, image] of Object.entries({ color, depth, truth })) if (image) keep(name, image);
 }
 
 export function largest() {
   return gl.getParameter(gl.MAX_TEXTURE_SIZE);
 }
 
-function target(side, name, [width, height]) {
-  const key = `${side} ${name}`;
-  const old = pool.get(key);
-  if (old?.size[0] === width && old.size[1] === height) return old.handle;
-  if (old) gl.deleteTexture(old.handle);
-  const handle = texture({ size: [width, height], channels: 4, type: "half" });
-  pool.set(key, { size: [width, height], handle });
-  return handle;
+function keep(key, image) {
+  if (images.has(key)) gl.deleteTexture(images.get(key).handle);
+  images.set(key, { size: image.size, handle: texture(image) });
 }
 
 // Take what another has drawn for a side.
 export function put(side, name, image) {
-  const key = `${side} ${name}`;
-  if (pool.has(key)) gl.deleteTexture(pool.get(key).handle);
-  pool.set(key, { size: image.size, handle: texture(image) });
+  keep(`${side} ${name}`, image);
+}
+
+function imageOf(side, name) {
+  return images.get(name) ?? images.get(`${side} ${name}`);
 }
 
 // Draw the passes of a side and wait for the end; returns milliseconds, without those of compiling.
 export function run(side, passes) {
   for (const { fragment } of passes) linked(vertex, fragment);
-  const textures = { ...handed };
+  const handleOf = (name) => imageOf(side, name)?.handle;
   const before = performance.now();
   for (const pass of passes) {
-    const targets = pass.targets.map((name) => (textures[name] = target(side, name, pass.size)));
-    onto(targets, () => draw({ ...pass, area: [0, 0, ...pass.size] }, vertex, textures));
+    for (const name of pass.targets) {
+      const [width, height] = imageOf(side, name)?.size ?? [];
+      if (width !== pass.size[0] || height !== pass.size[1]) put(side, name, { size: pass.size, channels: 4, type: "half" });
+    }
+    const textures = Object.fromEntries(pass.inputs.map(({ image }) => [image, handleOf(image)]));
+    onto(pass.targets.map(handleOf), () => draw({ ...pass, area: [0, 0, ...pass.size] }, vertex, textures));
   }
-  texel(textures[passes.at(-1).targets[0]], 0, 0); // what is read has to be drawn
+  read(side, passes.at(-1).targets[0], 0, 0); // what is read has to be drawn
   return performance.now() - before;
-}
-
-function texel(handle, x, y) {
-  const value = new Float32Array(4);
-  onto([handle], () => gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, value));
-  return value;
 }
 
 // r, g, b, a of a texel.
 export function read(side, name, x, y) {
-  return texel(textureOf(side, name).handle, x, y);
+  const value = new Float32Array(4);
+  onto([imageOf(side, name).handle], () => gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, value));
+  return value;
 }
 
 // An image as job.js has it, of what a side shows or has drawn; always of four 32-bit channels.
 export function picture(side, name) {
-  const { handle, size: whole } = textureOf(side, name);
-  const image = { size: whole, channels: 4, type: "float" };
+  const { handle, size } = imageOf(side, name);
+  const image = { size, channels: 4, type: "float" };
   const values = elements(image);
-  onto([handle], () => gl.readPixels(0, 0, ...whole, gl.RGBA, gl.FLOAT, values));
+  onto([handle], () => gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, values));
   return encode(image, values);
-}
-
-// { handle, size } of it.
-function textureOf(side, name) {
-  return handed[name] ? { handle: handed[name], size } : pool.get(`${side} ${name}`);
 }
 
 // Show both sides on the canvas: the names of their pictures.
 export function show(left, right, split, exposure) {
-  const textures = { left: textureOf("left", left).handle, right: textureOf("right", right).handle };
+  const textures = { left: imageOf("left", left).handle, right: imageOf("right", right).handle };
   const inputs = [
     { slot: "Left", image: "left", linear: false },
     { slot: "Right", image: "right", linear: false },
   ];
+  const area = [0, 0, canvas.width, canvas.height];
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  draw({ fragment: SHOW, area: [0, 0, ...size], inputs, values: { split, exposure } }, vertex, textures);
+  draw({ fragment: SHOW, area, inputs, values: { split, exposure } }, vertex, textures);
 }
