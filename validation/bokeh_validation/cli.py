@@ -21,6 +21,7 @@ EXIT_BAD_INPUT = 2
 COMMANDS = {
     "doctor": ("doctor", "doctor"),
     "compile": ("compilers.compile", "compile_all"),
+    "check": ("check", "check"),
     "render": ("render", "render"),
     "compare": ("compare", "compare"),
     "plan": ("frame.plan", "plan"),

@@ -140,15 +140,15 @@ def with_settings(command: Callable) -> Callable:
     signature = inspect.signature(command)
 
     @wraps(command)
-    def called(**values):
+    def called(*arguments, **values):
         settings, given = DEFAULT, []
         for option in TABLE:
-            value = values.pop(option.parameter.name)
+            value = values.pop(option.parameter.name, None)
             if value is not None:
                 settings = option.put(settings, value)
                 given.append(option)
         check(settings, given)
-        return command(settings=settings, **values)
+        return command(*arguments, settings=settings, **values)
 
     own = [p.replace(kind=KEYWORD) for name, p in signature.parameters.items() if name != "settings"]
     called.__signature__ = signature.replace(parameters=[*own, *(option.parameter for option in TABLE)])

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import OpenEXR
 import pytest
 from support import called, load
 from support_cases import noise_case
@@ -57,13 +58,12 @@ MISTAKES = {
     "window and was read as metres": lambda case: with_depth(case, 0, 1),
     "the rotation's sign": lambda case: drawn(replace(case, settings=replace(SETTINGS, rotation=-20.0))),
     "preset LOW": lambda case: drawn(replace(case, settings=replace(SETTINGS, samples=5, spacing=2.0))),
+    "preset ULTRA": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered", preset="ultra"))),
 }
 
 
 def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
     """Arguments of compare: the case and its result as files."""
-    import OpenEXR
-
     channels = {name: np.ascontiguousarray(case.color[..., i].astype(dtype)) for i, name in enumerate("RGB")}
     with OpenEXR.File({"type": OpenEXR.scanlineimage}, {**channels, "Z": case.depth}) as file:
         file.write(str(folder / "in.exr"))
@@ -75,7 +75,8 @@ def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
 def test_a_mistake_is_named(name, tmp_path):
     case = noise_case((96, 64), SETTINGS)
     files = saved(tmp_path, case, MISTAKES[name](case))
-    done = called(*files, *GIVEN, "--near", NEAR, "--far", FAR)
+    method = "layered" if name == "preset ULTRA" else "exact"
+    done = called(*files, *GIVEN, "--method", method, "--near", NEAR, "--far", FAR)
     assert done.returncode == 1, done.stdout + done.stderr
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
     assert name in line
@@ -83,30 +84,17 @@ def test_a_mistake_is_named(name, tmp_path):
     assert line.count("; or ") == ("window" in name and "reversed" in name)
 
 
-def test_preset_of_layered_is_named(tmp_path):
-    settings = Settings("layered", "hexagon", preset="low", camera=CAMERA, rotation=20.0)
-    case = noise_case((96, 64), settings)
-    done = called(*saved(tmp_path, case, drawn(case)), *GIVEN, "--method", "layered")
-    assert done.returncode == 1 and "likeliest mistake: it is preset LOW" in done.stdout
-
-
 @pytest.mark.parametrize("storage", ["half", "float"])
 @pytest.mark.parametrize("dtype", [np.float16, np.float32])
 def test_a_right_engine_passes(dtype, storage, tmp_path):
-    """Whatever the file's colour and the engine's targets are; which these were is said."""
+    """Whatever the file's colour and the targets are, which is said; on a device that rounds in its own way too."""
     case = noise_case((96, 64), SETTINGS)
     case = replace(case, color=(case.color.astype(np.float32) * np.float32(1.0001)).astype(dtype))
-    done = called(*saved(tmp_path, case, drawn(case, storage).astype(np.float32), dtype), *GIVEN)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert f"nearest to {storage} targets" in done.stdout and "the same" in done.stdout
-
-
-def test_another_driver_is_right(tmp_path):
-    """A device whose filter and rounding are its own."""
-    case = noise_case((96, 64), SETTINGS)
-    result = load("webgl2").run(case.plan.passes, case.textures(), case.size)["result"]
-    done = called(*saved(tmp_path, case, result), *GIVEN)
-    assert done.returncode == 0, done.stdout + done.stderr
+    other = load("webgl2").run(case.plan.passes, case.textures(), case.size, storage)["result"]
+    for result in (other, drawn(case, storage)):
+        done = called(*saved(tmp_path, case, result.astype(np.float32), dtype), *GIVEN)
+        assert done.returncode == 0 and "the same" in done.stdout, done.stdout + done.stderr
+    assert f"nearest to {storage} targets" in done.stdout
 
 
 def test_sizes(tmp_path):

@@ -19,19 +19,15 @@ from bokeh_validation.frame.methods import Settings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.truth import ray_traced
 
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(paths.VALIDATION), "XDG_RUNTIME_DIR": os.environ.get("TMPDIR", "/tmp")}
 STREET = paths.SCENES / "street_11_pin.exr"
 CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-distance", "5", "--max-coc", "0.15"]
 
 
 def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
     """The command line in a process of its own."""
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(paths.VALIDATION),
-        "XDG_RUNTIME_DIR": os.environ.get("TMPDIR", "/tmp"),
-    }
     command = [sys.executable, "-m", "bokeh_validation", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, env=environment)
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, env=ENVIRONMENT)
 
 
 def save(path: Path, channels: dict[str, np.ndarray]) -> Path:
@@ -39,12 +35,6 @@ def save(path: Path, channels: dict[str, np.ndarray]) -> Path:
     with OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, channels) as file:
         file.write(str(path))
     return path
-
-
-def small(dtype=np.float16, size=(6, 8)) -> dict[str, np.ndarray]:
-    """R G B and Z."""
-    random = np.random.default_rng(2)
-    return {**{c: random.random(size).astype(dtype) for c in "RGB"}, "Z": np.full(size, 9, np.float32)}
 
 
 def test_street_in_a_folder_with_spaces(tmp_path):
@@ -60,18 +50,17 @@ def test_street_in_a_folder_with_spaces(tmp_path):
         channels = {name: np.asarray(c.pixels) for name, c in file.channels().items()}
     assert sorted(channels) == list("ABGR") and all(c.dtype == np.float16 for c in channels.values())
     case = ray_traced.scene_case(ray_traced.STREET, "exact", "hexagon")
-    wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"]
-    np.testing.assert_allclose(channels["G"].astype(float), wanted[..., 1].astype(float), rtol=0.02, atol=0.002)
-    np.testing.assert_allclose(channels["A"].astype(float), wanted[..., 3].astype(float), rtol=0.02, atol=1e-5)
+    wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"].astype(float)
+    for index, name, least in ((1, "G", 0.002), (3, "A", 1e-5)):
+        np.testing.assert_allclose(channels[name].astype(float), wanted[..., index], rtol=0.02, atol=least)
 
 
 def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
     """Float in, float out; --coc without a depth channel."""
-    source = save(tmp_path / "in.exr", {c: p for c, p in small(np.float32).items() if c != "Z"})
+    source = save(tmp_path / "in.exr", {name: np.ones((6, 8), np.float32) for name in "RGB"})
     done = run("render", source, "-o", tmp_path / "out.exr", "--coc", "0.1", "--driver", "osmesa")
     assert done.returncode == 0, done.stderr
-    with OpenEXR.File(str(tmp_path / "out.exr"), separate_channels=True) as file:
-        assert all(np.asarray(c.pixels).dtype == np.float32 for c in file.channels().values())
+    assert exr.read(tmp_path / "out.exr", None).storage == "float"
 
 
 def test_every_option_reaches_the_shader(tmp_path):
@@ -100,20 +89,19 @@ VALUES = {
     "focus-distance": 3.0, "sensor-height": 0.03, "max-coc": 0.7, "coc": 0.08, "coc-blur": False, "leak-fix": False,
 }  # fmt: skip
 WIDE = methods.Camera(0.5, 0.05, 4.0, max_coc=0.6)
-BASES = {
-    **{method: Settings(method, "octagon", camera=WIDE) for method in apertures.METHODS},
-    "exact, noise": Settings("exact", "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE),
-    "paper, noise": Settings("paper", "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE),
-    "paper, any length": Settings("paper", "pentagon", 9, camera=WIDE),
-    "layered, noise": Settings("layered", "hexagon", jitter=1.0, camera=WIDE),
-    **{f"{name}, --coc": Settings(name, "square", coc=0.6, preset="low", camera=WIDE) for name in apertures.METHODS},
-}
+BASES = [
+    *(Settings(name, "octagon", camera=WIDE) for name in apertures.METHODS),
+    *(Settings(name, "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE) for name in ("exact", "paper")),
+    Settings("paper", "pentagon", 9, camera=WIDE),
+    Settings("layered", "hexagon", jitter=1.0, camera=WIDE),
+    *(Settings(name, "square", coc=0.6, preset="low", camera=WIDE) for name in apertures.METHODS),
+]
 
 
-@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("base", BASES, ids=lambda base: f"{base.method} {base.aperture} {base.jitter:g}")
 def test_an_option_has_an_effect_or_is_refused(base):
     """On the picture, or on which passes are drawn."""
-    base, driver = BASES[base], load("egl")
+    driver = load("egl")
 
     def drawn(settings: Settings) -> tuple:
         case = noise_case((64, 48), settings)
@@ -132,57 +120,13 @@ def test_an_option_has_an_effect_or_is_refused(base):
     assert set(idle) <= ({"max-coc"} if base.coc else set())
 
 
-def bad_files(folder: Path) -> dict[str, Path]:
-    """Files that must be refused."""
-    files = {"missing": folder / "missing.exr", "text": folder / "text.exr", "folder": folder}
-    files["text"].write_text("not an image")
-    files["no depth"] = save(folder / "nodepth.exr", {c: p for c, p in small().items() if c != "Z"})
-    files["no blue"] = save(folder / "noblue.exr", {c: p for c, p in small().items() if c != "B"})
-    for name, value in (("nan", np.nan), ("inf", np.inf)):
-        channels = small()
-        channels["G"][2, 3] = value
-        files[name] = save(folder / f"{name}.exr", channels)
-    channels = small()
-    channels["Z"][1, 1] = np.nan
-    files["nan depth"] = save(folder / "nandepth.exr", channels)
-    whole = STREET.read_bytes()
-    files["truncated"] = folder / "truncated.exr"
-    files["truncated"].write_bytes(whole[: len(whole) // 3])
-    files["empty"] = folder / "empty.exr"
-    files["empty"].write_bytes(b"")
-    files["zero size"] = zero_size(folder / "zero.exr", whole)
-    return files
-
-
-def zero_size(path: Path, whole: bytes) -> Path:
-    """The header of a real file with a data window of no pixels."""
-    name = b"dataWindow\0box2i\0" + (16).to_bytes(4, "little")
-    at = whole.index(name) + len(name)
-    corner = np.array([0, 0, -1, -1], "<i4").tobytes()
-    path.write_bytes(whole[:at] + corner + whole[at + 16 :])
-    return path
-
-
-FILE_CASES = {
-    "missing": ["missing.exr", "no such file"],
-    "text": ["text.exr", "cannot be read as OpenEXR"],
-    "folder": ["is a folder"],
-    "no depth": ["nodepth.exr", "no depth channel 'Z'", "B G R", "--depth-channel", "--coc"],
-    "no blue": ["noblue.exr", "no channel 'B'"],
-    "nan": ["nan.exr", "channel G", "column 3, row 2"],
-    "inf": ["inf.exr", "channel G", "column 3, row 2"],
-    "nan depth": ["nandepth.exr", "channel Z", "column 1, row 1"],
-    "truncated": ["truncated.exr", "cannot be read"],
-    "empty": ["empty.exr", "cannot be read"],
-    "zero size": ["zero.exr"],
-}
-
-
-@pytest.mark.parametrize("kind", FILE_CASES)
-def test_bad_file(kind, tmp_path):
-    """One line that says what, where and what to do; exit code 2; no output."""
-    refused(called("render", bad_files(tmp_path)[kind], "-o", tmp_path / "out.exr"), FILE_CASES[kind])
-    assert not list(tmp_path.glob("*out.exr*")) and not list(tmp_path.glob(".*"))
+@pytest.mark.parametrize("size", [0, 9000], ids=["empty", "truncated"])
+def test_bad_file(size, tmp_path):
+    """One line, and no output, nor a part of it: test_exr.py has what else is refused."""
+    source = tmp_path / "bad.exr"
+    source.write_bytes(STREET.read_bytes()[:size])
+    refused(called("render", source, "-o", tmp_path / "out.exr"), ["bad.exr: cannot be read as OpenEXR"])
+    assert list(tmp_path.iterdir()) == [source]
 
 
 @pytest.mark.parametrize("target", ["/no/such/folder/out.exr", "/proc/out.exr", "."])
@@ -202,6 +146,5 @@ def test_usage_errors():
 def test_closed_output():
     """`>&-`: the refusal is one line still."""
     command = f"exec {shlex.quote(sys.executable)} -m bokeh_validation render nothing.exr -o out.exr >&-"
-    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
-    done = subprocess.run(["bash", "-c", command], stderr=subprocess.PIPE, text=True, env=environment)
+    done = subprocess.run(["bash", "-c", command], stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
     refused(subprocess.CompletedProcess(command, done.returncode, "", done.stderr), ["nothing.exr: no such file"])

@@ -1,0 +1,87 @@
+"""validation/run check: what an edit of a shader can have broken is found, and no more is run than that."""
+
+import shutil
+import subprocess
+
+import pytest
+from support import called, load
+
+from bokeh_validation import check, paths, shaders
+
+
+@pytest.fixture
+def edit(tmp_path, monkeypatch):
+    """Changes a shader file in all or some languages of a checkout of its own."""
+    for language in paths.LANGUAGES:
+        shutil.copytree(paths.ROOT / language, tmp_path / language)
+    git = ["git", "-C", tmp_path, "-c", "user.name=a", "-c", "user.email=b"]
+    for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "before"]):
+        subprocess.run([*git, *command], check=True)
+    monkeypatch.setenv("BOKEH_SHADERS", str(tmp_path))
+
+    def replaced(file: str, old: str, new: str, languages=paths.LANGUAGES) -> None:
+        for language in languages:
+            path = tmp_path / language / f"{file}.{language}"
+            text = path.read_text(encoding="ascii")
+            assert old in text
+            path.write_text(text.replace(old, new, 1), encoding="ascii")
+        shaders.text.cache_clear()
+
+    shaders.text.cache_clear()
+    yield replaced
+    shaders.text.cache_clear()
+
+
+def said(code: int) -> str:
+    """What check prints."""
+    assert all(map(load, check.DRIVERS.values()))
+    done = called("check")
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_nothing_changed(edit):
+    assert said(0) == "no shader differs from the last commit: nothing to check\n"
+
+
+def test_a_comment_draws_nothing(edit, monkeypatch):
+    edit("bokeh", "// Listing 1, signed: the first pass", "// Listing 1, with signs: the first pass")
+    monkeypatch.setattr(check.drivers, "load", None)
+    text = said(0)
+    assert text.startswith("changed: comments only\n0 problems") and "on no driver" in text
+
+
+def test_one_language_is_not_the_others(edit):
+    """Parity finds it, and the driver of that language draws it."""
+    edit("bokeh", "filterCoC = CoC * clamp((CoC", "filterCoC = CoC * clamp((1.0 * CoC", ["glsl"])
+    text = said(1)
+    assert text.startswith("changed: BokehFilterCoC\nBokehFilterCoC: not the same\n")
+    assert "parity, rules, glsl and on egl\n" in text
+
+
+def test_all_languages_are_wrong(edit):
+    """The same mistake everywhere: the reference does not allow it, on any driver; entries that do not call it rest."""
+    edit("bokeh", "CoC = -CoC;", "CoC = CoC;")
+    text = said(1)
+    for name in ("egl", "dxc", "wgpu"):
+        assert f"{name}: BokehSignedCoCMap writes 'coc' with " in text
+    assert text.count("writes") == 3 and text.startswith("changed: BokehSignedCoC\n")
+
+
+def test_code_behind_a_constant_is_drawn(edit):
+    """Without BOKEH_CHARACTER the program is the same."""
+    edit("bokeh_layers", "area *= BokehEdgeLength", "area += BokehEdgeLength", ["glsl"])
+    text = said(1)
+    assert "egl: BokehLayerEdge writes" in text and "changed: BokehLayerEdge" in text
+
+
+def test_a_compiler_refuses(edit):
+    edit("bokeh", "CoC = -CoC;", "CoC = -CoD;")
+    text = said(1)
+    assert all(f"{language} BokehSignedCoCMap: " in text for language in paths.LANGUAGES) and "on no driver" in text
+
+
+def test_outside_of_git(edit, tmp_path):
+    shutil.rmtree(tmp_path / ".git")
+    done = called("check")
+    assert done.returncode == 2 and "no git checkout" in done.stderr and not done.stdout
