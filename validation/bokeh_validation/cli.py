@@ -34,7 +34,7 @@ COMMANDS = {
     "figures": ("figures", "figures"),
     "probes": ("probes", "probes"),
     "parity": ("shaders.parity", "parity"),
-    "bench": ("bench.bench_command", "bench"),
+    "bench": ("bench", "bench"),
     "port": ("frame.port", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),

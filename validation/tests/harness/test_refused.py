@@ -46,13 +46,11 @@ figures --driver d3d12 | --driver d3d12; osmesa
 figures --output /no/such/folder/x | /no/such/folder; Make it first
 figures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
-bench --rounds 0 | --rounds 0; 3 to
+bench --rounds 0 | --rounds; 3
 bench --driver nvidia | --driver nvidia; osmesa
-bench --driver d3d9 | --driver d3d9; read-back
-bench --clock sun | --clock sun; wall
+bench --driver d3d9 | --driver d3d9; osmesa
 bench --driver osmesa --adapter nothing | none of the drivers; osmesa
 bench --json /nowhere/b.json | /nowhere/b.json; no folder
-bench --plot /nowhere/b.png | /nowhere/b.png; no folder
 aperture | --sides; --vertices
 aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
 aperture --sides 2 | --sides 2; 3 to 12
