@@ -227,22 +227,16 @@ def run_pass(
     run = Picture(textures, size, constants, precision)
     edge, is_far = round(values["BokehEdge"]), values["BokehLayer"] > 0.5
     axis = (1.0 - values["BokehAxis"], values["BokehAxis"])
-    calls: dict[str, Callable[[], list[Image]]] = {
-        "BokehLayerTiles": run.tiles,
-        "BokehLayerReach": lambda: run.reach(axis),
-        "BokehLayerSplit": run.split,
-        "BokehLayerKernels": run.kernels,
-        "BokehLayerSpread": run.spread,
-        "BokehLayerSizes": run.sizes,
-        "BokehLayerHoles": run.holes,
-        "BokehLayerFill": run.fill,
-        "BokehLayerEdge": lambda: run.first(is_far, [edge]),
-        "BokehLayered": run.layered,
-    }
-    if entry.whole:
-        return [calls[entry.whole]()[edge - 2]]
     if entry.role == FIRST:
         return run.first(is_far, range(2, sides // 2 + 1))
     if entry.role == SECOND:
         return run.second(is_far)
-    return calls[entry.name]()
+    name = entry.whole or entry.name
+    special: dict[str, Callable[[], list[Image]]] = {
+        "BokehLayerReach": lambda: run.reach(axis),
+        "BokehLayerEdge": lambda: run.first(is_far, [edge]),
+        "BokehLayered": run.layered,
+    }
+    # BokehLayerTiles is run.tiles
+    targets = special[name]() if name in special else getattr(run, name.removeprefix("BokehLayer").lower())()
+    return [targets[edge - 2]] if entry.whole else targets
