@@ -32,13 +32,13 @@ COMMANDS = {
     "peers": ("truth.peers", "peers"),
     "demo": ("demo", "demo"),
     "figures": ("figures", "figures"),
-    "probes": ("probes", "probes"),
+    "probes": ("run.validate", "run_patterns"),
     "parity": ("shaders.parity", "parity"),
-    "bench": ("bench", "bench"),
+    "bench": ("bench.bench_command", "bench"),
     "port": ("frame.port", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
-    "engines": ("engines", "engines"),
+    "engines": ("run.validate", "run_engines"),
     "release": ("release", "release"),
 }
 

@@ -39,6 +39,7 @@ OUT_OF_RANGE = (
 )
 # pass by pass within the reference's intervals; where both layers are full, then all settings
 LAYERED = (
+    "test_expected.py::test_every_pass",
     "test_layers_mutants.py::test_within[egl half]",
     "test_layers_mutants.py::test_within[egl both]",
     "test_layers.py::test_settings[osmesa]",

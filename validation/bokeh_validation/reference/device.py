@@ -11,9 +11,9 @@ from bokeh_validation.reference import aberration, layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.reference.precision import SOFTWARE, Precision
+from bokeh_validation.reference.precision import Precision
 from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, VIEW
-from bokeh_validation.shaders.passes import SLOTS, Pass, target_area, target_size
+from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
 
 class Reference:
@@ -22,7 +22,6 @@ class Reference:
     name = "reference"
     adapter = "NumPy float64"
     software = True
-    precision = SOFTWARE
     rounding = "nearest"
 
     def __init__(self, adapter: str | None = None):
@@ -138,7 +137,7 @@ def _run_pass(item: Pass, live: Mapping[str, Image], textures: Textures, size, p
     """What a pass writes to each of its targets."""
     values = item.given()
     if item.spec.layers:
-        inputs = [live[item.inputs[slot]] for slot in SLOTS if slot in item.inputs]
+        inputs = {slot: live[name] for slot, name in item.inputs.items()}
         return layered.run_pass(item.spec, inputs, size, values, item.constants, precision)
     role = item.spec.role
     if role == DEPTH:
@@ -180,7 +179,7 @@ class _Filters:
         self.leakage = Leakage(values["BokehBleedingBias"], values["BokehBleedingMult"])
         # the exact passes know which they are
         index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
-        self.quality = segments.quality(
+        self.spacing = segments.spaced(
             size, values["BokehSpacing"], item.samples, values["BokehJitter"], values["BokehFrame"], index
         )
 
@@ -200,8 +199,8 @@ class _Filters:
         images = []
         for target in range(len(found[0].shares)):
             used = [line for line in found if np.any(line.shares[target])]
-            pattern = segments.Lines(
-                tuple(segments.Line(line.segment, self.quality, height) for line in used),
+            pattern = segments.SampledLines(
+                tuple(segments.SampledLine(line.segment, self.spacing, height) for line in used),
                 tuple(line.shares[target] for line in used),
                 tuple(slots.index(line.slot) for line in used),
             )

@@ -1,6 +1,7 @@
 """How far a correct device may be from the formula: the numbers, and where they come from.
 
-The acceptance interval of a pixel is computed beside its value, pass by pass (gather.gather). With
+The acceptance interval of a pixel is computed beside its value, pass by pass: gather.gather for paper and exact, as
+follows; interpreter.py and intervals.py for layered. With
 
     e      error of a stored texel of the pass before (0 for what was uploaded)
     g      largest difference between neighbouring texels around a sample (per axis)

@@ -61,7 +61,7 @@ def part_of(field: np.ndarray, rows: slice) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Quality:
+class Spacing:
     """How a line is sampled.
 
     spacing    pixels between samples; 0: exactly max_samples
@@ -70,7 +70,7 @@ class Quality:
     undecided  (H, W) bool: where that is so
     """
 
-    spacing: float
+    pixels: float
     max_samples: int
     jitter: np.ndarray | float = 0.0
     open: np.ndarray | float = 0.0
@@ -128,12 +128,12 @@ def noise(size: tuple[int, int], frame: float, pass_index: int = 0) -> tuple[np.
     return value - 0.5, error, wraps
 
 
-def quality(size: tuple[int, int], spacing: float, max_samples: int, amount: float, frame: float, pass_index: int):
-    """A Quality with the noise of a pass of a frame, times its amount, 0 .. 1."""
+def spaced(size: tuple[int, int], spacing: float, max_samples: int, amount: float, frame: float, pass_index: int):
+    """A Spacing with the noise of a pass of a frame, times its amount, 0 .. 1."""
     if amount <= 0.0:
-        return Quality(spacing, max_samples)
+        return Spacing(spacing, max_samples)
     value, error, wraps = noise(size, frame, pass_index)
-    return Quality(spacing, max_samples, amount * value, amount * np.where(wraps, 1.0, error), wraps)
+    return Spacing(spacing, max_samples, amount * value, amount * np.where(wraps, 1.0, error), wraps)
 
 
 def filter_coc(coc, image_height: float, spacing: float):
@@ -144,51 +144,51 @@ def filter_coc(coc, image_height: float, spacing: float):
 
 
 @dataclass(frozen=True)
-class Line:
+class SampledLine:
     """The samples of `BokehLineMean`, see gather.Pattern."""
 
     segment: Segment
-    quality: Quality
+    spacing: Spacing
     height: int
 
     @property
     def count(self) -> int:
         """See gather.Pattern."""
-        return self.quality.max_samples
+        return self.spacing.max_samples
 
     def used(self, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> tuple[np.ndarray, np.ndarray]:
         """The CoC that the filter uses, and how far off it may be."""
         coc = np.abs(coc)
         # the fade between half a pixel and one is steeper than the CoC itself: its slope is 4 c H - 1 <= 3
-        steeper = 3.0 if self.quality.spacing > 0.0 else 1.0
+        steeper = 3.0 if self.spacing.pixels > 0.0 else 1.0
         # no CoC is off by more than 1, also where the pass before left it open
         error = steeper * np.minimum(coc_error, 1.0) + (FLOAT_STEP * LENGTH_ROUNDINGS * coc if line else 0.0)
-        return filter_coc(coc, self.height, self.quality.spacing), error
+        return filter_coc(coc, self.height, self.spacing.pixels), error
 
     def cells(self, used: np.ndarray, error: np.ndarray | float, line: float) -> tuple[np.ndarray, np.ndarray]:
         """`BokehCells` for a CoC from `used`: how many cells, and how far off that may be."""
-        most = self.quality.max_samples
+        most = self.spacing.max_samples
         per_coc = 2.0 * self.segment.half_length * self.height
-        if self.quality.spacing <= 0.0:
+        if self.spacing.pixels <= 0.0:
             return np.full_like(used, most), np.zeros_like(used)
-        cells, off = per_coc * used / self.quality.spacing, per_coc * error / self.quality.spacing
-        off = off + self.segment.stretch * line * self.height * used / self.quality.spacing
+        cells, off = per_coc * used / self.spacing.pixels, per_coc * error / self.spacing.pixels
+        off = off + self.segment.stretch * line * self.height * used / self.spacing.pixels
         found = np.clip(cells, 1.0, most)
         return found, np.maximum(np.clip(cells + off, 1.0, most) - found, found - np.clip(cells - off, 1.0, most))
 
     def samples(self, rows: slice, coc: np.ndarray, coc_error: np.ndarray | float, line: float) -> Iterator[Sample]:
         """See gather.Pattern."""
-        quality, height, segment = self.quality, self.height, self.segment.part(rows)
+        spacing, height, segment = self.spacing, self.height, self.segment.part(rows)
         used, error = self.used(coc, coc_error, line)
         length = 2.0 * segment.half_length * used * height
         cells, cells_error = replace(self, segment=segment).cells(used, error, line)
         jitter, open_jitter = (
-            field[rows] if isinstance(field, np.ndarray) else field for field in (quality.jitter, quality.open)
+            field[rows] if isinstance(field, np.ndarray) else field for field in (spacing.jitter, spacing.open)
         )
         phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
         # where the jitter's amount depends on the length, that is off too
         open_phase = open_jitter + np.abs(jitter) * 2.0 * segment.half_length * error * height / cells
-        count = min(int(np.ceil(np.max(cells + cells_error))), quality.max_samples)
+        count = min(int(np.ceil(np.max(cells + cells_error))), spacing.max_samples)
         turned = segment.turns * line * height * used
         for i in range(count):
             low, weight = _cell(i, cells)
@@ -198,7 +198,7 @@ class Line:
             slip = open_phase * weight * 2.0 / cells
             reach = segment.half * t
             place = segment.middle + reach
-            farthest = np.abs(reach if quality.spacing <= 0.0 else segment.half)
+            farthest = np.abs(reach if spacing.pixels <= 0.0 else segment.half)
             moved = np.abs(segment.middle) + farthest
             off = moved * error * height + turned + np.abs(segment.half) * slip * used * height
             x, y = place * used * height
@@ -212,14 +212,14 @@ def _cell(i: int, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @dataclass(frozen=True)
-class Lines:
+class SampledLines:
     """Several lines with a share of the whole each: what `BokehLineSum` returns for them, added up. See gather.Pattern.
 
     shares   (H, W) where pixels differ
     sources  which image each is taken from
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[SampledLine, ...]
     shares: tuple[float | np.ndarray, ...]
     sources: tuple[int, ...]
 
@@ -250,7 +250,7 @@ class Lines:
 def adaptive(
     sources: Image | list[Image],
     depth: np.ndarray | None,
-    pattern: Line | Lines,
+    pattern: SampledLine | SampledLines,
     leakage: Leakage,
     blur_coc: bool = True,
     precision: Precision | None = None,
@@ -259,8 +259,8 @@ def adaptive(
     found = gather(sources, depth, pattern, leakage, blur_coc, precision)
     if found.error is None:
         return found
-    lines = pattern.lines if isinstance(pattern, Lines) else (pattern,)
-    return Image(found.value, found.error, found.undecided | lines[0].quality.undecided)
+    lines = pattern.lines if isinstance(pattern, SampledLines) else (pattern,)
+    return Image(found.value, found.error, found.undecided | lines[0].spacing.undecided)
 
 
 def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:

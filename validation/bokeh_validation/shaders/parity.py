@@ -128,7 +128,7 @@ class Difference:
         return "\n".join([f"{self.where}: {self.what}", *(f"    {place}  {text}" for place, text in self.text)])
 
 
-class Line(NamedTuple):
+class TextLine(NamedTuple):
     """What _LINE finds, in common words, with a NUL before it where it is marked; `where`: function or section."""
 
     common: str
@@ -199,9 +199,9 @@ def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list
     return found
 
 
-def _said(lines: Sequence[Line], other: str) -> list[Line]:
+def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
     """What another language can say too; several blank lines are one."""
-    found: list[Line] = []
+    found: list[TextLine] = []
     for line in lines:
         if other == "glsl":
             line = line._replace(common=re.sub(r",(?:sampler )?(?:\w+Sampler|BokehLinearClamp)\b", "", line.common))
@@ -211,7 +211,7 @@ def _said(lines: Sequence[Line], other: str) -> list[Line]:
 
 
 @lru_cache(maxsize=64)
-def _lines(language: str, text: str) -> tuple[Line, ...]:
+def _lines(language: str, text: str) -> tuple[TextLine, ...]:
     """A file in common words."""
     sources = text.split("\n")
     if heading := _HEADING.search(text):
@@ -235,7 +235,7 @@ def _lines(language: str, text: str) -> tuple[Line, ...]:
         if sources[line][:1].strip() and (name := re.match(r"// (\[\d+\])|\0?[\w<>]+[ >](\w+)", common)):
             where = name[1] or name[2]
         source = " ".join(" ".join(sources[line : line + 1 + one[0].rstrip().count("\n")]).split())
-        found.append(Line(common, line + 1, where, source or "(empty)"))
+        found.append(TextLine(common, line + 1, where, source or "(empty)"))
     return tuple(found)
 
 

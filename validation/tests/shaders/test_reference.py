@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from support_cases import noise_case
 
 from bokeh_validation import metrics
-from bokeh_validation.frame import apertures, polygons
-from bokeh_validation.reference import listings, precision, sampling
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.reference import layered, listings, precision, sampling
+from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.gather import Leakage, Table, gather
 from bokeh_validation.reference.images import Image
+from bokeh_validation.shaders.passes import target_size
 
 
 def test_circle_of_confusion_by_similar_triangles():
@@ -105,3 +108,28 @@ def test_interval_holds_for_a_device_at_its_limit(kind):
 
     assert (np.abs(moved(1.0) - exact.value) <= exact.error).all()
     assert (np.abs(moved(30.0) - exact.value) > exact.error).any()
+
+
+@pytest.mark.parametrize("share", [2.0**-14, 2.0**-8], ids=["little", "much"])
+@pytest.mark.parametrize(
+    "changes",
+    [{"jitter": 1.0, "squeeze": 0.7}, {"aperture": "octagon", "cats_eye": 0.7, "targets": False}, {"preset": "low"}],
+    ids=str,
+)
+def test_layered_intervals_hold_what_they_say(changes, share):
+    """Textures that are off by as much as their error allows, up and down: every pass stays within its interval,
+    through branches, loops and whole numbers that the error leaves open.
+    """
+    camera = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
+    case = noise_case((41, 27), methods.Settings("layered", **{"aperture": "hexagon", "camera": camera, **changes}))
+    drawn, random = Reference().images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
+    for item in case.plan.passes[1:]:
+        given = {slot: drawn[name].value for slot, name in item.inputs.items()}
+        uncertain = {k: Image(value, share * np.abs(value)) for k, value in given.items()}
+        moved = {
+            k: Image(value * (1.0 + share * random.choice([-1.0, 1.0], value.shape))) for k, value in given.items()
+        }
+        rest = target_size(item.scale, case.size), item.given(), item.constants
+        wanted = layered.run_pass(item.spec, uncertain, *rest, precision.SOFTWARE)
+        for image, result in zip(wanted, layered.run_pass(item.spec, moved, *rest, None), strict=True):
+            assert (np.abs(result.value - image.value) <= image.error).all(), item.entry

@@ -1,0 +1,330 @@
+"""Runs the GLSL of a pass on intervals: what each target gets, and how far off a correct device may be.
+
+All pixels run at once. Where devices may take different branches, a pixel takes both, and its variables get the
+interval around both outcomes; the same where it may have left a loop. Constants are Python's own numbers, with which
+the compiler computes; what a uniform says is an Interval. A struct is a dictionary of its members.
+
+Two places know more than the operations alone:
+
+  * floor(x) of a declaration, where x may be below or above a whole number: the rest of the block runs for each side by
+    itself, since floor(x) + f(x - floor(x)) is mostly the same from both.
+  * BokehRotated: the error of a direction is a disc, which a turn does not make larger.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from pycparser import c_ast
+
+from bokeh_validation.reference import glsl
+from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
+from bokeh_validation.reference.intervals import Condition, Interval, chosen, replaced
+from bokeh_validation.reference.precision import FLOAT_STEP
+
+COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
+FETCHES = ("BokehFetchTexture", "BokehFetchNearest")
+# the image fills its textures here: there is no viewport to set
+SET_UP = ("BokehUseViewport", "BokehSetViewport")
+# of the pixels that are still in a loop or a branch: with fewer it is run for these alone
+MOST = 0.6
+
+Variables = dict[str, object]
+
+
+def _rotated(direction: Interval, axis: Interval) -> Interval:
+    """`BokehRotated`."""
+    (x, y), (c, s) = direction.value, axis.value
+    value = np.stack([x * c - y * s, x * s + y * c])
+    before = np.hypot(*direction.error) if direction.turned is None else direction.turned
+    turn = np.hypot(*axis.error)
+    off = before * (1.0 + turn) + np.hypot(x, y) * (turn + 3 * FLOAT_STEP)
+    return Interval(value, value - off, value + off, off)
+
+
+# ----------------------------------------------------------------------------------------------------------- the text
+
+
+@cache
+def _names(node: c_ast.Node) -> frozenset[str]:
+    """Variables that a piece of text mentions."""
+    own = {node.name} if isinstance(node, c_ast.ID | c_ast.Decl) else set()
+    return frozenset(own.union(*(_names(child) for _, child in node.children())))
+
+
+@cache
+def _breaks(node: c_ast.Node) -> bool:
+    """Whether it leaves the loop around it."""
+    within = (child for _, child in node.children() if not isinstance(child, c_ast.For))
+    return isinstance(node, c_ast.Break) or any(_breaks(child) for child in within)
+
+
+def _is_floor(node: c_ast.Node | None) -> bool:
+    """floor() of a variable."""
+    is_call = isinstance(node, c_ast.FuncCall) and node.name.name == "floor"
+    return is_call and isinstance(node.args.exprs[0], c_ast.ID)
+
+
+def _picked(value, pixels: np.ndarray):
+    """A variable in some of the pixels."""
+    if isinstance(value, dict):
+        return {name: _picked(member, pixels) for name, member in value.items()}
+    return value.pixels(pixels) if isinstance(value, Interval) else value
+
+
+@dataclass
+class Run:
+    """A pass over some pixels.
+
+    given    uniforms, constants, BokehUV; of a texture's name the name itself
+    fetch    a texture's name and uv (2, pixels) -> its filtered texel (4, pixels)
+    line     Precision.line: how far off sin and cos may be
+    """
+
+    given: Mapping[str, object]
+    fetch: Callable[[str, Interval], Interval]
+    line: float
+
+    def main(self, entry: str, count: int) -> Variables:
+        """What a pass writes to `count` pixels, by the names of its targets."""
+        variables: Variables = {}
+        with np.errstate(all="ignore"):
+            _Call(self, count).visit(glsl.main(entry).body, variables)
+        return variables
+
+
+@dataclass
+class _Loop:
+    """Pixels (count,) that are still in a loop, on some device and in float64; and with what the others left it."""
+
+    possible: np.ndarray
+    value: np.ndarray
+    exits: list[tuple[Condition, Variables]] = field(default_factory=list)
+    stopped: bool = False
+
+
+class _Call:
+    """One call of a function, for `count` pixels."""
+
+    def __init__(self, run: Run, count: int):
+        self.run, self.count = run, count
+        self.loop: _Loop | None = None
+        self.result = None
+
+    def visit(self, node: c_ast.Node, variables: Variables) -> None:
+        """Run a statement."""
+        getattr(self, f"_{type(node).__name__}")(node, variables)
+
+    def value(self, node: c_ast.Node, variables: Variables):
+        """Compute an expression."""
+        return getattr(self, f"_{type(node).__name__}")(node, variables)
+
+    def on_some(self, pixels: np.ndarray, nodes: Sequence[c_ast.Node], variables: Variables, action: Callable):
+        """What `action(call, variables)` changes of the variables that some nodes mention, for some pixels only."""
+        mentioned = frozenset().union(*map(_names, nodes))
+        before = {name: _picked(value, pixels) for name, value in variables.items() if name in mentioned}
+        after = dict(before)
+        action(_Call(self.run, len(pixels)), after)
+        return {name: after[name] for name in before if after[name] is not before[name]}
+
+    # ------------------------------------------------------------------------------------------------------ statements
+
+    def _Compound(self, node: c_ast.Compound, variables: Variables) -> None:
+        self.sequence(node.block_items or (), variables)
+
+    def sequence(self, nodes: Sequence[c_ast.Node], variables: Variables) -> None:
+        """One after the other, until one leaves the loop."""
+        for index, node in enumerate(nodes):
+            self.visit(node, variables)
+            if self.loop and self.loop.stopped:
+                return
+            is_floor = isinstance(node, c_ast.Decl) and _is_floor(node.init)
+            if is_floor and self.two_sided(node, nodes[index + 1 :], variables):
+                return
+
+    def two_sided(self, node: c_ast.Decl, rest: Sequence[c_ast.Node], variables: Variables) -> bool:
+        """The rest of a block for both sides of a whole number, where that is open; False: it is not."""
+        name, source = node.name, node.init.args.exprs[0].name
+        floor, number = variables[name], variables[source]
+        is_open = floor.high - floor.low == 1.0
+        if not is_open.any():
+            return False
+        others = np.where(is_open, floor.low + floor.high - floor.value, floor.value)
+        before = dict(variables)
+        two = len(is_open) == 2
+        for swapped in ([[False]], [[True]]) if not two else ([[0], [0]], [[1], [0]], [[0], [1]], [[1], [1]]):
+            swapped = np.array(swapped, bool)
+            side = np.where(swapped, others, floor.value)
+            low = np.where(is_open, np.maximum(number.low, side), number.low)
+            high = np.where(is_open, np.minimum(number.high, side + 1.0), number.high)
+            limits = np.where(is_open, side, floor.low), np.where(is_open, side, floor.high)
+            here = {name: Interval(side, *limits), source: Interval(np.clip(number.value, low, high), low, high)}
+            if not swapped.any():
+                variables |= here
+                self.sequence(rest, variables)
+                continue
+            pixels = np.flatnonzero((is_open | ~swapped).all(axis=0))
+            if len(pixels):
+                nodes = (node, *rest)
+                changed = self.on_some(pixels, nodes, before | here, lambda call, part: call.sequence(rest, part))
+                for changed_name in set(changed) & set(before) - {name, source}:
+                    whole = variables[changed_name]
+                    variables[changed_name] = replaced(whole, changed[changed_name], pixels, self.count, widened=True)
+        variables[source] = number
+        return True
+
+    def _DeclList(self, node: c_ast.DeclList, variables: Variables) -> None:
+        for declaration in node.decls:
+            self.visit(declaration, variables)
+
+    def _Decl(self, node: c_ast.Decl, variables: Variables) -> None:
+        if node.init is not None:
+            variables[node.name] = self.value(node.init, variables)
+        elif node.type.type.names[0] in glsl.structs():
+            variables[node.name] = {}
+
+    def _Assignment(self, node: c_ast.Assignment, variables: Variables) -> None:
+        value = self.value(node.rvalue, variables)
+        if node.op != "=":
+            value = OPERATORS[node.op[0]](self.value(node.lvalue, variables), value)
+        if isinstance(node.lvalue, c_ast.StructRef):
+            struct, member = node.lvalue.name.name, node.lvalue.field.name
+            variables[struct] = {**variables[struct], member: value}
+        else:
+            variables[node.lvalue.name] = value
+
+    def _Return(self, node: c_ast.Return, variables: Variables) -> None:
+        self.result = self.value(node.expr, variables)
+
+    def _If(self, node: c_ast.If, variables: Variables) -> None:
+        where = self.value(node.cond, variables)
+        if isinstance(where, bool):
+            taken = node.iftrue if where else node.iffalse
+            if taken is not None:
+                self.visit(taken, variables)
+        elif _breaks(node.iftrue):
+            self.leave(where, variables)
+        else:
+            where = self.of_all(where)
+            yes = self.branch(node.iftrue, variables, where.possible)
+            no = self.branch(node.iffalse, variables, ~where.sure)
+            variables |= {name: chosen(where, yes[name], no[name]) for name in variables}
+
+    def of_all(self, where: Condition) -> Condition:
+        """A condition of every pixel by itself."""
+        return Condition(*(np.broadcast_to(each, self.count) for each in (where.value, where.sure, where.possible)))
+
+    def branch(self, node: c_ast.Node | None, variables: Variables, where: np.ndarray) -> Variables:
+        """All variables after a branch that some pixels take."""
+        if node is None or not where.any():
+            return variables
+        after = dict(variables)
+        if where.mean() > MOST:
+            self.visit(node, after)
+            return after
+        pixels = np.flatnonzero(where)
+        changed = self.on_some(pixels, [node], variables, lambda call, part: call.visit(node, part))
+        return after | {name: replaced(after[name], part, pixels, self.count) for name, part in changed.items()}
+
+    def _For(self, node: c_ast.For, variables: Variables) -> None:
+        known = set(variables)
+        self.visit(node.init, variables)
+        self.iterate(node, variables)
+        for name in set(variables) - known:
+            del variables[name]
+
+    def iterate(self, node: c_ast.For, variables: Variables) -> None:
+        """A loop from its condition on."""
+        outer, every = self.loop, np.ones(self.count, bool)
+        loop = self.loop = _Loop(every, every)
+        while (going := self.value(node.cond, variables)) is not False:
+            if going is not True:
+                self.leave(~going, variables)
+            if not loop.possible.any():
+                break
+            if loop.possible.mean() <= MOST:
+                pixels = np.flatnonzero(loop.possible)
+                changed = self.on_some(pixels, [node], variables, lambda call, part: call.iterate(node, part))
+                variables |= {k: replaced(variables[k], part, pixels, self.count) for k, part in changed.items()}
+                break
+            self.visit(node.stmt, variables)
+            if loop.stopped:
+                break
+            self.value(node.next, variables)
+        for where, left_with in reversed(loop.exits):
+            variables |= {name: chosen(where, value, variables[name]) for name, value in left_with.items()}
+        self.loop = outer
+
+    def leave(self, where: Condition, variables: Variables) -> None:
+        """Pixels leave the loop where a condition holds."""
+        loop, where = self.loop, self.of_all(where)
+        where = Condition(where.value & loop.value, where.sure & loop.possible, where.possible & loop.possible)
+        if where.possible.any():
+            loop.exits.append((where, dict(variables)))
+        loop.possible, loop.value = loop.possible & ~where.sure, loop.value & ~where.value
+
+    def _Break(self, node: c_ast.Break, variables: Variables) -> None:
+        del node, variables
+        self.loop.stopped = True
+
+    # ----------------------------------------------------------------------------------------------------- expressions
+
+    def _Constant(self, node: c_ast.Constant, variables: Variables) -> int | float:
+        del variables
+        return int(node.value) if node.type == "int" else float(node.value)
+
+    def _ID(self, node: c_ast.ID, variables: Variables):
+        for known in (variables, self.run.given, glsl.constants()):
+            if node.name in known:
+                return known[node.name]
+        return {"true": True, "false": False}[node.name]
+
+    def _BinaryOp(self, node: c_ast.BinaryOp, variables: Variables):
+        left = self.value(node.left, variables)
+        if node.op == "&&" and left is False:
+            return False
+        right = self.value(node.right, variables)
+        difference = OPERATORS[node.op](left, right)
+        if node.op == "-" and _is_floor(node.right) and _names(node.left) == _names(node.right.args):
+            # x - floor(x): from 0 to 1 on either side of a whole number
+            wraps = right.low != right.high
+            limits = np.where(wraps, 0.0, difference.low), np.where(wraps, 1.0, difference.high)
+            return Interval(difference.value, *limits)
+        return difference
+
+    def _UnaryOp(self, node: c_ast.UnaryOp, variables: Variables):
+        value = self.value(node.expr, variables)
+        if node.op == "p++":
+            variables[node.expr.name] = value + 1
+        return -value
+
+    def _StructRef(self, node: c_ast.StructRef, variables: Variables):
+        """A member, or components of a vector."""
+        value = self.value(node.name, variables)
+        if isinstance(value, dict):
+            return value[node.field.name]
+        places = [COMPONENTS[letter] for letter in node.field.name]
+        in_a_row = places == list(range(places[0], places[0] + len(places)))
+        return value.rows(slice(places[0], places[-1] + 1) if in_a_row else places)
+
+    def _FuncCall(self, node: c_ast.FuncCall, variables: Variables):
+        name = node.name.name
+        if name in SET_UP:
+            return None
+        arguments = [self.value(argument, variables) for argument in node.args.exprs] if node.args else []
+        if name in FETCHES:
+            return self.run.fetch(*arguments[:2])
+        if name == "BokehRotated" and all(isinstance(argument, Interval) for argument in arguments):
+            return _rotated(*arguments)
+        if name in ("sin", "cos"):
+            function, angle = getattr(np, name), arguments[0]
+            if not isinstance(angle, Interval):
+                return float(function(angle))
+            value, off = function(angle.value), angle.error + self.run.line
+            return Interval(value, value - off, value + off)
+        if name in FUNCTIONS:
+            return FUNCTIONS[name](*arguments)
+        function, call = glsl.functions()[name], _Call(self.run, self.count)
+        call.visit(function.body, dict(zip(function.parameters, arguments, strict=True)))
+        return call.result

@@ -1,0 +1,277 @@
+"""Interval arithmetic: a value in float64, and the limits that a correct device's float32 keeps by the same operations.
+
+Each operation takes the limits of its operands along and adds its own rounding, a share of the result:
+
+    + - *          2^-22: correct rounding is 2^-24, and a constant beside it may have been rounded by the compiler
+    /, sqrt        6 x 2^-24: 2.5 units in the last place and what is said above (Vulkan, Direct3D 11)
+    exp, log2      2^-21; of an exponent also times its size, since a device rounds that first
+
+Numbers that every device has alike are exact as long as float32 can hold the result. Operands that depend on each other
+count as if they did not, which makes intervals wider than they need be, never narrower.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bokeh_validation.reference.precision import FLOAT_STEP
+
+OPERATION, DIVISION, FUNCTION = 4 * FLOAT_STEP, 6 * FLOAT_STEP, 2.0**-21
+
+
+@dataclass(eq=False)
+class Interval:
+    """Numbers of many pixels at once: (components, pixels), or (components, 1) where all pixels have the same.
+
+    value      as float64 computes it
+    low, high  limits; None: exact
+    turned     of a direction: how long its error is, (pixels,); its limits alone would grow with each turn
+    """
+
+    value: np.ndarray
+    low: np.ndarray | None = None
+    high: np.ndarray | None = None
+    turned: np.ndarray | None = None
+
+    # NumPy's own operators give way to these
+    __array_ufunc__ = None
+
+    def __post_init__(self):
+        if self.low is None:
+            self.low = self.high = self.value
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every device has it alike."""
+        return self.low is self.value
+
+    @cached_property
+    def is_positive(self) -> bool:
+        """Whether nothing is below 0."""
+        return bool(self.low.min() >= 0.0)
+
+    @property
+    def error(self) -> np.ndarray:
+        """The larger distance from the value to a limit."""
+        return np.maximum(self.high - self.value, self.value - self.low)
+
+    def each(self, function: Callable[[np.ndarray], np.ndarray]) -> "Interval":
+        """A function that only grows and rounds nothing, or that picks some of the numbers."""
+        value = function(self.value)
+        if self.is_exact:
+            return Interval(value)
+        low, high = function(self.low), function(self.high)
+        return Interval(value) if np.array_equal(low, high) else Interval(value, low, high)
+
+    def rows(self, components: slice | list[int]) -> "Interval":
+        """Some components."""
+        value = self.value[components]
+        return Interval(value) if self.is_exact else Interval(value, self.low[components], self.high[components])
+
+    def spread(self, count: int) -> "Interval":
+        """Of so many pixels, though all may have the same."""
+        fields = (self.value, self.low, self.high)
+        return Interval(*(np.broadcast_to(field, (len(field), count)) for field in fields))
+
+    def pixels(self, chosen: np.ndarray) -> "Interval":
+        """Some of the pixels, by their numbers."""
+        if self.value.shape[1] == 1:
+            return self
+        fields = (self.value,) if self.is_exact else (self.value, self.low, self.high)
+        turned = None if self.turned is None else np.broadcast_to(self.turned, self.value.shape[1])[chosen]
+        picked = Interval(*(field[:, chosen] for field in fields))
+        picked.turned = turned
+        return picked
+
+    def __add__(self, other):
+        other = interval(other)
+        sums = (getattr(self, name) + getattr(other, name) for name in ("value", "low", "high"))
+        return _rounded(*sums, self.is_exact and other.is_exact)
+
+    def __sub__(self, other):
+        other = interval(other)
+        limits = self.low - other.high, self.high - other.low
+        return _rounded(self.value - other.value, *limits, self.is_exact and other.is_exact)
+
+    def __mul__(self, other):
+        other = interval(other)
+        value, both_exact = self.value * other.value, self.is_exact and other.is_exact
+        limits = (value, value) if both_exact else _product(self, other)
+        return Interval(value, *limits) if _is_shift(self) or _is_shift(other) else _rounded(value, *limits, both_exact)
+
+    def __truediv__(self, other):
+        other = interval(other)
+        if _is_shift(other):
+            return self * (1.0 / other.value.item())
+        over = Interval(1.0 / other.value, 1.0 / other.high, 1.0 / other.low)
+        unbounded = (other.low <= 0.0) & (other.high >= 0.0)
+        if unbounded.any():
+            over.low, over.high = np.where(unbounded, -np.inf, over.low), np.where(unbounded, np.inf, over.high)
+        both_exact = self.is_exact and other.is_exact
+        return _rounded(self.value / other.value, *_product(self, over), both_exact, DIVISION)
+
+    def __radd__(self, other):
+        return interval(other) + self
+
+    def __rsub__(self, other):
+        return interval(other) - self
+
+    def __rmul__(self, other):
+        return interval(other) * self
+
+    def __rtruediv__(self, other):
+        return interval(other) / self
+
+    def __neg__(self):
+        return Interval(-self.value) if self.is_exact else Interval(-self.value, -self.high, -self.low)
+
+    def __abs__(self):
+        low = np.maximum(np.maximum(self.low, -self.high), 0.0)
+        return Interval(np.abs(self.value), low, np.maximum(self.high, -self.low))
+
+    def __lt__(self, other):
+        other = interval(other)
+        return condition(self.value < other.value, self.high < other.low, self.low < other.high)
+
+    def __le__(self, other):
+        other = interval(other)
+        return condition(self.value <= other.value, self.high <= other.low, self.low <= other.high)
+
+    def __gt__(self, other):
+        return interval(other) < self
+
+    def __ge__(self, other):
+        return interval(other) <= self
+
+
+def interval(number: Interval | float) -> Interval:
+    """A number as one."""
+    return number if isinstance(number, Interval) else Interval(np.full((1, 1), float(number)))
+
+
+def _is_shift(number: Interval) -> bool:
+    """A power of two, by which nothing is rounded."""
+    return number.is_exact and number.value.size == 1 and abs(np.frexp(number.value.item())[0]) == 0.5
+
+
+def _rounded(value, low, high, both_exact: bool, share: float = OPERATION) -> Interval:
+    if both_exact and np.array_equal(value.astype(np.float32), value):
+        return Interval(value)
+    error = np.abs(value)
+    error *= share
+    return Interval(value, low - error, high + error)
+
+
+def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
+    if a.is_positive and b.is_positive:
+        low, high = a.low * b.low, a.high * b.high
+    elif b.is_positive and b.is_exact:
+        low, high = a.low * b.value, a.high * b.value
+    elif a.is_positive and a.is_exact:
+        low, high = a.value * b.low, a.value * b.high
+    else:
+        products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
+        low, high = np.minimum.reduce(products), np.maximum.reduce(products)
+    if not np.isfinite(low.sum() + high.sum()):
+        # 0 times an endless interval is 0: a weight of 0 takes no part
+        is_zero = ((a.low == 0.0) & (a.high == 0.0)) | ((b.low == 0.0) & (b.high == 0.0))
+        unknown = np.isnan(low) | np.isnan(high)
+        low = np.where(unknown, np.where(is_zero, 0.0, -np.inf), low)
+        high = np.where(unknown, np.where(is_zero, 0.0, np.inf), high)
+    return low, high
+
+
+def larger(a: Interval | float, b: Interval | float) -> Interval:
+    """The larger of two."""
+    return _either(np.maximum, interval(a), interval(b))
+
+
+def smaller(a: Interval | float, b: Interval | float) -> Interval:
+    """The smaller of two."""
+    return _either(np.minimum, interval(a), interval(b))
+
+
+def _either(function, a: Interval, b: Interval) -> Interval:
+    value = function(a.value, b.value)
+    if a.is_exact and b.is_exact:
+        return Interval(value)
+    return Interval(value, function(a.low, b.low), function(a.high, b.high))
+
+
+def growing(function: Callable, number: Interval, share: float | np.ndarray = 0.0, least: float = 0.0) -> Interval:
+    """A function that only grows, off by a share of its value, and by `least` in any case."""
+    found = Interval(*(function(limit) for limit in (number.value, number.low, number.high)))
+    error = np.abs(found.value) * share + least
+    return Interval(found.value, found.low - error, found.high + error)
+
+
+def side_by_side(parts: Sequence[Interval | float]) -> Interval:
+    """Components one after the other."""
+    parts = [interval(part) for part in parts]
+    count = max(part.value.shape[1] for part in parts)
+
+    def joined(name: str) -> np.ndarray:
+        fields = [getattr(part, name) for part in parts]
+        return np.concatenate([np.broadcast_to(field, (len(field), count)) for field in fields])
+
+    exact = all(part.is_exact for part in parts)
+    return Interval(*(joined(name) for name in (("value",) if exact else ("value", "low", "high"))))
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Of each pixel, (pixels,): whether it holds in float64, on every device, on some device."""
+
+    value: np.ndarray
+    sure: np.ndarray
+    possible: np.ndarray
+
+    def __invert__(self):
+        return Condition(~self.value, ~self.possible, ~self.sure)
+
+    def __and__(self, other: "Condition | bool") -> "Condition | bool":
+        if isinstance(other, bool):
+            return self if other else False
+        return Condition(self.value & other.value, self.sure & other.sure, self.possible & other.possible)
+
+    __rand__ = __and__
+
+
+def condition(value: np.ndarray, sure: np.ndarray, possible: np.ndarray) -> Condition | bool:
+    """A comparison (1, pixels) of numbers; a bool where all pixels and devices agree from the outset."""
+    if value.size == 1 and sure.item() == possible.item():
+        return bool(value.item())
+    return Condition(value.reshape(-1), sure.reshape(-1), possible.reshape(-1))
+
+
+def chosen(where: Condition, yes, no):
+    """`yes` where a condition holds, else `no`; where it is open, the interval around both. Structs by member."""
+    if yes is no:
+        return yes
+    if isinstance(yes, dict):
+        return {name: chosen(where, yes[name], no.get(name, yes[name])) for name in yes}
+    yes, no = interval(yes), interval(no)
+    fields = [np.where(where.sure, yes.low, no.low), np.where(where.sure, yes.high, no.high)]
+    is_open = where.possible & ~where.sure
+    if is_open.any():
+        fields[0] = np.where(is_open, np.minimum(yes.low, no.low), fields[0])
+        fields[1] = np.where(is_open, np.maximum(yes.high, no.high), fields[1])
+    value = np.where(where.value, yes.value, no.value)
+    return Interval(value) if yes.is_exact and no.is_exact and not is_open.any() else Interval(value, *fields)
+
+
+def replaced(whole, part, pixels: np.ndarray, count: int, widened: bool = False):
+    """`whole`, of `count` pixels, with `part` in some of them, or `widened` there by its limits. Structs by member."""
+    if isinstance(part, dict):
+        return {name: replaced(whole.get(name, part[name]), part[name], pixels, count, widened) for name in part}
+    whole, part = interval(whole), interval(part)
+    shape = (max(len(whole.value), len(part.value)), count)
+    value, low, high = (np.array(np.broadcast_to(field, shape)) for field in (whole.value, whole.low, whole.high))
+    if widened:
+        low[:, pixels] = np.minimum(low[:, pixels], part.low)
+        high[:, pixels] = np.maximum(high[:, pixels], part.high)
+    else:
+        value[:, pixels], low[:, pixels], high[:, pixels] = part.value, part.low, part.high
+    return Interval(value, low, high)

@@ -1,0 +1,94 @@
+"""What each pass of layered made of small pictures when it was last looked at and found good.
+
+The reference of layered is its own GLSL, so a mistake that is the same in all languages would be in the reference too.
+Here it is held to pictures in the repository, pass by pass, each from what the file has of the passes before it.
+
+After a change that is meant, write them anew and say in the commit why they changed:
+
+    BOKEH_WRITE_EXPECTED=1 validation/test validation/tests/shaders/test_expected.py
+"""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support_cases import CAMERA, noise_case
+
+from bokeh_validation import paths
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes import near_edges
+from bokeh_validation.probes.model import Case, depth_of
+from bokeh_validation.reference import images
+from bokeh_validation.reference.device import Reference
+from bokeh_validation.shaders.entries import ENTRIES
+
+FILE = paths.VALIDATION / "tests/shaders/expected_layered.npz"
+SIZE = (37, 27)
+# both layers full: near CoC of up to 25 pixels, far ones of up to 17
+FULL = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
+# a CoC that is in part in a layer, or spreads a little, pixels
+PLANES = (-11.0, -9.0, 3.0, 11.0, 14.0)
+SETTINGS = {
+    "hexagon": Settings("layered", "hexagon", camera=FULL, jitter=1.0, squeeze=0.7, rotation=10.0),
+    "less": Settings("layered", "hexagon", camera=replace(FULL, aperture_diameter=1.8)),
+    "little": Settings("layered", "hexagon", camera=CAMERA),
+    "square": Settings("layered", "square", camera=FULL, preset="low", jitter=1.0),
+    "octagon cut": Settings("layered", "octagon", camera=FULL, cats_eye=0.7, roundness=0.5, preset="high"),
+    "decagon": Settings("layered", "decagon", camera=FULL, preset="low", rotation=20.0, frame=3, jitter=0.5),
+    "decagon, one target": Settings("layered", "decagon", camera=FULL, preset="ultra", targets=False),
+    "octagon, cut, one target": Settings("layered", "octagon", camera=FULL, targets=False, cats_eye=0.9),
+    "slope": near_edges.settings(rotation=10.0),
+    **{f"plane {coc}": near_edges.settings(rotation=10.0) for coc in PLANES},
+}
+
+
+def case(name: str) -> Case:
+    """Random patches; in one of them black on the left and lights on the right, in the planes one depth."""
+    found = noise_case(SIZE, SETTINGS[name])
+    if name == "slope":
+        # shares of the near layer from none to all
+        columns = [near_edges.metres(coc, SIZE[1]) for coc in np.linspace(-4.0, -12.0, SIZE[0])]
+        return replace(found, depth=np.tile(np.float32(columns), (SIZE[1], 1)))
+    if name.startswith("plane"):
+        coc = float(name.removeprefix("plane "))
+        return replace(found, depth=depth_of(SIZE, near_edges.metres(coc, SIZE[1])))
+    if name == "hexagon":
+        found = replace(found, color=found.color.copy())
+        found.color[:, :16, :3] = 0.0
+        found.color[3::9, 20::7, :3] = 60000.0
+    return found
+
+
+@pytest.fixture(scope="module")
+def expected() -> dict[str, np.ndarray]:
+    """'case/texture' -> (H, W, 4) float16; written first where that was asked for."""
+    if os.environ.get("BOKEH_WRITE_EXPECTED"):
+        written = {}
+        for name in SETTINGS:
+            passes = case(name).plan.passes
+            names = [output for item in passes for output in item.outputs]
+            kept = Reference().run(passes, case(name).textures(), SIZE, keep=names)
+            written |= {f"{name}/{output}": pixels for output, pixels in kept.items()}
+        np.savez_compressed(FILE, **written)
+    with np.load(FILE) as file:
+        return dict(file)
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_every_pass(name, expected):
+    """To a step of the half floats that they are stored in: sin and cos may differ in a last bit."""
+    mine = {key.removeprefix(f"{name}/"): pixels for key, pixels in expected.items() if key.startswith(f"{name}/")}
+    results = Reference().images(case(name).plan.passes, case(name).textures(), SIZE, given=mine)
+    assert set(results) == set(mine)
+    for output, image in results.items():
+        wanted = mine[output].astype(np.float64)
+        off = np.abs(image.value - wanted) / images.step(np.abs(wanted), np.float16)
+        assert off.max() <= 1.0, (output, off.max())
+
+
+def test_every_entry_is_expected():
+    """All entries of bokeh_layers.* are drawn above."""
+    drawn = {item.entry for name in SETTINGS for item in case(name).plan.passes}
+    assert {entry.name for entry in ENTRIES.values() if entry.layers} <= drawn
