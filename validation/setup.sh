@@ -203,7 +203,6 @@ export PYTHONPYCACHEPREFIX="$cache/pycache"
 # Images of containers set this against files beside the sources. There are none, and every start would compile all.
 unset PYTHONDONTWRITEBYTECODE
 export PIP_CACHE_DIR="$cache/pip"
-export MPLCONFIGDIR="$cache/matplotlib"
 export MESA_SHADER_CACHE_DIR="$cache/mesa"
 # Mesa complains where this is not set
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-$cache}"

@@ -32,13 +32,13 @@ COMMANDS = {
     "peers": ("truth.peers", "peers"),
     "demo": ("demo", "demo"),
     "figures": ("figures", "figures"),
-    "probes": ("run.validate", "run_patterns"),
+    "probes": ("probes", "probes"),
     "parity": ("shaders.parity", "parity"),
-    "bench": ("bench.bench_command", "bench"),
+    "bench": ("bench", "bench"),
     "port": ("frame.port", "port"),
     "isa": ("isa.isa_command", "isa"),
     "mutants": ("mutants.mutants_command", "mutants"),
-    "engines": ("run.validate", "run_engines"),
+    "engines": ("engines", "engines"),
     "release": ("release", "release"),
 }
 

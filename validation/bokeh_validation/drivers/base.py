@@ -251,10 +251,13 @@ class Job:
         self.driver.make_current()
         self.driver.draw(self.steps)
 
-    def timed(self, repeats: int) -> Timing:
-        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time."""
+    def timed(self, repeats: int, number: int | None = None) -> Timing:
+        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time.
+
+        number  of the one pass that is drawn, which reads what the others left when all were drawn; None: all
+        """
         self.driver.make_current()
-        draw, queried = self.driver.timer(self.steps, repeats)
+        draw, queried = self.driver.timer(self.steps if number is None else self.steps[number : number + 1], repeats)
         self.driver.wait()
         wall, cpu = time.perf_counter(), time.process_time()
         draw()

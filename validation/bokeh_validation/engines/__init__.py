@@ -1,15 +1,25 @@
-"""The engine samples of integration/, run with their own colour and depth and compared with the reference."""
+"""The engine samples of integration/, run with their own colour and depth and compared with the reference.
 
+The work behind `validation/run engines`.
+"""
+
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from bokeh_validation import paths
+import numpy as np
+import typer
+
+from bokeh_validation import jobs, paths, pictures, terminal
 from bokeh_validation.engines import bevy, direct3d, godot, jmonkeyengine, love, ogre, pages, scripts
 from bokeh_validation.engines.capture import Broken, Capture, read
+from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.probes.model import Check
+from bokeh_validation.probes.sections import Panel, Run, Section, panel, print_details
 
-__all__ = ["ENGINES", "Broken", "Capture", "Engine", "read", "run"]
+__all__ = ["ENGINES", "Broken", "Capture", "Engine", "engines", "read", "run", "section"]
 
 
 class Engine(NamedTuple):
@@ -48,6 +58,7 @@ ENGINES = {
     "direct3d11": Engine(direct3d.run),
     "bevy": Engine(bevy.run, bevy.changed),
 }
+SLOWEST = ("bevy", "godot")
 
 
 def run(name: str) -> Capture:
@@ -57,3 +68,51 @@ def run(name: str) -> Capture:
     shutil.rmtree(target, ignore_errors=True)
     ENGINES[name].run(name, paths.ensured(target))
     return read(target)
+
+
+def section(name: str) -> Section:
+    """A sample for the report; not run: a Section without runs."""
+    try:
+        return of_capture(name, run(name))
+    except Unavailable as error:
+        return Section(name, name, missing={name: str(error)})
+    except (RuntimeError, Broken) as error:
+        return Section(name, name, runs=[Run(name, {}, [Check("built and run", 0.0, 1.0, 1.0, str(error))])])
+
+
+def of_capture(name: str, capture: Capture) -> Section:
+    """An engine's own colour, and beside each result what the reference makes of the same."""
+    panels = []
+    for shot in capture.shots:
+        images = (shot.case.color, shot.expected.value, shot.result)
+        source, expected, result = (pictures.display(image, tone_map=True) for image in images)
+        if not panels:
+            panels = [Panel("the engine's colour", pictures.jpeg_uri(source))]
+            panels += [Panel(f"reference, {shot.name}", pictures.jpeg_uri(expected))]
+        panels.append(panel(shot.name, result, shot.result, shot.expected.value, shot.comparison, small=None))
+    compared = {", ".join([shot.name, *shot.outside]): shot.comparison for shot in capture.shots}
+    shots = Check("shots", len(capture.shots), 1, np.inf, "a capture without any shows nothing")
+    return Section(name, capture.engine, capture.device, [Run(name, compared, [shots])], {"": panels})
+
+
+def engines(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,
+) -> None:
+    """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
+    for name in names or []:
+        if name not in ENGINES:
+            raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
+    chosen = names or [name for name, engine in ENGINES.items() if everything or not engine.slow]
+    # what takes longest is begun first
+    ordered = sorted(chosen, key=lambda name: name not in SLOWEST)
+    with terminal.progress("engine", len(chosen)) as step:
+        sections = dict(zip(ordered, jobs.run([(section, (name,)) for name in ordered], step), strict=True))
+    passed = True
+    for name in chosen:
+        terminal.console.print(
+            f"{name}: {sections[name].title}, {sections[name].shows or terminal.NOT_RUN}", highlight=False
+        )
+        print_details([sections[name]], True)
+        passed &= sections[name].ok and not (os.environ.get("CI") and sections[name].missing)
+    terminal.end(passed)

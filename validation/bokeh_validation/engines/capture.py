@@ -22,7 +22,7 @@ distance before and after each frame.
 
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
 each, in the order of docs/passes.md. It is compared pass by pass, each with what the device had in the pass's inputs,
-as in patterns.model.compared.
+as in probes.model.compared.
 """
 
 import json

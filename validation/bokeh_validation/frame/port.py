@@ -114,8 +114,9 @@ def _separated(parts: Iterable[Lines]) -> Iterator[str]:
 
 def java_passes() -> Iterator[str]:
     """jMonkeyEngine's names of what BOKEH_PASS may be."""
-    values = dict(re.findall(r"^#define (BOKEH_\w+) (\d+)$", _text(PASS_LIST), re.MULTILINE))
-    return (f"{define.removeprefix('BOKEH_')}({values[define]})," for define in map(shaders.glsl_pass, ENTRIES))
+    values = re.findall(r"^#define (BOKEH_\w+) (\d+)$", _text(PASS_LIST), re.MULTILINE)
+    known = set(map(shaders.glsl_pass, ENTRIES))
+    return (f"{define.removeprefix('BOKEH_')}({value})," for define, value in values if define in known)
 
 
 def godot_shaders() -> dict[str, str]:

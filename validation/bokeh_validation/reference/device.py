@@ -11,7 +11,7 @@ from bokeh_validation.reference import aberration, layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.reference.precision import Precision
+from bokeh_validation.reference.precision import SOFTWARE, Precision
 from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, VIEW
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
@@ -22,6 +22,7 @@ class Reference:
     name = "reference"
     adapter = "NumPy float64"
     software = True
+    precision = SOFTWARE
     rounding = "nearest"
 
     def __init__(self, adapter: str | None = None):

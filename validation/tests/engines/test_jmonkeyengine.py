@@ -11,18 +11,6 @@ from bokeh_validation.engines import jmonkeyengine
 SAMPLE = jmonkeyengine.SAMPLE
 
 
-def test_table_of_passes():
-    """The enum has the names of bokeh_passes.glsl in their order: the ordinal is what BOKEH_PASS is."""
-    own = (SAMPLE / "BokehPass.java").read_text(encoding="ascii")
-    names = re.findall(r"[A-Z_]+", own[own.index("{") : own.index(";")])
-    table = re.findall(
-        r"^#define BOKEH_([A-Z_]+) (\d+)$", paths.passes("glsl").read_text(encoding="ascii"), re.MULTILINE
-    )
-    # the vertex shader comes last
-    wanted = [name for name, number in table if name != "TARGETS"][:-1]
-    assert names == wanted
-
-
 def test_versions():
     """The guide, the table of integration/README.md and jars.txt have the same."""
     (version,) = {jar.version for jar in jmonkeyengine.pinned() if jar.group == "org.jmonkeyengine"}

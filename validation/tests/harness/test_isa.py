@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 from support import called, load
 
-from bokeh_validation import paths
-from bokeh_validation.bench import rows, session
+from bokeh_validation import bench, paths
 from bokeh_validation.frame import fetches
 from bokeh_validation.frame.methods import Settings, plan
 from bokeh_validation.isa import compiled, estimate, isa_command
@@ -143,11 +142,11 @@ def test_bad_folder(tmp_path):
 @pytest.mark.alone
 def test_order_of_the_methods(stock):
     """A software driver has no texture units: by their arithmetic the methods come in the order of their time on it."""
-    size, camera = (480, 270), rows.LAYERS_SCENE.camera
-    wanted = [row for row in rows.layers(size) if row.key in (rows.LAYERS_PAPER, "layered low", "layered medium")]
-    exact = Settings("exact", "hexagon", camera=camera)
-    wanted.append(replace(wanted[0], key="exact hexagon", settings=exact, passes=plan(exact, size).passes))
-    measured, _ = session.measure_rows(load("osmesa"), wanted, size, 5, scene=rows.LAYERS_SCENE)
+    size, keys = (480, 270), ("paper hexagon", "layered low", "layered medium")
+    wanted = [row for row in bench.in_depth(size) if row.key in keys]
+    exact = Settings("exact", "hexagon", camera=bench.SCENE.camera)
+    wanted.append(bench.Row("exact hexagon", exact, plan(exact, size).passes))
+    _, measured = bench.measured(load("osmesa"), wanted, size, 5)
     times = {row["key"]: row["seconds"]["median"] for row in measured}
     every = [compiled.Method(row.key, row.settings) for row in wanted]
     counts = isa_command.count(every, ["navi21"]).found["navi21"]

@@ -38,6 +38,8 @@ render --png /no/such/folder/x.png | /no/such/folder
 plan --method layered --aperture star | --aperture star; octagon
 plan --size 1920 | --size 1920; 1920x1080
 plan --size 99999x9 | --size 99999x9; 2 to 16384
+plan --viewport 1281x720+640+0 | --viewport 1281x720+640+0; 1920 x 1080
+plan --viewport 8x8+4+0 | --viewport 8x8+4+0; multiples of 8
 plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
@@ -46,13 +48,11 @@ figures --driver d3d12 | --driver d3d12; osmesa
 figures --output /no/such/folder/x | /no/such/folder; Make it first
 figures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
-bench --rounds 0 | --rounds 0; 3 to
+bench --rounds 0 | --rounds; 3
 bench --driver nvidia | --driver nvidia; osmesa
-bench --driver d3d9 | --driver d3d9; read-back
-bench --clock sun | --clock sun; wall
+bench --driver d3d9 | --driver d3d9; osmesa
 bench --driver osmesa --adapter nothing | none of the drivers; osmesa
 bench --json /nowhere/b.json | /nowhere/b.json; no folder
-bench --plot /nowhere/b.png | /nowhere/b.png; no folder
 aperture | --sides; --vertices
 aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
 aperture --sides 2 | --sides 2; 3 to 12

@@ -3,6 +3,7 @@
 On noise, pass by pass: test_within.py. What its pictures must show: the probes, which test_patterns.py runs.
 """
 
+import re
 from dataclasses import replace
 
 import moments
@@ -12,7 +13,7 @@ import sweep
 from support import LANGUAGES, in_each_language, load
 from support_cases import CAMERA, judged, noise_case, result
 
-from bokeh_validation import metrics
+from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.probes import PROBES, lights, model, near_edges, unchanged
@@ -218,3 +219,22 @@ def test_layered_moving_light(near, driver):
     assert changed <= allowed
     if near:
         assert 0.99 <= min(found) and max(found) <= 1.01, found
+
+
+# What docs/layers.md says of the targets that need two channels
+TWO_CHANNELS = {"leftovers", "tile leftovers", "row leftovers", "shares", "sizes"}
+
+
+def test_two_channels_are_enough():
+    """The targets that docs/layers.md names may be RG16F: the same picture."""
+    driver, case = load("osmesa"), noise_case((101, 77), replace(SETTINGS, targets=False))
+    assert TWO_CHANNELS < {name for item in case.plan.passes for name in item.outputs}
+    main = "void main()\n{\n    whole();\n    BokehResult = vec4(BokehResult.rg, 0.0, 1.0);\n}\n"
+    fewer = []
+    for item in case.plan.passes:
+        if TWO_CHANNELS.issuperset(item.outputs):
+            text = shaders.glsl(item.entry, "330", item.constants)
+            item = replace(item, sources={"glsl": re.sub(r"\bvoid main\(\)", "void whole()", text) + main})
+        fewer.append(item)
+    whole, output = (driver.run(each, case.textures(), case.size)["result"] for each in (case.plan.passes, fewer))
+    np.testing.assert_array_equal(output, whole)

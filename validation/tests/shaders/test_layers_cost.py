@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from support import load
 
-from bokeh_validation import shaders
-from bokeh_validation.bench import bench_command, rows, session
+from bokeh_validation import bench, shaders
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import depth_of, flat
@@ -19,6 +18,7 @@ pytestmark = pytest.mark.alone
 DRIVERS = ("osmesa", "wgpu")
 # Time over that of `paper`, hexagon with 13 samples, on market_7 at its size; and fetches of a picture and of a pixel,
 # without the CoC map
+TIMED_SIZE = (960, 540)
 MOST_TIME = {"layered low": 1.3, "layered medium": 2.0}
 MOST_FETCHES = {"low": (55, 55), "medium": (90, 90)}
 # The same where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
@@ -28,9 +28,9 @@ IN_FOCUS = 0.35 * 2 * 39
 @pytest.mark.parametrize("name", DRIVERS)
 def test_time(name):
     """Medians of rounds in which all are drawn, in CPU time."""
-    wanted = [row for row in rows.layers(bench_command.LAYERS_SIZE) if row.key in (rows.LAYERS_PAPER, *MOST_TIME)]
-    measured, _ = session.measure_rows(load(name), wanted, bench_command.LAYERS_SIZE, 5, scene=rows.LAYERS_SCENE)
-    ratios = {row["key"]: row["ratios"]["paper"] for row in measured if row["key"] in MOST_TIME}
+    wanted = [row for row in bench.in_depth(TIMED_SIZE) if row.key in ("paper hexagon", *MOST_TIME)]
+    _, measured = bench.measured(load(name), wanted, TIMED_SIZE, 5)
+    ratios = {row["key"]: row["ratios"]["against"] for row in measured if row["key"] in MOST_TIME}
     assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
 
 
@@ -90,13 +90,12 @@ def test_fetches_at_the_worst(preset):
 
 @pytest.mark.parametrize("preset", methods.PRESETS)
 def test_fetches_in_focus(preset):
-    """What the bench says of that row, to the fetch."""
+    """What the plan says of it, to the fetch."""
     depth = depth_of(SIZE, near_edges.CAMERA.focus_distance)
     settings = near_edges.settings(preset=preset)
     found = counted(settings, flat(SIZE, 1.0), depth)
     total = sum(mean for mean, _ in found.values())
     assert total <= IN_FOCUS, found
-    cost = rows.cost(methods.plan(settings, SIZE).passes, depth)
+    counts = [(fetches.of_pass(item, True)["color"], item.scale**2) for item in methods.plan(settings, SIZE).passes]
     # the CoC map besides
-    assert cost.color == total + 1
-    assert cost.depth == 1
+    assert sum(count / texel for count, texel in counts) == total + 1

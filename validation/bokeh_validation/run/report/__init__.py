@@ -7,7 +7,7 @@ import jinja2
 
 from bokeh_validation import __version__, files
 from bokeh_validation.mutants import outcomes
-from bokeh_validation.run.sections import DIFFERENCE_STEPS, drivers_of
+from bokeh_validation.probes.sections import DIFFERENCE_STEPS, drivers_of
 
 
 def write(path: Path, found) -> None:

@@ -1,18 +1,21 @@
-"""What probes, scenes and samples showed on the drivers, as the terminal and the report tell it.
+"""What probes, scenes and samples showed on the drivers, as the terminal and the report have it.
 
 Small, since it comes from other processes: pictures are data: addresses, those of what passed small ones.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
+from rich.table import Table
 
-from bokeh_validation import metrics, pictures
-from bokeh_validation.engines.capture import Capture
+from bokeh_validation import drivers, metrics, pictures
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.probes.model import CaseResult, Check, ProbeResult
-from bokeh_validation.terminal import FAILED, OK
+from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
 
 DIFFERENCE_STEPS = 8
 # Pixels across of a picture that is as it should be, beside the reference's
@@ -41,15 +44,14 @@ class Run:
     @property
     def ok(self) -> bool:
         """All checks and all comparisons."""
-        return all(one.ok for one in (*self.checks, *self.comparisons.values()))
+        return all(result.ok for result in (*self.checks, *self.comparisons.values()))
 
     def lines(self, every: bool) -> Iterator[str]:
         """What was measured; `every`: that too which is as it should be."""
         for check in self.checks:
             if every or not check.ok:
-                allowed = f"{check.low:.5g} .. {check.high:.5g}"
                 state = OK if check.ok else f"{FAILED}: {check.why}"
-                yield f"{check.name} {check.value:.5g} ({allowed}) {state}"
+                yield f"{check.name} {check.value:.5g} ({check.low:.5g} .. {check.high:.5g}) {state}"
         for name, comparison in self.comparisons.items():
             if every or not comparison.ok:
                 yield f"{name}: {comparison} {OK if comparison.ok else FAILED}"
@@ -66,9 +68,9 @@ class Section:
 
     name: str
     title: str
-    shows: str
-    runs: Sequence[Run]
-    strips: Mapping[str, Sequence[Panel]]
+    shows: str = ""
+    runs: Sequence[Run] = ()
+    strips: Mapping[str, Sequence[Panel]] = field(default_factory=dict)
     adapters: Mapping[str, str] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
 
@@ -78,20 +80,35 @@ class Section:
         return all(run.ok for run in self.runs)
 
 
-def of_probe(results: Sequence[ProbeResult]) -> Section:
+@lru_cache
+def _load(name: str, adapter: str | None) -> Driver | str:
+    """A driver of this process, or why it is missing."""
+    try:
+        return drivers.load(name, adapter)
+    except Unavailable as error:
+        return str(error)
+
+
+def loaded(names: Iterable[str], adapter: str | None) -> tuple[list[Driver], dict[str, dict[str, str]]]:
+    """Drivers, and a Section's `adapters` and `missing`."""
+    answers = {name: _load(name, adapter) for name in names}
+    missing = {name: answer for name, answer in answers.items() if isinstance(answer, str)}
+    present = [answer for answer in answers.values() if not isinstance(answer, str)]
+    return present, {"adapters": {driver.name: driver.adapter for driver in present}, "missing": missing}
+
+
+def of_probe(results: Sequence[ProbeResult], **devices: dict[str, str]) -> Section:
     """A probe on several drivers."""
     probe, runs, strips = results[0].probe, [], {}
     for result in results:
-        compared = {
-            f"{case.case.label}, {name}": one for case in result.cases for name, one in case.comparisons.items()
-        }
+        compared = {f"{r.case.label}, {name}": c for r in result.cases for name, c in r.comparisons.items()}
         runs.append(Run(result.driver, compared, result.checks))
     for index, case in enumerate(probe.cases):
         for name in case.keep:
             label = case.label if len(case.keep) == 1 else f"{case.label}, {name}"
             strips[label] = strip(name, {result.driver: result.cases[index] for result in results})
     figure = f" (Figure {probe.figure})" if probe.figure else ""
-    return Section(probe.name, probe.title + figure, probe.shows, runs, strips)
+    return Section(probe.name, probe.title + figure, probe.shows, runs, strips, **devices)
 
 
 def strip(name: str, results: Mapping[str, CaseResult]) -> list[Panel]:
@@ -99,8 +116,8 @@ def strip(name: str, results: Mapping[str, CaseResult]) -> list[Panel]:
     first = next(iter(results.values()))
     panels = [Panel("reference", pictures.jpeg_uri(_shown(first, first.expected[name].value)))]
     for driver, result in results.items():
-        pixels, wanted = result.outputs[name], result.expected[name].value
-        panels.append(panel(driver, _shown(result, pixels), pixels, wanted, result.comparisons[name]))
+        pixels, expected = result.outputs[name], result.expected[name].value
+        panels.append(panel(driver, _shown(result, pixels), pixels, expected, result.comparisons[name]))
     return panels
 
 
@@ -113,31 +130,39 @@ def _shown(result: CaseResult, pixels: np.ndarray) -> np.ndarray:
     return pictures.display(pixels, case.exposure, case.tone_map)
 
 
-def panel(caption: str, shown: np.ndarray, pixels: np.ndarray, wanted: np.ndarray, comparison: Comparison) -> Panel:
-    """In full and with its distance where it is not as the reference wants it, else small."""
+def panel(
+    caption: str, shown: np.ndarray, pixels: np.ndarray, expected: np.ndarray, comparison: Comparison,
+    small: int | None = SMALL,
+) -> Panel:  # fmt: skip
+    """In full and with its distance where it is not as the reference has it, else at most `small` pixels across."""
     if comparison.ok:
         numbers = f"{100 * comparison.close:.2f} % within {metrics.CLOSE_STEPS} steps"
-        return Panel(caption, pictures.jpeg_uri(shown, SMALL), numbers, small=True)
-    heat = pictures.heat(metrics.steps(pixels, wanted, pixels.dtype.type), DIFFERENCE_STEPS)
+        return Panel(caption, pictures.jpeg_uri(shown, small), numbers, small=small is not None)
+    heat = pictures.heat(metrics.steps(pixels, expected, pixels.dtype.type), DIFFERENCE_STEPS)
     return Panel(caption, pictures.png_uri(shown), str(comparison), pictures.png_uri(heat))
-
-
-def of_capture(name: str, capture: Capture) -> Section:
-    """An engine's own colour, and beside each result what the reference makes of the same."""
-    panels = []
-    for shot in capture.shots:
-        images = (shot.case.color, shot.expected.value, shot.result)
-        source, expected, result = (pictures.display(image, tone_map=True) for image in images)
-        if not panels:
-            panels = [Panel("the engine's colour", pictures.jpeg_uri(source))]
-            panels += [Panel(f"reference, {shot.name}", pictures.jpeg_uri(expected))]
-        made = panel(shot.name, result, shot.result, shot.expected.value, shot.comparison)
-        panels.append(replace(made, picture=pictures.jpeg_uri(result), small=False) if made.small else made)
-    compared = {", ".join([shot.name, *shot.outside]): shot.comparison for shot in capture.shots}
-    shots = Check("shots", len(capture.shots), 1, np.inf, "a capture without any shows nothing")
-    return Section(name, capture.engine, capture.device, [Run(name, compared, [shots])], {"": panels})
 
 
 def drivers_of(sections: Iterable[Section]) -> list[str]:
     """Those that ran, each once."""
     return list(dict.fromkeys(run.driver for section in sections for run in section.runs))
+
+
+def print_grid(sections: Sequence[Section]) -> None:
+    """A row for each, a column for each driver."""
+    names = drivers_of(sections)
+    table = Table("", *names, box=None, pad_edge=False)
+    for section in sections:
+        states = {run.driver: OK if run.ok else FAILED for run in section.runs}
+        table.add_row(section.name, *(states.get(name, "") for name in names))
+    console.print(table)
+
+
+def print_details(sections: Sequence[Section], every: bool) -> None:
+    """What was measured; `every`: that too which is as it should be. Then what was not run, each once."""
+    for section in sections:
+        for run in section.runs:
+            who = " ".join(dict.fromkeys((run.driver, section.name)))
+            for line in run.lines(every):
+                console.print(f"{who}: {line}", highlight=False)
+    for name, reason in {name: reason for section in sections for name, reason in section.missing.items()}.items():
+        console.print(f"{NOT_RUN} {name}: {reason}", highlight=False)

@@ -1,0 +1,300 @@
+"""Times of the methods against naive, each other and floors (Table 1 of the paper): the work behind `bench`.
+
+A floor is what the fetches alone cost: a method's passes with shaders that fetch as often, from the same textures at
+the same places, and only add up.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import partial
+from math import ceil, tan
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from bokeh_validation import __version__, doctor, paths, shaders, terminal
+from bokeh_validation.drivers.base import TimedDriver, Timing, software_device
+from bokeh_validation.frame import fetches, methods
+from bokeh_validation.reference.lines import lines
+from bokeh_validation.shaders.entries import COPYING_ENTRIES, GRID, LINE
+from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.truth import ray_traced
+
+# --------------------------------------------------------------------------------------------------------- the floors
+
+SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "DepthSamp")
+
+
+def floor(item: Pass) -> Pass:
+    """The floor of a filter pass with a fixed number of samples; one that makes the CoC stays as it is."""
+    if item.entry in COPYING_ENTRIES:
+        return item
+    role, along, count = item.spec.role, lines(item), item.samples
+    deep = "; depth += BokehFetchNearest(BokehDepthSamp, {}).r" if "DepthSamp" in item.inputs else ""
+    body = "vec4 center = BokehFetch(BokehColorSamp, uv); vec4 sum = center; float depth = 0.0; float coc = center.a"
+    body += deep.format("uv")
+    if role == LINE and "ColorSampB" in item.inputs:
+        body += "; sum += BokehFetch(BokehColorSampB, uv)"  # the other parallelogram of a final pass
+    for line in along[:1] if role == GRID else along:
+        to_uv = np.array([1.0 / item.values()["BokehAspectRatio"], 1.0])
+        middle, half = line.segment.middle * to_uv, line.segment.half * to_uv
+        # the paper's samples are from end to end of a line, the others in the middle of equal parts
+        parts, offset = (count - 1, 0.0) if role in (LINE, GRID) else (count, 0.5)
+        # a grid is its first line, moved until it is on the opposite side
+        rows, sideways = (count, -2.0 * middle / parts) if role == GRID else (1, 0.0 * middle)
+        place = f"uv + coc * ({_vector(middle - half)} + {_vector(sideways)} * float(j)"
+        place += f" + {_vector(2.0 * half / parts)} * (float(i) + {offset}))"
+        body += f"; for (int j = 0; j < {rows}; j++) {{ for (int i = 0; i < {count}; i++) {{ vec2 place = {place}"
+        body += f"; sum += BokehFetch(Bokeh{line.slot}, place){deep.format('place')}; }} }}"
+    # a mean of all; its alpha is what the next pass fetches by, so the sum's goes into the colour
+    body += f"; vec3 mean = (sum.rgb + sum.a + depth) * {1.0 / (1 + count * len(along))!r}"
+    targets = len(item.outputs)
+    sources = {"glsl": _glsl(body, targets), "hlsl": _hlsl(body, targets), "wgsl": _wgsl(body, targets)}
+    return replace(item, entry="BokehFloor", parameters={}, sources=sources)
+
+
+def _vector(value: np.ndarray) -> str:
+    return f"vec2({value[0]:.9e}, {value[1]:.9e})"
+
+
+def _glsl(body: str, targets: int) -> str:
+    # the library alone: its passes would bring a main() of their own
+    head = f"{shaders.GLSL_VERSIONS['330']}\n" + paths.library("glsl").read_text(encoding="ascii")
+    head += "".join(f"uniform sampler2D Bokeh{slot};\n" for slot in SLOTS) + "in vec2 BokehUV;\n"
+    head += "".join(f"layout(location = {i}) out vec4 floor{i};\n" for i in range(targets))
+    stores = "".join(f"; floor{i} = vec4(mean, center.a)" for i in range(targets))
+    return f"{head}void main() {{ vec2 uv = BokehUV; {body}{stores}; }}\n"
+
+
+def _hlsl(body: str, targets: int) -> str:
+    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(BOKEH_SHARED(\1, BokehColorSamp)", body)
+    body = re.sub(r"\bvec([234])\b", r"float\1", body).replace("for (", "BOKEH_LOOP for (")
+    outputs = ", ".join(f"out float4 floor{i} : BOKEH_TARGET({i})" for i in range(targets))
+    stores = "".join(f"; floor{i} = float4(mean, center.a)" for i in range(targets))
+    return f"{shaders.hlsl(6, {})}\nvoid BokehFloor_PS(BOKEH_INPUT, {outputs}) {{ {body}{stores}; }}\n"
+
+
+def _wgsl(body: str, targets: int) -> str:
+    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(\1, BokehLinearClamp", body)
+    body = re.sub(r"\b(vec[234]|float|int) (\w+) =", r"var \2: \1 =", body)
+    for pattern, name in ((r"\b(vec[234])\b", r"\1f"), (r"\bfloat\b", "f32"), (r"\bint\b", "i32")):
+        body = re.sub(pattern, name, body)
+    head = "".join(f"@location({i}) floor{i}: vec4f, " for i in range(targets))
+    results = ", ".join(["vec4f(mean, center.a)"] * targets)
+    head = f"{shaders.wgsl()}\nstruct FloorTargets {{ {head}}}\n@fragment fn BokehFloor_PS(input: BokehVertex)"
+    return f"{head} -> FloorTargets {{ let uv: vec2f = input.uv; {body}; return FloorTargets({results}); }}\n"
+
+
+# ----------------------------------------------------------------------------------------------------------- the rows
+
+# Samples on a line for the effective counts of Table 1, 16, 64, 144, 256, 400 and 576, and the default count
+SIDES = (4, 8, 12, methods.PAPER_SAMPLES, 16, 20, 24)
+# Table 1 of the paper: frames a second over naive's, where it has both, with the engine's own work
+PAPER_RATIOS = {
+    "paper hexagon": {"16": 105 / 106, "64": 80 / 47, "144": 62 / 24},
+    "paper octagon": {"16": 93 / 106, "64": 65 / 47, "144": 51 / 24},
+}
+SCENE = ray_traced.MARKET  # much of it is out of focus, near and far
+# Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
+COC = 0.1
+FARTHEST = 1e4  # metres: the floors add up depth, and infinity has no mean
+TARGET_BYTES = 8  # RGBA16F
+
+
+@dataclass(frozen=True)
+class Row:
+    """A method with its settings.
+
+    naive    key of the naive row with as many effective samples
+    against  key of the paper's row that it replaces
+    floor    passes that only fetch; none where a pass fetches as often as the CoC needs
+    """
+
+    key: str
+    settings: methods.Settings
+    passes: tuple[Pass, ...]
+    naive: str | None = None
+    against: str | None = None
+    floor: tuple[Pass, ...] = ()
+
+
+def table_one(size: tuple[int, int], sides: Sequence[int] = SIDES) -> list[Row]:
+    """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
+    rows, constant = [], {"camera": methods.Camera(max_coc=1.0), "coc": COC}
+
+    def add(key: str, method: str, aperture: str, samples: int, **others) -> None:
+        settings = methods.Settings(method, aperture, samples, **constant)
+        passes = methods.plan(settings, size).passes
+        rows.append(Row(key, settings, passes, floor=tuple(map(floor, passes)), **others))
+
+    for side in sides:
+        naive = f"naive {side**2}"
+        add(naive, "naive-grid", "hexagon", side)
+        # the paper's line is as long as its polygon is wide: 2 edges of a hexagon, 2.414 of an octagon
+        for aperture, edge in (("hexagon", 0.5), ("octagon", tan(np.pi / 8))):
+            paper = f"paper {aperture} {side**2}"
+            add(paper, "paper", aperture, side, naive=naive)
+            samples = max(2, ceil(side * edge))
+            add(f"exact {aperture} {side**2}", "exact", aperture, samples, naive=naive, against=paper)
+    return rows
+
+
+def in_depth(size: tuple[int, int]) -> list[Row]:
+    """`exact` and `layered` against the paper's hexagon, all with the CoC from depth; and both in focus."""
+    paper = methods.Settings("paper", "hexagon", camera=SCENE.camera)
+    exact = replace(paper, method="exact", spacing=1.5, samples=9)
+    every = {"paper hexagon": paper, "exact hexagon": exact, "exact octagon": replace(exact, aperture="octagon")}
+    layered = replace(paper, method="layered")
+    every |= {f"layered {preset}": replace(layered, preset=preset) for preset in methods.PRESETS}
+    every |= {"exact in focus": replace(exact, coc=0.0), "layered in focus": replace(layered, coc=0.0)}
+    return [Row(k, one, methods.plan(one, size).passes, against="paper hexagon") for k, one in every.items()]
+
+
+def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
+    """The scene at (width, height), nearest texel: 'color' and 'depth'."""
+    scene = ray_traced.picture(SCENE)
+    columns, rows = (np.arange(side) * whole // side for side, whole in zip(size, scene.size, strict=True))
+    depth = np.minimum(scene.depth[rows][:, columns], np.float32(FARTHEST))
+    return {"color": scene.color[rows][:, columns], "depth": depth}
+
+
+# ---------------------------------------------------------------------------------------------------------- the times
+
+SHORTEST, MOST_REPEATS = 0.02, 10000  # seconds: what is shorter is drawn again and again
+# The device's timer is believed where it shows this share of the time on the clock: command buffers that are queued
+# one behind the other leave little besides, and a timer that misses deferred work or counts another unit shows.
+AGREES = (0.8, 1.05)
+
+
+def measured(driver: TimedDriver, rows: Sequence[Row], size: tuple[int, int], rounds: int) -> tuple[str, list[dict]]:
+    """Name of the clock, 'query', 'wall' or 'cpu'; and of each row what --json writes, in the order of the rows.
+
+    Every round times every frame, floor and single pass once, in another order; ratios are of the same round.
+    """
+    images, calls = textures(size), {}
+    # the picture is uploaded once
+    shared = driver.prepared((), images, size)
+    jobs = [shared]
+    for row in rows:
+        for kind, passes in {"frame": row.passes, "floor": row.floor}.items():
+            if passes:
+                jobs.append(driver.prepared(passes, images, size, share=shared))
+                calls[row.key, kind] = jobs[-1].timed
+                numbers = range(len(passes)) if kind == "frame" else ()
+                calls |= {(row.key, number): partial(jobs[-1].timed, number=number) for number in numbers}
+    clock, seconds = interleaved(calls, rounds, bool(software_device(driver.adapter)))
+    for job in reversed(jobs):
+        job.release()
+    return clock, [_as_json(row, seconds) for row in rows]
+
+
+def interleaved(
+    calls: Mapping[object, Callable[[int], Timing]], rounds: int, software: bool
+) -> tuple[str, dict[object, np.ndarray]]:
+    """The clock used, and key -> seconds (rounds,): CPU time in software, else the device's timer where it agrees."""
+    random, repeats = np.random.default_rng(1), {}
+    for key, call in calls.items():
+        call(1)  # compiles what the runtime compiles on first use
+        repeats[key] = min(MOST_REPEATS, ceil(SHORTEST / max(call(1).wall, 1e-9)))
+    timings = {key: [] for key in calls}
+    for _ in range(rounds):
+        for index in random.permutation(len(calls)):
+            key = list(calls)[index]
+            timings[key].append(calls[key](repeats[key]))
+    flat = [timing for several in timings.values() for timing in several]
+    agree = all(timing.query is not None for timing in flat)
+    agree = agree and AGREES[0] <= np.median([timing.query / timing.wall for timing in flat]) <= AGREES[1]
+    clock = "cpu" if software else "query" if agree else "wall"
+    return clock, {key: np.array([getattr(timing, clock) for timing in several]) for key, several in timings.items()}
+
+
+def spread(values: np.ndarray) -> dict:
+    """Median of all rounds and what a tenth of them is below and above; and all of them."""
+    low, median, high = np.percentile(values, (10, 50, 90))
+    return {"median": float(median), "low": float(low), "high": float(high), "rounds": values.tolist()}
+
+
+def _as_json(row: Row, seconds: Mapping[object, np.ndarray]) -> dict:
+    frame, counts = seconds[row.key, "frame"], fetches.of_frame(row.passes)
+    others = {"against": (row.against, "frame"), "floor": (row.key, "floor")}
+    ratios = {name: spread(frame / seconds[key]) for name, key in others.items() if key in seconds}
+    ratios |= {"naive": spread(seconds[row.naive, "frame"] / frame)} if row.naive else {}
+    passes = [{"entry": item.entry, "seconds": spread(seconds[row.key, k])} for k, item in enumerate(row.passes)]
+    return {
+        "key": row.key,
+        "fetches": {kind: counts[kind] for kind in ("color", "depth")},
+        "bytes": sum(TARGET_BYTES * len(item.outputs) / item.scale**2 for item in row.passes),
+        "seconds": spread(frame),
+        "ratios": ratios,
+        "passes": passes,
+    }
+
+
+# -------------------------------------------------------------------------------------------------------- the command
+
+# Drivers that draw without upload and read-back
+DRIVERS = ("osmesa", "egl", "wgpu", "dxc")
+SIZE, SOFTWARE_SIZE = (960, 540), (400, 225)
+SHOWN = "layered medium"
+LEGEND = """fetches: colour + depth per pixel, at most; bytes: written per pixel; ±: half of what 8 rounds in 10 span
+naive/it: naive's time to its own, with as many samples, in brackets the paper's; it/paper's: to the paper's method"""
+
+
+def tables(rows: list[dict]) -> list[Table]:
+    """For the terminal: all frames, and the single passes of one."""
+    frames, passes = Table(box=None, pad_edge=False), Table(box=None, pad_edge=False)
+    for head in ("method", "passes", "fetches", "bytes", "ms", "naive/it", "it/paper's", "it/floor"):
+        frames.add_column(head, justify="left" if head == "method" else "right")
+    for head in (f"pass of {SHOWN}", "ms"):
+        passes.add_column(head, justify="right" if head == "ms" else "left")
+    for row in rows:
+        ratios = {name: _cell(values) for name, values in row["ratios"].items()}
+        name, _, count = row["key"].rpartition(" ")
+        if count in PAPER_RATIOS.get(name, {}):
+            ratios["naive"] += f" ({PAPER_RATIOS[name][count]:.2f})"
+        cost = str(len(row["passes"])), "{color:.4g} + {depth:.4g}".format(**row["fetches"]), f"{row['bytes']:.4g}"
+        shown = (ratios.get(name, "") for name in ("naive", "against", "floor"))
+        frames.add_row(row["key"], *cost, f"{1e3 * row['seconds']['median']:.3g}", *shown)
+        for item in row["passes"] if row["key"] == SHOWN else ():
+            passes.add_row(item["entry"], _cell(item["seconds"], 1e3))
+    return [frames, passes]
+
+
+def _cell(values: dict, unit: float = 1.0) -> str:
+    """Median and half the distance between the tenth and the ninetieth percentile."""
+    return f"{unit * values['median']:.3g} ±{unit * (values['high'] - values['low']) / 2:.2g}"
+
+
+def bench(
+    driver: Annotated[
+        list[str] | None, typer.Option(help=f"One of {', '.join(DRIVERS)}; may be given again. Default: osmesa, wgpu.")
+    ] = None,
+    adapter: terminal.Adapter = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Default: 960x540; in software 400x225.")] = None,
+    rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
+    json_file: terminal.JsonFile = None,
+) -> None:
+    """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
+    names = terminal.chosen("--driver", driver, DRIVERS, ("osmesa", "wgpu"))
+    given = terminal.parsed_size(size, 16, 8192) if size else None
+    terminal.check_writable(json_file)
+    present, missing = terminal.pick_drivers(names, adapter)
+    results, console = [], terminal.table_console(120)
+    for timed in present:
+        software = bool(software_device(timed.adapter))
+        pixels = given or (SOFTWARE_SIZE if software else SIZE)
+        clock, rows = measured(timed, [*table_one(pixels), *in_depth(pixels)], pixels, rounds)
+        device = {"driver": timed.name, "adapter": timed.adapter, "software": software, "clock": clock}
+        results.append({**device, "size": pixels, "rounds": rounds, "rows": rows})
+        where = f"{SCENE.name} at {pixels[0]} x {pixels[1]}, {rounds} rounds, clock: {clock}"
+        terminal.tell(f"{timed.name}: {timed.adapter}", where, LEGEND)
+        for table in tables(rows):
+            console.print(table)
+    for name, reason in missing.items():
+        terminal.console.print(f"{terminal.NOT_RUN} {name}: {reason}")
+    found = {"version": __version__, "date": datetime.now(UTC).isoformat(timespec="seconds"), "missing": missing}
+    terminal.write_json(json_file, {**found, "environment": doctor.environment(), "drivers": results})
