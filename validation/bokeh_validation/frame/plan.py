@@ -26,6 +26,7 @@ USUAL_FORMAT = ("RGBA16F", 8)
 LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
 VERTEX = {
     "entry": "BokehFullScreen",
+    "define": "BOKEH_FULL_SCREEN",
     "vertices": 3,
     "topology": "triangle list",
     "vertex_buffer": None,
@@ -44,7 +45,8 @@ OVERWRITE = {
 }  # fmt: skip
 NOTES = (
     "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
-    "their order, as one text. The same files with the vertex entry are the vertex shader.",
+    "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
+    "300 es and 450, HLSL the shader models 3 to 6.",
     "`size` is ceil(width / scale) x ceil(height / scale) of the full size: rounded up. The viewport of a pass is its "
     "whole target, unless the pass has a `viewport` (x, y, width, height in texels of the target).",
     "Blending, depth test and culling off. `linear`: linear filter, clamp, no mip levels. `nearest`: fetched texel by "
@@ -130,37 +132,21 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
 
 def programs(method: str) -> dict[str, dict]:
     """Language -> files to put together in their order, the lines before them, and names of the entries."""
-    layers = ["bokeh_layers"] if method == "layered" else []
-    files = {
-        language: [f"{language}/{stem}.{language}" for stem in ("bokeh", *middle, "bokeh_passes")]
-        # WGSL has no #ifdef: its passes need the layers always
-        for language, middle in (("glsl", layers), ("hlsl", layers), ("wgsl", ["bokeh_layers"]))
-    }
-    version = "#version 330"
+    # WGSL has no #ifdef: its passes need the layers always
+    with_layers = {"glsl": method == "layered", "hlsl": method == "layered", "wgsl": True}
+    before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
     return {
-        "glsl": {
-            "files": files["glsl"],
-            "before": [version, "#define BOKEH_PASS {define}"],
-            "vertex_before": [version, "#define BOKEH_PASS BOKEH_FULL_SCREEN"],
-            "entry": "main",
-            "vertex_entry": "main",
-            "versions": [line.removeprefix("#version ") for line in shaders.GLSL_VERSIONS.values()],
-        },
-        "hlsl": {
-            "files": files["hlsl"],
-            "before": ["#define BOKEH_HLSL_SM 5"],
-            "vertex_before": ["#define BOKEH_HLSL_SM 5"],
-            "entry": "{entry}_PS",
-            "vertex_entry": "BokehFullScreen_VS",
-            "versions": ["3", "4", "5", "6"],
-        },
-        "wgsl": {
-            "files": files["wgsl"],
-            "before": [],
-            "vertex_before": [],
-            "entry": "{entry}_PS",
-            "vertex_entry": "BokehFullScreen_VS",
-        },
+        language: {
+            "files": [
+                f"{language}/{stem}.{language}"
+                for stem in ("bokeh", "bokeh_layers", "bokeh_passes")
+                if with_layers[language] or stem != "bokeh_layers"
+            ],
+            "before": before[language],
+            "entry": "main" if language == "glsl" else "{entry}_PS",
+            "vertex_entry": "main" if language == "glsl" else "BokehFullScreen_VS",
+        }
+        for language in before
     }
 
 

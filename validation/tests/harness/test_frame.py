@@ -59,20 +59,19 @@ class Engine:
         dtype = {2: "f2", 4: "f4"}[pixels.itemsize]
         self.handles[name] = self.context.texture(size, channels, pixels.tobytes(), alignment=1, dtype=dtype)
 
-    def text(self, before: list[str], constants: dict) -> str:
+    def text(self, define: str, constants: dict) -> str:
         """A shader."""
-        preset = self.planned["preset"]
-        lines = before + [f"#define {name} {value}" for name, value in constants.items()]
+        preset, glsl = self.planned["preset"], self.planned["programs"]["glsl"]
+        lines = [line.format(define=define) for line in glsl["before"]]
+        lines += [f"#define {name} {value}" for name, value in constants.items()]
         lines += [f"#define {preset['define']}"] if preset else []
-        files = self.planned["programs"]["glsl"]["files"]
-        return "\n".join(lines + [(paths.ROOT / name).read_text(encoding="ascii") for name in files])
+        return "\n".join(lines + [(paths.ROOT / name).read_text(encoding="ascii") for name in glsl["files"]])
 
     def draw(self, step: dict) -> None:
         """A pass."""
-        glsl = self.planned["programs"]["glsl"]
         program = self.context.program(
-            vertex_shader=self.text(glsl["vertex_before"], {}),
-            fragment_shader=self.text([line.format(**step) for line in glsl["before"]], step["constants"]),
+            vertex_shader=self.text(self.planned["vertex"]["define"], {}),
+            fragment_shader=self.text(step["define"], step["constants"]),
         )
         for unit, source in enumerate(step["inputs"]):
             self.handles[self.places[source["texture"]]].use(unit)
