@@ -1,8 +1,11 @@
 """Taking turns between processes: what is made in the cache folder on first use is made by one of them."""
 
 import fcntl
-from collections.abc import Iterator
+import hashlib
+import shutil
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from bokeh_validation import paths
 
@@ -16,3 +19,30 @@ def held(name: str) -> Iterator[None]:
     with open(paths.ensured(paths.cache_folder() / "locks") / name, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
+
+
+def digest(ingredients: Iterable[str | Path]) -> str:
+    """A hash of texts, and of files by their names and contents."""
+    hashed = hashlib.sha256()
+    for ingredient in ingredients:
+        is_file = isinstance(ingredient, Path)
+        label, content = (ingredient.name, ingredient.read_bytes()) if is_file else ("", ingredient.encode())
+        hashed.update(f"{label} {len(content)} ".encode() + content)
+    return hashed.hexdigest()
+
+
+def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Path], object]) -> Path:
+    """The folder of the cache folder that holds what is built from these ingredients: built on first use.
+
+    name         of the folder, such as 'engines/ogre'; a digest of the ingredients is added
+    ingredients  all that the contents depend on, see digest()
+    build        fills the folder, which is empty; where it raises, the next call begins anew
+    """
+    folder = paths.cache_folder() / f"{name}-{digest(ingredients)[:16]}"
+    complete = folder / "complete"
+    with held(name.replace("/", "-")):
+        if not complete.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            build(paths.ensured(folder))
+            complete.touch()
+    return folder

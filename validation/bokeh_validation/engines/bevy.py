@@ -3,13 +3,12 @@
 The first build compiles Bevy: about 15 minutes on two cores and 1.5 GB. Later ones take seconds.
 """
 
-import hashlib
 import os
 import re
 import shutil
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import locks, paths
 from bokeh_validation.engines import capture, process
 from bokeh_validation.errors import Unavailable
 
@@ -28,7 +27,7 @@ def run(name: str, folder: Path) -> None:
     extra = {"VK_ICD_FILENAMES": _vulkan_driver(), "BEVY_ASSET_ROOT": str(folder)}
     stamp = _home() / "passed"
     stamp.unlink(missing_ok=True)
-    seen = _state()
+    seen = locks.digest(sources())
     call_cargo(_copied(), "build", "--quiet", "--example", EXAMPLE)
     process.run([_home() / "target/debug/examples" / EXAMPLE, folder], RUN_S, folder, extra)
     if capture.read(folder).ok:
@@ -57,7 +56,7 @@ def changed() -> bool:
     False where there was none yet: the first build takes a quarter of an hour, and is to be asked for.
     """
     try:
-        return (_home() / "passed").read_text(encoding="ascii") != _state()
+        return (_home() / "passed").read_text(encoding="ascii") != locks.digest(sources())
     except OSError:
         return False
 
@@ -71,15 +70,6 @@ def sources() -> list[Path]:
 
 def _home() -> Path:
     return paths.cache_folder() / "engines" / "bevy"
-
-
-def _state() -> str:
-    """A hash of names and contents of all sources."""
-    digest = hashlib.sha256()
-    for path in sources():
-        content = hashlib.sha256(path.read_bytes()).hexdigest()
-        digest.update(f"{path.relative_to(paths.ROOT).as_posix()} {content}\n".encode())
-    return digest.hexdigest()
 
 
 def _copied() -> Path:

@@ -39,6 +39,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, expected
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
+from bokeh_validation.reference.precision import Precision
 from bokeh_validation.shaders.passes import target_size
 
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
@@ -55,7 +56,6 @@ class Shot:
     result      (H, W, 4) float16
     expected    the reference's, with its interval
     comparison  how far the result is from it; `outside` counts those of all targets
-    rounding    how the engine's targets round, 'nearest' or 'zero': the one that fits, since engines do not say
     outside     of a layered shot, the targets that are not within their intervals, each with its number of pixels
     """
 
@@ -64,7 +64,6 @@ class Shot:
     result: np.ndarray
     expected: Image
     comparison: metrics.Comparison
-    rounding: str
     outside: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -97,31 +96,37 @@ def read(folder: Path) -> Capture:
 
 def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     size = (int(shot["width"]), int(shot["height"]))
-    color = _pixels(folder / shot["color"], np.float16, (*size[::-1], 4))
-    depth = _pixels(folder / shot["depth"], np.float32, size[::-1])
+    shape = (*size[::-1], 4)
+    color = _pixels(folder / shot["color"], np.float16, shape)
+    depth = _pixels(folder / shot["depth"], np.float32, shape[:2])
     chosen = {key: value for key, value in shot.items() if key in _SETTINGS}
     settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth, tone_map=True)
-    result = _pixels(folder / shot["result"], np.float16, (*size[::-1], 4))
-    mesa = software_device(data["device"]) == "Mesa"
-    outputs = {"result": result} if settings.method != "layered" else _written(folder / shot["written"], case)
-    kind = precision_of(data["device"])
-    found = {}
-    # Mesa's targets cut off, the others that are here round to nearest: the likely one first
-    for rounding in ("zero", "nearest") if mesa else ("nearest", "zero"):
-        if settings.method == "layered":
-            passes = case.plan.passes
-            wanted = Reference().images(passes, case.textures(), size, "half", kind, rounding, given=outputs)
-        else:
-            wanted = expected(case, kind, rounding)
-        # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
-        outside = {name: metrics.compare(pixels, wanted[name], False).outside for name, pixels in outputs.items()}
-        comparison = replace(metrics.compare(result, wanted["result"], False), outside=sum(outside.values()))
-        outside = {name: count for name, count in outside.items() if count}
-        found[rounding] = Shot(shot["name"], case, result, wanted["result"], comparison, rounding, outside)
-        if not outside:
+    result = _pixels(folder / shot["result"], np.float16, shape)
+    outputs = _written(folder / shot["written"], case) if settings.method == "layered" else {}
+    outputs["result"] = result
+    # Engines do not say how their targets round: the one that fits counts. Mesa's cut off, the others here round to
+    # nearest: the likely one is tried first.
+    roundings = ("zero", "nearest") if software_device(data["device"]) == "Mesa" else ("nearest", "zero")
+    attempts = []
+    for rounding in roundings:
+        attempts.append(_compared(shot["name"], case, outputs, precision_of(data["device"]), rounding))
+        if attempts[-1].comparison.outside == 0:
             break
-    return min(found.values(), key=lambda shot: (shot.comparison.outside, -shot.comparison.close))
+    return min(attempts, key=lambda attempt: (attempt.comparison.outside, -attempt.comparison.close))
+
+
+def _compared(name: str, case: Case, outputs: Mapping[str, np.ndarray], precision: Precision, rounding: str) -> Shot:
+    if case.settings.method == "layered":
+        passes, textures = case.plan.passes, case.textures()
+        reference = Reference().images(passes, textures, case.size, "half", precision, rounding, given=outputs)
+    else:
+        reference = expected(case, precision, rounding)
+    # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
+    comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}
+    outside = {key: comparison.outside for key, comparison in comparisons.items() if comparison.outside}
+    whole = replace(comparisons["result"], outside=sum(outside.values()))
+    return Shot(name, case, outputs["result"], reference["result"], whole, outside)
 
 
 def _written(path: Path, case: Case) -> dict[str, np.ndarray]:

@@ -6,15 +6,18 @@ Ivy fetches them once; it gets by with a fifteenth of what Maven brings along.
 import hashlib
 import shutil
 import tempfile
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
+from xml.etree import ElementTree
 
 from bokeh_validation import locks, paths
 from bokeh_validation.engines import process, scripts
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/jmonkeyengine"
+JARS = SAMPLE / "jars.txt"
 IVY = Path("/usr/share/java/ivy.jar")
 INSTALL = "apt-get install -y --no-install-recommends default-jre-headless ivy"
 # A runtime has the compiler as a module, though not as a command
@@ -58,68 +61,45 @@ def run_class(name: str, argument: Path) -> None:
 
 def pinned() -> list[Jar]:
     """What jars.txt has."""
-    lines = (SAMPLE / "jars.txt").read_text(encoding="ascii").splitlines()
+    lines = JARS.read_text(encoding="ascii").splitlines()
     rows = [line.split() for line in lines if not line.startswith("#")]
     return [Jar(*place.split(":"), classifier.strip("-"), sha256) for place, classifier, sha256 in rows]
 
 
-@locks.held("jmonkeyengine")
 def fetched(java: str) -> list[Path]:
     """The jars in the cache folder. Raises Unavailable, and RuntimeError where one is another than the pinned."""
     jars = pinned()
-    key = hashlib.sha256("".join(jar.sha256 for jar in jars).encode()).hexdigest()[:16]
-    target = paths.cache_folder() / "engines" / "jmonkeyengine" / f"jars-{key}"
-    if not target.exists():
-        if not IVY.exists():
-            raise Unavailable(f"Ivy, which fetches the engine, is missing; {INSTALL}")
-        folder = Path(tempfile.mkdtemp(dir=paths.ensured(target.parent)))
-        try:
-            _fetch(java, jars, folder)
-            for jar in jars:
-                if hashlib.sha256((folder / jar.file).read_bytes()).hexdigest() != jar.sha256:
-                    raise RuntimeError(f"{jar.file}: not the one that jars.txt pins")
-            # in place only when complete
-            folder.rename(target)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-    return [target / jar.file for jar in jars]
-
-
-def _artifact(jar: Jar) -> str:
-    classifier = jar.classifier and f' m:classifier="{jar.classifier}"'
-    return f'<artifact name="{jar.name}" type="jar" ext="jar"{classifier}/>'
+    folder = locks.built_once("engines/jmonkeyengine/jars", [JARS], partial(_fetch, java, jars))
+    return [folder / jar.file for jar in jars]
 
 
 def _fetch(java: str, jars: list[Jar], folder: Path) -> None:
     """Have Ivy put the jars, and nothing that they depend on, into `folder`."""
-    # a module is named once, with all its jars
-    modules = [list(rows) for _, rows in groupby(jars, key=lambda jar: jar[:3])]
-    wanted = "".join(
-        f'<dependency org="{first.group}" name="{first.name}" rev="{first.version}" transitive="false">'
-        f"{''.join(map(_artifact, [first, *others]))}</dependency>"
-        for first, *others in modules
-    )
-    text = (
-        '<ivy-module version="2.0" xmlns:m="http://ant.apache.org/ivy/maven">'
-        f'<info organisation="bokeh" module="sample"/><dependencies>{wanted}</dependencies></ivy-module>'
-    )
+    if not IVY.exists():
+        raise Unavailable(f"Ivy, which fetches the engine, is missing; {INSTALL}")
     with tempfile.TemporaryDirectory(prefix="bokeh-") as work:
         description = Path(work) / "ivy.xml"
-        description.write_text(text, encoding="ascii")
+        description.write_text(_module(jars), encoding="ascii")
+        options = ["-warn", "-ivy", description, "-cache", Path(work) / "cache"]
         pattern = folder / "[artifact]-[revision](-[classifier]).[ext]"
-        command = [
-            java,
-            "-jar",
-            IVY,
-            "-warn",
-            "-ivy",
-            description,
-            "-cache",
-            Path(work) / "cache",
-            "-retrieve",
-            pattern,
-        ]
         try:
-            process.run(command, FETCH_S)
+            process.run([java, "-jar", IVY, *options, "-retrieve", pattern], FETCH_S)
         except RuntimeError as error:
             raise Unavailable(f"jMonkeyEngine is not to be had here ({str(error).splitlines()[-1]})") from error
+    for jar in jars:
+        if hashlib.sha256((folder / jar.file).read_bytes()).hexdigest() != jar.sha256:
+            raise RuntimeError(f"{jar.file}: not the one that jars.txt pins")
+
+
+def _module(jars: list[Jar]) -> str:
+    """The jars as Ivy's dependencies: those of one module, with and without a classifier, are named together."""
+    module = ElementTree.Element("ivy-module", {"version": "2.0", "xmlns:m": "http://ant.apache.org/ivy/maven"})
+    ElementTree.SubElement(module, "info", organisation="bokeh", module="sample")
+    dependencies = ElementTree.SubElement(module, "dependencies")
+    for (group, name, version), same in groupby(jars, key=lambda jar: jar[:3]):
+        place = {"org": group, "name": name, "rev": version, "transitive": "false"}
+        dependency = ElementTree.SubElement(dependencies, "dependency", place)
+        for jar in same:
+            classifier = {"m:classifier": jar.classifier} if jar.classifier else {}
+            ElementTree.SubElement(dependency, "artifact", {"name": name, "type": "jar", "ext": "jar", **classifier})
+    return ElementTree.tostring(module, encoding="unicode")

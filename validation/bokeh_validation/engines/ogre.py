@@ -1,7 +1,5 @@
 """integration/ogre: built with g++ against the system's Ogre 1.12, run in a window that nobody sees."""
 
-import hashlib
-import os
 import shlex
 import shutil
 from pathlib import Path
@@ -25,22 +23,17 @@ def run(name: str, folder: Path) -> None:
     process.run([*command(), "--capture", folder], SECONDS, SAMPLE)
 
 
-@locks.held("ogre")
 def command() -> list[str | Path]:
     """What runs the sample, in its folder; built if a source has changed. Raises errors.Unavailable, RuntimeError."""
-    display = scripts.display()
-    hashed = hashlib.sha256(BUILD.encode())
-    for file in sorted([*SAMPLE.glob("*.h"), *SAMPLE.glob("*.cpp")]):
-        hashed.update(file.read_bytes())
-    program = paths.cache_folder() / "engines/ogre" / hashed.hexdigest()[:16] / "sample"
-    if not program.exists():
-        if shutil.which("g++") is None or shutil.which("pkg-config") is None:
-            raise Unavailable(f"no compiler; {NEEDED}")
-        try:
-            process.run(["pkg-config", "--exists", "OGRE >= 1.12", "OGRE < 1.13"], BUILD_SECONDS)
-        except RuntimeError as error:
-            raise Unavailable(f"Ogre 1.12 is not installed; {NEEDED}") from error
-        partial = paths.ensured(program.parent) / f"sample.{os.getpid()}.partial"
-        process.run(["sh", "-c", f"{BUILD} -o {shlex.quote(str(partial))}"], BUILD_SECONDS, SAMPLE)
-        partial.replace(program)
-    return [*display, program]
+    sources = sorted([*SAMPLE.glob("*.h"), *SAMPLE.glob("*.cpp")])
+    return [*scripts.display(), locks.built_once("engines/ogre/program", [BUILD, *sources], _build) / "sample"]
+
+
+def _build(folder: Path) -> None:
+    if shutil.which("g++") is None or shutil.which("pkg-config") is None:
+        raise Unavailable(f"no compiler; {NEEDED}")
+    try:
+        process.run(["pkg-config", "--exists", "OGRE >= 1.12", "OGRE < 1.13"], BUILD_SECONDS)
+    except RuntimeError as error:
+        raise Unavailable(f"Ogre 1.12 is not installed; {NEEDED}") from error
+    process.run(["sh", "-c", f"{BUILD} -o {shlex.quote(str(folder / 'sample'))}"], BUILD_SECONDS, SAMPLE)

@@ -8,8 +8,6 @@ answered from here.
 import base64
 import json
 import shutil
-import tempfile
-from hashlib import sha256
 from pathlib import Path
 
 from bokeh_validation import browser, locks, paths
@@ -66,26 +64,19 @@ def shown(address: str, places: browser.Places, script: str, flags: tuple[str, .
     return browser.Session(address, places, script, flags=flags, strict=True, limit=RUN_LIMIT)
 
 
-@locks.held("npm")
 def installed(source: Path) -> Path:
     """node_modules with what a folder's package-lock.json pins, installed on first use.
 
     Raises Unavailable, RuntimeError.
     """
-    lock = (source / "package-lock.json").read_bytes()
-    target = paths.cache_folder() / "engines" / source.name / f"npm-{sha256(lock).hexdigest()[:16]}"
-    if not target.exists():
-        # in place only when complete
-        folder = Path(tempfile.mkdtemp(dir=paths.ensured(target.parent)))
-        try:
-            for name in ("package.json", "package-lock.json"):
-                shutil.copy(source / name, folder)
-            call_npm(folder, "ci")
-            if not target.exists():
-                folder.rename(target)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-    return target / "node_modules"
+    files = [source / "package.json", source / "package-lock.json"]
+
+    def install(folder: Path) -> None:
+        for file in files:
+            shutil.copy(file, folder)
+        call_npm(folder, "ci")
+
+    return locks.built_once(f"engines/{source.name}/npm", files, install) / "node_modules"
 
 
 def call_npm(folder: Path, *command: str | Path) -> None:

@@ -2,7 +2,6 @@
 with what their requirements.txt pins.
 """
 
-import hashlib
 import shutil
 import sys
 from pathlib import Path
@@ -23,9 +22,9 @@ def run(name: str, folder: Path) -> None:
 def command(name: str) -> list[str | Path]:
     """What runs a script of a sample. Raises errors.Unavailable, also where there is no OpenGL 3.3 without a window."""
     if name == "raylib":
-        return [*display(), _environment(name)]
+        return [*display(), _interpreter(name)]
     gl.EGL().context.release()
-    return [sys.executable if name == "opengl" else _environment(name)]
+    return [sys.executable if name == "opengl" else _interpreter(name)]
 
 
 def display() -> list[str]:
@@ -41,26 +40,19 @@ def requirements(name: str) -> Path:
     return paths.ROOT / "integration" / name / "requirements.txt"
 
 
-@locks.held("scripts")
-def _environment(name: str) -> Path:
-    """Interpreter of a sample's virtual environment."""
-    base = paths.cache_folder() / "engines" / name
-    # the lock file and the Python decide what is in it
-    locked = requirements(name).read_bytes()
-    key = hashlib.sha256(locked + f"{sys.version}{sys.base_prefix}".encode()).hexdigest()[:16]
-    target = base / f"venv-{key}"
-    complete = target / "complete"
-    if not complete.exists():
-        for old in base.glob("venv-*"):
-            shutil.rmtree(old)
-        paths.ensured(base)
+def _interpreter(name: str) -> Path:
+    """Python with a sample's packages."""
+
+    def install(folder: Path) -> None:
+        pip = [folder / "bin/python", "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
+        extra = {"PIP_CACHE_DIR": str(paths.cache_folder() / "pip")}
         try:
-            process.run([sys.executable, "-I", "-m", "venv", target], INSTALL_SECONDS)
-            pip = [target / "bin/python", "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
-            extra = {"PIP_CACHE_DIR": str(paths.cache_folder() / "pip")}
+            process.run([sys.executable, "-I", "-m", "venv", folder], INSTALL_SECONDS)
             process.run([*pip, "--require-hashes", "-r", requirements(name)], INSTALL_SECONDS, extra=extra)
         except RuntimeError as error:
-            wanted, last = locked.decode().splitlines()[1].split()[0], str(error).splitlines()[-1]
-            raise Unavailable(f"{wanted} is not to be had here ({last}); pip install {wanted}") from error
-        complete.touch()
-    return target / "bin/python"
+            package = requirements(name).read_text(encoding="utf-8").splitlines()[1].split()[0]
+            last = str(error).splitlines()[-1]
+            raise Unavailable(f"{package} is not to be had here ({last}); pip install {package}") from error
+
+    ingredients = [requirements(name), sys.version, sys.base_prefix]
+    return locks.built_once(f"engines/{name}/venv", ingredients, install) / "bin/python"

@@ -1,13 +1,11 @@
 """The programs of this folder, in C++, built with mingw-w64 into the cache folder on first use."""
 
-import hashlib
-import os
 import shutil
 import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from bokeh_validation import locks, paths
+from bokeh_validation import locks
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import PARAMETERS
 from bokeh_validation.windows import wine
@@ -27,34 +25,27 @@ def build(name: str, *libraries: str) -> Path:
     return compiled(name, (*COMMAND, source, *libraries), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
 
 
-@locks.held("windows")
 def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: Path) -> Path:
-    """NAME.exe by a command of mingw-w64 in `folder`; '-o PROGRAM' is added.
+    """NAME.exe by a command of mingw-w64 in `folder`; '-o PROGRAM' is added. Built anew when one of `files` changes.
 
-    Its place in the cache is keyed by the command and by the contents of `files`.
     Raises Unavailable without a compiler, RuntimeError with the compiler's words where it refuses.
     """
-    hashed = hashlib.sha256(repr(tuple(command)).encode())
-    for file in sorted(files):
-        hashed.update(file.read_bytes())
-    program = paths.cache_folder() / "windows" / f"{name}-{hashed.hexdigest()[:16]}" / f"{name}.exe"
-    if program.exists():
-        return program
-    partial = paths.ensured(program.parent) / f"{name}.{os.getpid()}.partial"
-    words = [_compiler(command[0]), *command[1:], "-o", str(partial)]
-    try:
-        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=BUILD_S)
-    except subprocess.TimeoutExpired as error:
-        raise RuntimeError(f"building {name}.exe hung: stopped after {BUILD_S:g} s") from error
-    if done.returncode:
-        raise RuntimeError(f"{name}.exe could not be built:\n{done.stderr.strip()}")
-    partial.replace(program)
-    return program
+
+    def build_in(target: Path) -> None:
+        words = [_compiler(command[0]), *command[1:], "-o", target / f"{name}.exe"]
+        try:
+            done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=BUILD_S)
+        except subprocess.TimeoutExpired as error:
+            raise RuntimeError(f"building {name}.exe hung: stopped after {BUILD_S:g} s") from error
+        if done.returncode:
+            raise RuntimeError(f"{name}.exe could not be built:\n{done.stderr.strip()}")
+
+    return locks.built_once(f"windows/{name}", [*command, *sorted(files)], build_in) / f"{name}.exe"
 
 
 def _compiler(name: str) -> str:
     # Debian's package has the longer name
-    for known in (name, f"{name}-posix"):
-        if path := shutil.which(known):
+    for candidate in (name, f"{name}-posix"):
+        if path := shutil.which(candidate):
             return path
     raise Unavailable(f"{name} is not on this machine; {wine.INSTALL}")
