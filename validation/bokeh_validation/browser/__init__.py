@@ -16,8 +16,8 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager, suppress
-from functools import partial
 from pathlib import Path
+from unittest.mock import patch
 
 from bokeh_validation.errors import Unavailable
 
@@ -47,11 +47,18 @@ COMPILE_LIMIT = 30.0  # a shader takes 0.05
 RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
 STOP_LIMIT = 10.0
 
+TEMPORARY = {"prefix": "bokeh-chromium-", "ignore_cleanup_errors": True}
 LONGEST_FOLDER = 40  # characters of the folder for temporary files
 # Of what the page logged, an error repeats so many messages, and so many characters of each
 MESSAGES, WORDS = 4, 800
 
 PAGE = Path(__file__).parent / "page"
+# [whether it returned, the value or the text of what it threw]: the page catches its own errors, so that they are not
+# taken for Playwright's
+CALL = """async (argument) => {
+    try { return [true, await window.bokeh.%s(argument)]; }
+    catch (error) { return [false, error.message ?? String(error)]; }
+}"""
 # WebGPU is for secure pages only. Nothing leaves the process: every request is answered from files.
 ADDRESS = "https://bokeh.invalid/"
 
@@ -74,6 +81,7 @@ class Session:
     version  of Chromium
     said     errors that the page wrote to the console: since it was opened if the session is strict, else in the last
              call
+    dead     why call() cannot work any more; '' while it can
     """
 
     def __init__(
@@ -99,33 +107,33 @@ class Session:
         """
         path = _chromium()
         self.said: list[str] = []
-        self._opening = (address if ":" in address else ADDRESS + address, places, script, tab)
         self._strict, self._limit = strict, limit
         self.version = ""
         self._process = 0
-        self._dead = ""
+        self._crashes: list[str] = []
+        self.dead = ""
         self._stack = ExitStack()
         self._jobs: queue.SimpleQueue = queue.SimpleQueue()
         self._lock = threading.Lock()
         # a daemon, or a browser that does not answer would keep Python from ending
         self._thread = threading.Thread(target=self._work, name="chromium", daemon=True)
         self._thread.start()
-        command = [*FLAGS, *(HARDWARE if hardware else SOFTWARE), *flags]
+
+        def start() -> None:
+            browser = self._launched(path, [*FLAGS, *(HARDWARE if hardware else SOFTWARE), *flags])
+            self._page = self._opened(browser.new_page(**tab), address, places, script)
+
         try:
-            self._ask(partial(self._start, path, command)).result(START_LIMIT)
+            self._ask(start).result(START_LIMIT)
         except TimeoutError:
             self._kill()
             raise Unavailable(f"{path} hung: it did not start within {START_LIMIT:g} s") from None
+        except Unavailable:
+            self.close()
+            raise
         except Exception as error:
             self.close()
-            if isinstance(error, Unavailable):
-                raise
             raise Unavailable(f"{path} did not start: {_cause(error)}") from error
-
-    @property
-    def alive(self) -> bool:
-        """Whether call() can be expected to work."""
-        return not self._dead
 
     def __enter__(self) -> "Session":
         return self
@@ -143,35 +151,35 @@ class Session:
         with self._lock:
             if not self._strict:
                 self.said.clear()
-            if self._dead:
-                raise BrowserError(self._dead)
+            if self.dead:
+                raise BrowserError(self.dead)
             try:
-                returned, value = self._ask(partial(self._evaluate, function, argument)).result(limit)
+                returned, value = self._ask(lambda: self._page.evaluate(CALL % function, argument)).result(limit)
             except TimeoutError:
-                self._dead = f"Chromium hung: stopped after {limit:g} s"
+                self.dead = f"Chromium hung: stopped after {limit:g} s"
                 self._kill()
             except Exception as error:
-                self._dead = self._crashes[0] if self._crashes else f"Chromium crashed: {_cause(error)}"
-            if self._dead:
+                self.dead = self._crashes[0] if self._crashes else f"Chromium crashed: {_cause(error)}"
+            if self.dead:
                 self.close()
-                raise BrowserError("\n".join([self._dead, *self._first_words()]))
+                raise BrowserError(self._with_messages(self.dead))
         if not returned:
-            raise Refused("\n".join([value, *self._first_words()]))
+            raise Refused(self._with_messages(value))
         if self._strict and self.said:
-            raise Refused("\n".join(self._first_words()))
+            raise Refused(self._with_messages())
         return value
 
     def work(self, step: Callable) -> object:
         """What step(Playwright's page) returns."""
         return self._ask(lambda: step(self._page)).result(self._limit)
 
-    def _first_words(self) -> list[str]:
-        """What went wrong first: one mistake in the library is logged once for every pass, with all of its code."""
-        return [text[:WORDS] for text in dict.fromkeys(self.said)][:MESSAGES]
+    def _with_messages(self, *texts: str) -> str:
+        """Texts, and the first messages of the page: one mistake in the library is logged once for every pass."""
+        return "\n".join([*texts, *(text[:WORDS] for text in [*dict.fromkeys(self.said)][:MESSAGES])])
 
     def close(self) -> None:
         """End the browser: asked first, killed where it does not listen."""
-        self._dead = self._dead or "Chromium was closed"
+        self.dead = self.dead or "Chromium was closed"
         self._jobs.put(None)
         self._thread.join(STOP_LIMIT)
         if self._thread.is_alive():
@@ -181,10 +189,8 @@ class Session:
     def _kill(self) -> None:
         """End the browser and all its processes without asking."""
         with suppress(ProcessLookupError):
-            if self._process and os.getpgid(self._process) == self._process:
+            if self._process:
                 os.killpg(self._process, signal.SIGKILL)  # Playwright starts it in a group of its own
-            elif self._process:
-                os.kill(self._process, signal.SIGKILL)
 
     def _work(self) -> None:
         """The browser's thread: do jobs until there is a None, then end the browser."""
@@ -203,13 +209,12 @@ class Session:
         self._jobs.put((action, answer))
         return answer
 
-    def _start(self, path: str, flags: list[str]) -> None:
+    def _launched(self, path: str, flags: list[str]):
+        """Playwright's browser."""
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
-        folder = tempfile.mkdtemp(prefix="bokeh-chromium-", dir=near)
-        self._stack.callback(shutil.rmtree, folder, ignore_errors=True)
-        playwright = self._stack.enter_context(_playwright(folder))
-        browser = playwright.chromium.launch(
+        folder = self._stack.enter_context(tempfile.TemporaryDirectory(dir=near, **TEMPORARY))
+        browser = self._stack.enter_context(_playwright(folder)).chromium.launch(
             executable_path=path,
             headless=True,
             # it refuses to start with a sandbox as root
@@ -221,38 +226,27 @@ class Session:
         )
         self._stack.callback(browser.close)
         client = browser.new_browser_cdp_session()
-        told = client.send("SystemInfo.getProcessInfo")["processInfo"]
+        processes = client.send("SystemInfo.getProcessInfo")["processInfo"]
         client.detach()
-        self._process = next((int(process["id"]) for process in told if process["type"] == "browser"), 0)
+        self._process = next((int(process["id"]) for process in processes if process["type"] == "browser"), 0)
         self.version = browser.version
         if int(self.version.split(".")[0]) < OLDEST:
             raise Unavailable(f"{path} is Chromium {self.version}; it has to be {OLDEST} or later")
-        self._page = self._shown(browser)
-        self._crashes: list[str] = []
-        self._page.on("crash", lambda _: self._crashes.append("Chromium crashed: the page's process ended"))
+        return browser
 
-    def _shown(self, browser):
-        """The page, loaded."""
-        address, places, script, tab = self._opening
-        page = browser.new_page(**tab)
+    def _opened(self, page, address: str, places: Places, script: str):
+        """Playwright's page, loaded."""
         page.set_default_timeout(START_LIMIT * 1000)
         page.on("console", lambda message: self.said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self.said.append(error.message))
-        if address.startswith(ADDRESS):
+        page.on("crash", lambda _: self._crashes.append("Chromium crashed: the page's process ended"))
+        if ":" not in address:
+            address = ADDRESS + address
             page.route("**/*", lambda route: _answer(route, places))
         page.add_init_script(script)
         page.goto(address)
         page.wait_for_function("window.bokeh !== undefined")
         return page
-
-    def _evaluate(self, function: str, argument: object) -> list:
-        """[whether it returned, else it threw; the value or the text]."""
-        # the page catches its own errors, so that they are not taken for Playwright's
-        script = f"""async (argument) => {{
-            try {{ return [true, await window.bokeh.{function}(argument)]; }}
-            catch (error) {{ return [false, error.message ?? String(error)]; }}
-        }}"""
-        return self._page.evaluate(script, argument)
 
 
 def _chromium() -> str:
@@ -275,38 +269,27 @@ def _playwright(folder: str) -> Iterator:
         from playwright.sync_api import sync_playwright
     except ImportError as error:
         raise Unavailable(f"{error.name} is not installed; validation/run sets it up") from error
-    before = os.environ.get("TMPDIR")
-    os.environ["TMPDIR"] = folder
-    try:
+    with patch.dict(os.environ, TMPDIR=folder):
         playwright = sync_playwright().start()
-    finally:
-        if before is None:
-            del os.environ["TMPDIR"]
-        else:
-            os.environ["TMPDIR"] = before
-    try:
-        yield playwright
-    finally:
-        playwright.stop()
+    yield playwright
+    playwright.stop()
 
 
 def _answer(route, places: Places) -> None:
     """Answer a request of a page."""
     name = route.request.url.removeprefix(ADDRESS).partition("?")[0]
-    if name == "favicon.ico":
-        route.fulfill(status=204)
-        return
     kind = "text/javascript" if name.endswith(".js") else mimetypes.guess_type(name)[0] or "text/plain"
     for beginning, source in places:
-        if isinstance(source, bytes) and name == beginning:
-            route.fulfill(body=source, content_type=kind)
-            return
-        if isinstance(source, Path) and name.startswith(beginning) and ".." not in name:
+        content = None
+        if isinstance(source, bytes):
+            content = source if name == beginning else None
+        elif name.startswith(beginning) and ".." not in name:
             file = source / name.removeprefix(beginning)
-            if file.is_file():
-                route.fulfill(body=file.read_bytes(), content_type=kind)
-                return
-    route.fulfill(status=404)
+            content = file.read_bytes() if file.is_file() else None
+        if content is not None:
+            route.fulfill(body=content, content_type=kind)
+            return
+    route.fulfill(status=204 if name == "favicon.ico" else 404)
 
 
 def _cause(error: BaseException) -> str:
@@ -324,19 +307,13 @@ def session(hardware: bool = False) -> Session:
     """The browser of this process, a new one where the last has died. Raises Unavailable, the same each time."""
     with _guard:
         running = _sessions.get(hardware)
-        if running is None or (isinstance(running, Session) and not running.alive):
+        if running is None or (isinstance(running, Session) and running.dead):
             try:
                 running = Session(hardware=hardware)
+                atexit.register(running.close)
             except Unavailable as error:
                 running = error
             _sessions[hardware] = running
-        if isinstance(running, Unavailable):
-            raise running
-        return running
-
-
-@atexit.register
-def _close_all() -> None:
-    for running in _sessions.values():
-        if isinstance(running, Session):
-            running.close()
+    if isinstance(running, Unavailable):
+        raise running
+    return running

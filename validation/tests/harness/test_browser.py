@@ -74,7 +74,7 @@ class TestEnds:
     def test_hang(self, session, driver):
         with pytest.raises(browser.BrowserError, match="^Chromium hung: stopped after 1 s$"):
             session.call(ENDLESS, limit=1.0)
-        assert not session.alive
+        assert session.dead
         with pytest.raises(browser.BrowserError, match="hung"):
             session.call("webgl2.describe")
         assert copied(driver)
