@@ -10,7 +10,7 @@ import numpy as np
 
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.reference import images, precision
-from bokeh_validation.shaders.passes import Pass, target_area, target_size
+from bokeh_validation.shaders.passes import Pass, is_linear, target_area, target_size
 
 Textures = Mapping[str, np.ndarray]
 
@@ -36,12 +36,6 @@ PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
 def storage_type(storage: str) -> type:
     """NumPy type of a storage name."""
     return STORAGE[storage]
-
-
-def kind_of(pixels: np.ndarray) -> tuple[str, int]:
-    """Storage name and number of channels of (H, W) or (H, W, channels)."""
-    storage = next(name for name, dtype in STORAGE.items() if pixels.dtype == dtype)
-    return storage, 1 if pixels.ndim == 2 else pixels.shape[2]
 
 
 @dataclass(frozen=True)
@@ -122,24 +116,28 @@ class Image(NamedTuple):
     channels: int = 4
     pixels: np.ndarray | None = None
 
-    @property
-    def kind(self) -> tuple[tuple[int, int], str, int]:
-        """Size, storage and channels."""
-        return self.size, self.storage, self.channels
+    @classmethod
+    def of(cls, name: str, pixels: np.ndarray) -> "Image":
+        """(H, W) or (H, W, channels), float16 or float32."""
+        storage = next(known for known, dtype in STORAGE.items() if pixels.dtype == dtype)
+        channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+        return cls(name, pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels))
+
+    def shaped(self, data: np.ndarray) -> np.ndarray:
+        """What was read from a target of four channels, as (H, W, 4)."""
+        return data.reshape(*self.size[::-1], 4)
 
 
 class Draw(NamedTuple):
     """A pass by the numbers of its images.
 
-    inputs   slot -> number
-    over     for each target whether what is in it stays around what is drawn
-    area     (x, y, width, height) in texels of the targets: what is drawn
+    inputs  slot -> number
+    area    (x, y, width, height) in texels of the targets: what is drawn; the rest of them stays as it was
     """
 
     item: Pass
     inputs: dict[str, int]
     targets: list[int]
-    over: list[bool]
     area: tuple[int, int, int, int]
 
 
@@ -150,58 +148,52 @@ def flattened(
 
     Raises ValueError as drawn_over() does.
     """
-    handed = {name: np.ascontiguousarray(pixels) for name, pixels in textures.items()}
-    images = [Image(name, pixels.shape[1::-1], *kind_of(pixels), pixels) for name, pixels in handed.items()]
-    numbers, draws = {name: number for number, name in enumerate(handed)}, []
+    images = [Image.of(name, pixels) for name, pixels in textures.items()]
+    numbers, draws = {name: number for number, name in enumerate(textures)}, []
     for item, kept in zip(passes, drawn_over(passes, size), strict=True):
         inputs, extent = {slot: numbers[name] for slot, name in item.inputs.items()}, target_size(item.scale, size)
         for name in item.outputs:
             if name not in kept:
-                # from here on the name is this one's
+                # from here on the name is that of this target
                 numbers[name] = len(images)
                 images.append(Image(name, extent, storage))
-        targets, over = [numbers[name] for name in item.outputs], [name in kept for name in item.outputs]
         area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, *extent)
-        draws.append(Draw(item, inputs, targets, over, area))
+        draws.append(Draw(item, inputs, [numbers[name] for name in item.outputs], area))
     return images, draws, numbers
 
 
 class TimedDriver(Driver):
     """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
 
-    A subclass makes textures and targets of its device, and of each pass a step: whatever it draws it from.
+    A subclass makes textures of its device, and of each pass a step: whatever it draws it from.
 
     programs  what it has compiled, by what it was made of, the oldest first
     """
 
     programs: dict[object, object]
 
-    def prepared(self, passes, textures, size, storage="half", share: "Job | None" = None) -> "Job":
+    def prepared(self, passes, textures, size, storage="half", share: "Prepared | None" = None) -> "Prepared":
         """What `run` would draw, uploaded and compiled.
 
-        share  a job of the same size and storage: textures and targets of a name that it has are used again, not
-               uploaded and not made; a target only if it has the same size. It is to be released last.
+        share  has textures, by name, that are used again, not uploaded. It is to be released last.
 
         Raises Unavailable as `run` does.
         """
-        return Job(self, passes, textures, size, storage, share)
+        return Prepared(self, passes, textures, size, storage, share)
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        job = self.prepared(passes, textures, size, storage)
+        prepared = self.prepared(passes, textures, size, storage)
         try:
-            job.draw()
-            return {name: job.read(name) for name in keep}
+            prepared.draw()
+            return {name: prepared.read(name) for name in keep}
         finally:
-            job.release()
+            prepared.release()
 
     def make_current(self) -> None:
         """Called before anything else here."""
 
-    def upload(self, pixels: np.ndarray) -> object:
-        """Pixels as a texture; row 0 becomes the first row in memory, v = 0."""
-
-    def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> object:
-        """A render target that can be sampled; of four channels, it can be read back."""
+    def texture(self, image: Image) -> object:
+        """A texture with the pixels of an image, row 0, v = 0, first in memory; or a target of zeros."""
 
     def step(self, draw: Draw, handles: Sequence) -> object:
         """A pass ready to be drawn; `handles` are the textures and targets by the numbers of their images."""
@@ -210,41 +202,39 @@ class TimedDriver(Driver):
         """Give the steps to the device; does not wait."""
 
     def timer(self, steps: Sequence, repeats: int) -> tuple[Callable[[], None], Callable[[], float | None]]:
-        """What draws the steps so often without a pause; and what then tells the device's own seconds, if it can."""
+        """What draws the steps so often without a pause; and what then gives the device's own seconds, if it can."""
 
     def wait(self) -> None:
         """Return when all that was given to the device is done."""
 
     def pixels(self, handle: object, image: Image) -> np.ndarray:
-        """What is in a target, of any shape."""
+        """The contents of a target, of any shape."""
 
     def release(self, textures: Sequence, steps: Sequence) -> None:
         """Free them."""
 
     def end(self, program: object) -> None:
-        """Free what was compiled; a job that still needs it compiles it again."""
+        """Free what was compiled; passes that still need it compile it again."""
 
 
-class Job:
+class Prepared:
     """Passes with their textures and targets on a device, to be drawn many times."""
 
     def __init__(
         self, driver: TimedDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage, share
     ):
         """See TimedDriver.prepared()."""
-        images, draws, numbers = flattened(passes, textures, size, storage)
+        self.driver = driver
+        self.images, draws, self.numbers = flattened(passes, textures, size, storage)
         driver.make_current()
-        self.driver, self.made = driver, []
-        known: dict[str, tuple[object, Image]] = share.live if share else {}
-        handles = []
-        for image in images:
-            handle, old = known.get(image.name, (None, None))
-            if old is None or (image.pixels is None and old.kind != image.kind):
-                handle = driver.target(*image.kind) if image.pixels is None else driver.upload(image.pixels)
-                self.made.append(handle)
-            handles.append(handle)
-        self.steps = [driver.step(one, handles) for one in draws]
-        self.live = {**known, **{name: (handles[number], images[number]) for name, number in numbers.items()}}
+        shared = share.uploaded if share else {}
+        self.handles = [shared.get(image.name) if image.pixels is not None else None for image in self.images]
+        self.own = [number for number, handle in enumerate(self.handles) if handle is None]
+        for number in self.own:
+            self.handles[number] = driver.texture(self.images[number])
+        pairs = zip(self.images, self.handles, strict=True)
+        self.uploaded = {image.name: handle for image, handle in pairs if image.pixels is not None}
+        self.steps = [driver.step(draw, self.handles) for draw in draws]
 
     def draw(self) -> None:
         """Give the passes to the device once; does not wait."""
@@ -270,18 +260,17 @@ class Job:
     def read(self, name: str) -> np.ndarray:
         """A target after the last draw, (H, W, 4) of its own size, a copy."""
         self.driver.make_current()
-        handle, image = self.live[name]
-        return self.driver.pixels(handle, image).reshape(*image.size[::-1], 4).copy()
+        number = self.numbers[name]
+        image = self.images[number]
+        return image.shaped(self.driver.pixels(self.handles[number], image)).copy()
 
     def release(self) -> None:
         """Free the textures and targets, and programs if there are many."""
         self.driver.make_current()
-        self.driver.release(self.made, self.steps)
+        self.driver.release([self.handles[number] for number in self.own], self.steps)
         programs = self.driver.programs
         while len(programs) > PROGRAMS:
             self.driver.end(programs.pop(next(iter(programs))))
-        for kept in (self.live, self.made, self.steps):
-            kept.clear()
 
 
 def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[str]]:
@@ -292,25 +281,24 @@ def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[
     Raises ValueError where a pass reads what it draws over, or draws over a target of another scale, and for a
     viewport that is not within the targets or begins within a texel of them.
     """
-    made: dict[str, int] = {}
-    found = []
+    scales: dict[str, int] = {}
+    outputs_drawn_over = []
     for item in passes:
-        over = frozenset(set(made).intersection(item.outputs)) if item.viewport else frozenset()
+        over = frozenset(set(scales).intersection(item.outputs)) if item.viewport else frozenset()
         if item.viewport:
             x, y, width, height = item.viewport
             if min(x, y) < 0 or min(width, height) < 1 or x + width > size[0] or y + height > size[1]:
                 raise ValueError(f"{item.entry}: viewport {item.viewport} is not within {size[0]} x {size[1]}")
             target_area(item.scale, item.viewport)
-        for name in over.intersection(item.inputs.values()):
-            raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
         for name in over:
-            if made[name] != item.scale:
-                raise ValueError(
-                    f"{item.entry} has scale {item.scale} and draws over {name!r}, which has scale {made[name]}"
-                )
-        found.append(over)
-        made.update(dict.fromkeys(item.outputs, item.scale))
-    return found
+            if name in item.inputs.values():
+                raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
+            if scales[name] != item.scale:
+                drawn, old = f"{item.entry} has scale {item.scale}", f"{name!r}, which has scale {scales[name]}"
+                raise ValueError(f"{drawn} and draws over {old}")
+        outputs_drawn_over.append(over)
+        scales.update(dict.fromkeys(item.outputs, item.scale))
+    return outputs_drawn_over
 
 
 def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
@@ -320,6 +308,15 @@ def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limi
         needed = texel * len(item.outputs)
         if needed > limit:
             raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
+
+
+def require_filter(driver: "Driver", passes: Sequence[Pass], textures: Textures, storage: str) -> None:
+    """Raise Unavailable where a pass filters a texture of 32 bits, on a device that cannot."""
+    wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
+    wide |= {name for item in passes for name in item.outputs} if storage == "float" else set()
+    for item in passes:
+        if any(texture in wide and is_linear(item.entry, slot) for slot, texture in item.inputs.items()):
+            raise Unavailable(f"{driver.adapter} cannot filter 32-bit float textures; use half floats")
 
 
 def half_rounding(driver: "Driver") -> str:

@@ -56,13 +56,13 @@ class Direct3D(Driver):
         images, draws, numbers = flattened(passes, textures, size, storage)
         folder = self.server.folder
         lines, files = [f"vertex {self.shader('vs', 'BokehFullScreen_VS', {})}"], []
-        for number, ((width, height), kind, channels) in enumerate(image.kind for image in images):
+        for number, ((width, height), kind, channels) in enumerate(image[1:4] for image in images):
             lines.append(f"texture {number} {width} {height} {kind}{channels}")
             if images[number].pixels is not None:
                 files.append(folder / f"texture-{number}")
                 files[-1].write_bytes(images[number].pixels.tobytes())
                 lines[-1] += f" {files[-1].name}"
-        for item, inputs, targets, _, area in draws:
+        for item, inputs, targets, area in draws:
             lines.append(f"pixel {self.shader('ps', item.entry + '_PS', item.constants)}")
             for slot, number in inputs.items():
                 kind = "linear" if is_linear(item.entry, slot) else "nearest"

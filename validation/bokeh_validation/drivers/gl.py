@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Draw, Image, TimedDriver, kind_of, storage_type
+from bokeh_validation.drivers.base import Draw, Image, TimedDriver, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
@@ -40,43 +40,31 @@ class GLDriver(TimedDriver):
             self.programs[text] = self.context.vertex_array(program, [])
         return self.programs[text]
 
-    def upload(self, pixels: np.ndarray) -> moderngl.Texture:
-        storage, channels = kind_of(pixels)
-        return self._texture(pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels).tobytes())
-
-    def target(self, size: tuple[int, int], storage: str, channels: int = 4) -> moderngl.Texture:
-        return self._texture(size, storage, channels)
-
-    def _texture(self, size: tuple[int, int], storage: str, channels: int, data: bytes | None = None):
-        dtype = {"half": "f2", "float": "f4"}[storage]
-        texture = self.context.texture(size, channels, data, alignment=1, dtype=dtype)
+    def texture(self, image: Image) -> moderngl.Texture:
+        dtype = np.dtype(storage_type(image.storage))
+        # a target begins as zeros: OpenGL leaves open what is in one that has just been made
+        data = bytes(dtype.itemsize * image.channels * image.size[0] * image.size[1])
+        if image.pixels is not None:
+            data = image.pixels.tobytes()
+        texture = self.context.texture(image.size, image.channels, data, alignment=1, dtype=f"f{dtype.itemsize}")
         texture.repeat_x = texture.repeat_y = False
         return texture
 
     @cached_property
     def samplers(self) -> dict[bool, moderngl.Sampler]:
         """Samplers by 'is linear'; clamp, and no mip levels."""
-        filters = {True: moderngl.LINEAR, False: moderngl.NEAREST}
-        return {
-            linear: self.context.sampler(repeat_x=False, repeat_y=False, filter=(kind, kind))
-            for linear, kind in filters.items()
-        }
+        kinds = {True: (moderngl.LINEAR,) * 2, False: (moderngl.NEAREST,) * 2}
+        return {key: self.context.sampler(repeat_x=False, repeat_y=False, filter=kind) for key, kind in kinds.items()}
 
     def step(self, draw: Draw, handles: Sequence) -> "Step":
         self.program(draw.item)
-        targets, cleared = [handles[number] for number in draw.targets], None
-        framebuffer = self.context.framebuffer(targets)
+        framebuffer = self.context.framebuffer([handles[number] for number in draw.targets])
         # a triangle is clipped to it; its y counts from the first row in memory, as v does
         framebuffer.viewport = draw.area
-        fresh = [target for target, over in zip(targets, draw.over, strict=True) if not over]
-        if draw.item.viewport and fresh:
-            cleared = self.context.framebuffer(fresh)
-        return Step(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()}, framebuffer, cleared)
+        return Step(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()}, framebuffer)
 
     def draw(self, steps: Sequence["Step"]) -> None:
-        for item, bound, target, cleared in steps:
-            if cleared:
-                cleared.clear()
+        for item, bound, target in steps:
             array = self.program(item)
             for unit, slot in enumerate(SLOTS):
                 if slot in bound:
@@ -106,11 +94,8 @@ class GLDriver(TimedDriver):
         return np.frombuffer(handle.read(alignment=1), storage_type(image.storage))
 
     def release(self, textures: Sequence, steps: Sequence["Step"]) -> None:
-        for step in steps:
-            for framebuffer in filter(None, (step.target, step.cleared)):
-                framebuffer.release()
-        for texture in textures:
-            texture.release()
+        for handle in (*(step.target for step in steps), *textures):
+            handle.release()
 
     def end(self, program: moderngl.VertexArray) -> None:
         program.program.release()
@@ -118,15 +103,11 @@ class GLDriver(TimedDriver):
 
 
 class Step(NamedTuple):
-    """One pass with its textures by slot and its targets.
-
-    cleared  those of its targets that it draws a part of and that no earlier pass has drawn; None where there are none
-    """
+    """One pass with its textures by slot and its targets."""
 
     item: Pass
     bound: Mapping[str, moderngl.Texture]
     target: moderngl.Framebuffer
-    cleared: moderngl.Framebuffer | None
 
 
 class EGL(GLDriver):
@@ -145,13 +126,11 @@ def _egl_device(index: int) -> moderngl.Context:
 
 def _egl_context(adapter: str | None) -> moderngl.Context:
     """First EGL device, or the one whose renderer name holds `adapter` (or whose index it is)."""
-    try:
-        if adapter is None:
-            return _egl_device(0)
-        if adapter.isdigit():
-            return _egl_device(int(adapter))
-    except Exception as error:
-        raise Unavailable(f"EGL gave no OpenGL 3.3 context ({error}); {EGL.install}") from error
+    if adapter is None or adapter.isdigit():
+        try:
+            return _egl_device(int(adapter or 0))
+        except Exception as error:
+            raise Unavailable(f"EGL gave no OpenGL 3.3 context ({error}); {EGL.install}") from error
     seen = []
     for context, renderer in _egl_devices():
         if adapter.lower() in renderer.lower():

@@ -1,12 +1,12 @@
 """GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Driver, Image, flattened, require_targets, storage_type
+from bokeh_validation.drivers.base import Driver, Image, flattened, require_filter, require_targets, storage_type
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
@@ -29,7 +29,7 @@ class BrowserDriver(Driver):
     """What both share: the job as data. A subclass says which program a pass is.
 
     adapter  None: the software device that comes with Chromium; else a part of the name of the machine's GPU, as
-             Chromium tells it (a GPU was never tried)
+             Chromium names it (a GPU was never tried)
     """
 
     name = ""
@@ -37,10 +37,10 @@ class BrowserDriver(Driver):
     def __init__(self, adapter: str | None = None):
         self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
         try:
-            self.told = self.session.call(f"{self.name}.describe")
+            self.described = self.session.call(f"{self.name}.describe")
         except (browser.Refused, browser.BrowserError) as error:
             raise Unavailable(f"Chromium has no {self.name} on this machine: {error}") from error
-        device = self.told["device"]
+        device = self.described["device"]
         if adapter is not None and adapter.lower() not in device.lower():
             raise Unavailable(f"Chromium has no device named like {adapter!r}; it has {device}")
         self.adapter = f"{device}, Chromium {self.session.version}"
@@ -60,17 +60,18 @@ class BrowserDriver(Driver):
 
     def job(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, object]:
         """What run() hands to the page."""
-        self._require_filter(passes, textures, storage)
-        require_targets(self, passes, storage, self.told["attachmentBytes"])
+        if not self.described["floatFilterable"]:
+            require_filter(self, passes, textures, storage)
+        require_targets(self, passes, storage, self.described["attachmentBytes"])
         images, draws, numbers = flattened(passes, textures, size, storage)
         job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}
-        for item, inputs, targets, over, area in draws:
+        for item, inputs, targets, area in draws:
             read = [
                 {"slot": slot, "image": number, "linear": is_linear(item.entry, slot)}
                 for slot, number in inputs.items()
             ]
             values = {name: float(value) for name, value in item.values().items()}
-            own = {"inputs": read, "targets": targets, "over": over, "area": area, "values": values}
+            own = {"inputs": read, "targets": targets, "area": area, "values": values}
             job["passes"].append({**self._program(item), **own})
         job["keep"] = [numbers[name] for name in keep]
         return job
@@ -78,16 +79,6 @@ class BrowserDriver(Driver):
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         kept = self.session.call(f"{self.name}.run", self.job(passes, textures, size, storage, keep))
         return {name: unpacked(image, storage) for name, image in zip(keep, kept, strict=True)}
-
-    def _require_filter(self, passes: Sequence[Pass], textures: Mapping, storage: str) -> None:
-        """32-bit textures under a linear filter are an option in WebGL 2 and in WebGPU."""
-        if self.told["floatFilterable"]:
-            return
-        wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
-        wide |= {name for item in passes for name in item.outputs} if storage == "float" else set()
-        for item in passes:
-            if any(texture in wide and is_linear(item.entry, slot) for slot, texture in item.inputs.items()):
-                raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures; use half floats")
 
 
 class WebGL2(BrowserDriver):

@@ -9,9 +9,9 @@ from bokeh_validation import shaders
 from bokeh_validation.drivers.base import (
     Draw,
     Image,
-    Job,
+    Prepared,
     TimedDriver,
-    kind_of,
+    require_filter,
     require_targets,
     storage_type,
 )
@@ -78,7 +78,7 @@ class WGPU(TimedDriver):
         self.has_timer = "timestamp-query" in wanted
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
-        self._dummy = self.upload(np.zeros((1, 1, 4), np.float16))
+        self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
         self._fence = self.device.create_buffer(size=4, usage=self.wgpu.BufferUsage.COPY_SRC)
 
     def _make_layout(self):
@@ -122,20 +122,17 @@ class WGPU(TimedDriver):
             )
         return self.programs[key]
 
-    def upload(self, pixels: np.ndarray):
-        (height, width), usage = pixels.shape[:2], self.wgpu.TextureUsage
-        texture = self._texture((width, height), *kind_of(pixels), usage.TEXTURE_BINDING | usage.COPY_DST)
-        layout = {"bytes_per_row": pixels.nbytes // height, "rows_per_image": height}
-        data = np.ascontiguousarray(pixels).tobytes()
-        self.device.queue.write_texture({"texture": texture}, data, layout, texture.size)
-        return texture
-
-    def target(self, size: tuple[int, int], storage: str, channels: int = 4):
+    def texture(self, image: Image):
+        """WebGPU makes all textures with zeros in them."""
         usage = self.wgpu.TextureUsage
-        return self._texture(size, storage, channels, usage.RENDER_ATTACHMENT | usage.TEXTURE_BINDING | usage.COPY_SRC)
-
-    def _texture(self, size: tuple[int, int], storage: str, channels: int, usage: int):
-        return self.device.create_texture(size=(*size, 1), format=texture_format(storage, channels), usage=usage)
+        use = usage.RENDER_ATTACHMENT | usage.COPY_SRC if image.pixels is None else usage.COPY_DST
+        name = texture_format(image.storage, image.channels)
+        texture = self.device.create_texture(size=(*image.size, 1), format=name, usage=use | usage.TEXTURE_BINDING)
+        if image.pixels is not None:
+            height, data = image.size[1], image.pixels.tobytes()
+            layout = {"bytes_per_row": len(data) // height, "rows_per_image": height}
+            self.device.queue.write_texture({"texture": texture}, data, layout, texture.size)
+        return texture
 
     def bind(self, item: Pass, bound: Mapping[str, object]):
         """Bind group of a pass; slots it does not read get a dummy."""
@@ -154,11 +151,9 @@ class WGPU(TimedDriver):
         targets = [handles[number] for number in draw.targets]
         pipeline = self.pipeline(draw.item, [target.format for target in targets])
         bindings = self.bind(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()})
-        how = {"store_op": "store", "clear_value": (0, 0, 0, 0)}
-        attachments = [
-            {"view": target.create_view(), "load_op": "load" if over else "clear", **how}
-            for target, over in zip(targets, draw.over, strict=True)
-        ]
+        # what is around the area that is drawn stays
+        kept = {"load_op": "load", "store_op": "store"}
+        attachments = [{"view": target.create_view(), **kept} for target in targets]
 
         def record(encoder, stamps: dict | None) -> None:
             render = encoder.begin_render_pass(color_attachments=attachments, timestamp_writes=stamps)
@@ -211,12 +206,9 @@ class WGPU(TimedDriver):
         layout = {"bytes_per_row": 4 * width * dtype.itemsize, "rows_per_image": height}
         return np.frombuffer(self.device.queue.read_texture({"texture": handle}, layout, handle.size), dtype)
 
-    def prepared(self, passes, textures, size, storage="half", share=None) -> Job:
-        wide = storage == "float" or any(
-            t.ndim == 3 and t.dtype == np.float32 and len(t) > 1 for t in textures.values()
-        )
-        if wide and not self.float_filterable:
-            raise Unavailable("this adapter cannot filter 32-bit float textures; use half floats")
+    def prepared(self, passes, textures, size, storage="half", share=None) -> Prepared:
+        if not self.float_filterable:
+            require_filter(self, passes, textures, storage)
         require_targets(self, passes, storage, self.attachment_bytes)
         return super().prepared(passes, textures, size, storage, share)
 

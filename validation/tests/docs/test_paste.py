@@ -19,6 +19,7 @@ from test_inputs import FAR, NEAR, ROUNDINGS, slope
 
 from bokeh_validation import exr, metrics, paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang
+from bokeh_validation.drivers.base import Image
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, expected
 from bokeh_validation.reference import listings
@@ -153,7 +154,7 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
         uv = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
         gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
     }"""
-    live = {name: driver.upload(pixels) for name, pixels in scene().items()}
+    live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
         program = context.program(vertex_shader=vertex, fragment_shader=f"#version 330\n{library('glsl')}{block.code}")
         for unit, (name, texture) in enumerate(reads.items()):
@@ -163,7 +164,8 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
         for name in set(values()) & set(program):
             found = values()[name]
             program[name] = found if len(found) > 1 else found[0]
-        targets = [driver.target(size(), *(("float", 1) if "metres" in writes else ("half", 4))) for _ in writes]
+        storage, channels = ("float", 1) if "metres" in writes else ("half", 4)
+        targets = [driver.texture(Image(name, size(), storage, channels)) for name in writes]
         context.framebuffer(targets).use()
         context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
         live.update(zip(writes, targets, strict=True))
@@ -180,10 +182,11 @@ def on_webgpu(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
     device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
     assert "float32-filterable" not in device.features
     vertex = device.create_shader_module(code=shaders.wgsl())
-    live = {name: driver.upload(pixels) for name, pixels in scene().items()}
+    live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        targets = [driver.target(size(), *(("float", 1) if "metres" in writes else ("half", 4))) for _ in writes]
+        storage, channels = ("float", 1) if "metres" in writes else ("half", 4)
+        targets = [driver.texture(Image(name, size(), storage, channels)) for name in writes]
         module = device.create_shader_module(code=library("wgsl") + block.code)
         pipeline = device.create_render_pipeline(
             layout="auto",

@@ -204,12 +204,9 @@ async function draw(gpu, encoder, job, textures, made) {
     const formats = pass.targets.map((image) => format(job.images[image]));
     const chosen = await pipeline(device, job, pass, formats);
     const buffer = made[made.push(uniforms(device, pass)) - 1];
-    const colorAttachments = pass.targets.map((image, index) => ({
-      view: textures[image].createView(),
-      loadOp: pass.over[index] ? "load" : "clear",
-      storeOp: "store",
-      clearValue: [0, 0, 0, 0],
-    }));
+    // what is around the area that is drawn stays
+    const kept = { loadOp: "load", storeOp: "store" };
+    const colorAttachments = pass.targets.map((image) => ({ view: textures[image].createView(), ...kept }));
     const render = encoder.beginRenderPass({ colorAttachments });
     render.setPipeline(chosen);
     render.setBindGroup(0, bind(gpu, job.slots, pass, buffer, textures));
