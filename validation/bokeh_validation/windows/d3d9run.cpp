@@ -1,4 +1,4 @@
-/* Passes of shader model 3 on Direct3D 9 (jobs: passes.h).
+/* Passes of shader model 3 on Direct3D 9 (requests: passes.h).
  *
  * The vertex shader takes a quad: corner as POSITION, uv as TEXCOORD0, uv (0,0) at the first row. c20.xy of its
  * constants is 1 / width and 1 / height of the viewport: pixel centres are at whole numbers in Direct3D 9.
@@ -25,55 +25,43 @@ struct D3D9 {
     std::map<std::string, ComPtr<Vertex>> vertices;
     std::map<std::string, ComPtr<Pixel>> pixels;
 
-    void make(Texture &texture, DWORD usage, D3DPOOL pool)
+    ComPtr<IDirect3DSurface9> surface(const Texture &texture)
     {
-        TRY(device->CreateTexture(texture.width, texture.height, 1, usage, FORMATS[texture.format.index], pool,
-                                  &texture.handle, nullptr));
+        ComPtr<IDirect3DSurface9> level;
+        TRY(texture.handle->GetSurfaceLevel(0, &level));
+        return level;
     }
 
-    void fill(Texture &texture, const char *pixels)
+    void make(Texture &texture, const char *pixels)
     {
-        make(texture, 0, D3DPOOL_MANAGED);
+        DWORD usage = pixels ? 0 : D3DUSAGE_RENDERTARGET;
+        D3DPOOL pool = pixels ? D3DPOOL_MANAGED : D3DPOOL_DEFAULT;
+        TRY(device->CreateTexture(texture.width, texture.height, 1, usage, FORMATS[texture.format.index], pool,
+                                  &texture.handle, nullptr));
+        if (!pixels) {
+            TRY(device->ColorFill(surface(texture).Get(), nullptr, 0));
+            return;
+        }
         D3DLOCKED_RECT locked;
         TRY(texture.handle->LockRect(0, &locked, nullptr, 0));
         copy_rows(locked.pBits, locked.Pitch, pixels, texture.row_bytes(), texture.height, texture.row_bytes());
         TRY(texture.handle->UnlockRect(0));
     }
 
-    ComPtr<IDirect3DSurface9> surface(const Texture &texture)
-    {
-        ComPtr<IDirect3DSurface9> found;
-        TRY(texture.handle->GetSurfaceLevel(0, &found));
-        return found;
-    }
+    void make(const std::string &code, Vertex **shader) { TRY(device->CreateVertexShader((const DWORD *)&code[0], shader)); }
+    void make(const std::string &code, Pixel **shader) { TRY(device->CreatePixelShader((const DWORD *)&code[0], shader)); }
 
-    void make_target(Texture &texture)
-    {
-        make(texture, D3DUSAGE_RENDERTARGET, D3DPOOL_DEFAULT);
-        TRY(device->ColorFill(surface(texture).Get(), nullptr, 0));
-    }
-
-    void make(const std::string &code, Vertex **made)
-    {
-        TRY(device->CreateVertexShader((const DWORD *)code.data(), made));
-    }
-
-    void make(const std::string &code, Pixel **made)
-    {
-        TRY(device->CreatePixelShader((const DWORD *)code.data(), made));
-    }
-
-    void set_inputs(const Job<D3D9> &job)
+    void set_inputs(const Passes<D3D9> &pass)
     {
         for (int slot = 0; slot < NUM_SLOTS; slot++) {
-            const auto &[texture, linear] = job.inputs[slot];
+            const auto &[texture, linear] = pass.inputs[slot];
             TRY(device->SetTexture(slot, texture ? texture->handle.Get() : nullptr));
             for (D3DSAMPLERSTATETYPE filter : {D3DSAMP_MINFILTER, D3DSAMP_MAGFILTER})
                 TRY(device->SetSamplerState(slot, filter, linear ? D3DTEXF_LINEAR : D3DTEXF_POINT));
         }
     }
 
-    void draw(const Job<D3D9> &job, const std::vector<Texture *> &targets)
+    void draw(const Passes<D3D9> &pass, const std::vector<Texture *> &targets)
     {
         if (targets.size() > caps.NumSimultaneousRTs)
             fail("%zu targets, but the device has %lu at once", targets.size(), caps.NumSimultaneousRTs);
@@ -82,16 +70,16 @@ struct D3D9 {
         for (size_t i = 0; i < targets.size(); i++)
             TRY(device->SetRenderTarget(i, surface(*targets[i]).Get()));
         /* after the targets: setting the first one makes the viewport as large as it */
-        const auto &[x, y, width, height] = job.viewport;
+        const auto &[x, y, width, height] = pass.viewport;
         D3DVIEWPORT9 viewport{(DWORD)x, (DWORD)y, (DWORD)width, (DWORD)height, 0.0f, 1.0f};
         TRY(device->SetViewport(&viewport));
-        TRY(device->SetVertexShader(job.vertex));
-        TRY(device->SetPixelShader(job.pixel));
-        set_inputs(job);
+        TRY(device->SetVertexShader(pass.vertex));
+        TRY(device->SetPixelShader(pass.pixel));
+        set_inputs(pass);
         float texel[4]{1.0f / width, 1.0f / height};
         TRY(device->SetVertexShaderConstantF(TEXEL_SIZE_REGISTER, texel, 1));
         for (int i = 0; i < NUM_VALUES; i++) {
-            float value[4]{job.values[i]};
+            float value[4]{pass.values[i]};
             TRY(device->SetPixelShaderConstantF(i, value, 1));
         }
         static const float QUAD[4][6] = {

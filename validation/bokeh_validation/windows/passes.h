@@ -1,4 +1,4 @@
-/* A list of full-screen passes as a job of a server (serve.h), for any Direct3D: d3d9run.cpp and d3d11run.cpp give the
+/* A list of full-screen passes as a request to a server (serve.h), for any Direct3D: d3d9run.cpp and d3d11run.cpp give the
  * device.
  *
  * A request is the name of a file: text, one command a line, done in this order:
@@ -15,7 +15,7 @@
  *   keep N FILE                  write texture N, in its format, rows as above
  *
  * FILEs are names in the working directory. A shader file is read once: other contents need another name.
- * All textures are gone after the job.
+ * All textures are gone after the request.
  */
 #pragma once
 
@@ -26,8 +26,8 @@
 
 #include "serve.h"
 
-constexpr int NUM_SLOTS = 16;  /* what shader model 3 has; a pass reads fewer */
-/* NUM_VALUES, room for the parameters, is told by the build: a multiple of 4, since they are a constant buffer */
+constexpr int NUM_SLOTS = 16; /* what shader model 3 has; a pass reads fewer */
+/* NUM_VALUES, room for the parameters, comes from the build: a multiple of 4, since they are a constant buffer */
 
 /* Place in the FORMATS of a program, and bytes of a texel. */
 struct Format {
@@ -55,9 +55,9 @@ struct Area {
     int x, y, width, height;
 };
 
-/* A job so far, and what the next draw reads. A Device has types Handle, Vertex and Pixel, and makes and draws them;
- * its shaders stay from job to job. A name or number that is not there is std::out_of_range. */
-template <typename Device> struct Job {
+/* A request so far, and what the next draw reads. A Device has types Handle, Vertex and Pixel, and makes and draws
+ * them; its shaders stay from request to request. A name or number that is not there is std::out_of_range. */
+template <typename Device> struct Passes {
     using Texture = ::Texture<typename Device::Handle>;
 
     struct Input {
@@ -73,17 +73,12 @@ template <typename Device> struct Job {
     std::array<float, NUM_VALUES> values{};
     Area viewport{};
 
-    void add(std::istream &rest, int number, int width, int height, const std::string &format)
+    void add(Texture &texture, const std::string &file)
     {
-        Texture &made = textures[number] = {width, height, FORMATS_BY_NAME.at(format), nullptr};
-        std::string file;
-        if (rest >> file) {
-            std::string pixels = read_file(file);
-            if (pixels.size() != (size_t)made.row_bytes() * height)
-                fail("%s has %zu bytes", file.c_str(), pixels.size());
-            device.fill(made, pixels.data());
-        } else
-            device.make_target(made);
+        std::string pixels = file.empty() ? "" : read_file(file);
+        if (!file.empty() && pixels.size() != (size_t)texture.row_bytes() * texture.height)
+            fail("%s has %zu bytes", file.c_str(), pixels.size());
+        device.make(texture, file.empty() ? nullptr : pixels.data());
     }
 
     void draw(std::istream &numbers)
@@ -106,10 +101,11 @@ template <typename Device> struct Job {
     bool take(const std::string &word, std::istream &rest)
     {
         int number, slot, width, height;
-        std::string name;
-        if (word == "texture" && rest >> number >> width >> height >> name)
-            add(rest, number, width, height, name);
-        else if (word == "vertex" && rest >> name)
+        std::string name, file;
+        if (word == "texture" && rest >> number >> width >> height >> name) {
+            rest >> file;
+            add(textures[number] = {width, height, FORMATS_BY_NAME.at(name), nullptr}, file);
+        } else if (word == "vertex" && rest >> name)
             vertex = cached(device.vertices, name);
         else if (word == "pixel" && rest >> name)
             pixel = cached(device.pixels, name);
@@ -137,16 +133,16 @@ template <typename Device> struct Job {
     }
 };
 
-/* Take jobs on a device. */
+/* Take requests on a device. */
 template <typename Device> int serve_device()
 {
     Device device;
     return serve([&] { return device.start(); }, [&](const std::string &name) {
-        Job<Device> job{device};
+        Passes<Device> passes{device};
         std::istringstream text(read_file(name));
         for (std::string line, word; std::getline(text, line);) {
             std::istringstream rest(line);
-            if (rest >> word && !job.take(word, rest))
+            if (rest >> word && !passes.take(word, rest))
                 fail("cannot use the line '%.200s'", line.c_str());
         }
     });

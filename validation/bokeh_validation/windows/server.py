@@ -34,6 +34,7 @@ class Server:
         self._process: subprocess.Popen | None = None
         self._lock = threading.Lock()
         self.greeting = ""
+        wine.get()  # ends after what runs in it
         wine.before_stop(self.stop)
 
     def start(self) -> None:

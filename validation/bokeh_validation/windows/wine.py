@@ -10,12 +10,13 @@ import os
 import select
 import shutil
 import subprocess
-import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import cached_property
 from pathlib import Path
 
 from bokeh_validation import paths
+from bokeh_validation.compilers.tool import once
 from bokeh_validation.errors import Unavailable
 
 PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
@@ -43,7 +44,7 @@ class Wine:
     def __init__(self) -> None:
         self._wine, self._server = _needed("wine"), _needed("wineserver")
         self.prefix, self._lock = _own_prefix()
-        self.display, self._xvfb = "", None
+        self.display = ""
         try:
             self.end_programs()
             stamp = self.prefix / "made by bokeh-validation"
@@ -60,19 +61,15 @@ class Wine:
         """A new, empty prefix. One that was not finished is thrown away."""
         shutil.rmtree(self.prefix, ignore_errors=True)
         self.prefix.parent.mkdir(parents=True, exist_ok=True)
-        words = self.command("wineboot", "-i")
-        process = subprocess.Popen(words, env=self.environment(), start_new_session=True, **QUIET)
         try:
-            status = process.wait(PREFIX_S)
+            done = subprocess.run(self.command("wineboot", "-i"), env=self.environment(), timeout=PREFIX_S, **QUIET)
         except subprocess.TimeoutExpired as error:
-            os.killpg(process.pid, 9)
-            process.wait()
             raise Unavailable(f"wineboot hung: stopped after {PREFIX_S:g} s") from error
         finally:
             # it returns before the registry is on disk; the server's end writes it
             self.end_programs()
-        if status or not (self.prefix / "system.reg").exists():
-            raise Unavailable(f"wineboot made no prefix (exit status {status}); {INSTALL}")
+        if done.returncode or not (self.prefix / "system.reg").exists():
+            raise Unavailable(f"wineboot made no prefix (exit status {done.returncode}); {INSTALL}")
 
     def _start_display(self) -> None:
         _needed("Xvfb")
@@ -81,21 +78,19 @@ class Wine:
             bufsize=0, start_new_session=True,
         )  # fmt: skip
         # once there is something, the whole line follows
-        told = select.select([self._xvfb.stdout], [], [], DISPLAY_S)[0]
-        number = self._xvfb.stdout.readline().decode("ascii", "replace").strip() if told else ""
+        answered = select.select([self._xvfb.stdout], [], [], DISPLAY_S)[0]
+        number = self._xvfb.stdout.readline().decode("ascii", "replace").strip() if answered else ""
         if not number:
             self._end_display()
             raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
         self.display = f":{number}"
 
     def _end_display(self) -> None:
-        self._xvfb.stdin.close()
         try:
-            self._xvfb.wait(KILL_S)
+            self._xvfb.communicate(timeout=KILL_S)  # closes standard input
         except subprocess.TimeoutExpired:
             os.killpg(self._xvfb.pid, 9)
-            self._xvfb.wait()
-        self._xvfb.stdout.close()
+            self._xvfb.communicate()
 
     def environment(self) -> dict[str, str]:
         """Environment of a program: our prefix, our display, and nothing that asks or draws."""
@@ -163,39 +158,24 @@ def _own_prefix():
     raise Unavailable(f"{MAX_PREFIXES} other runs have a Wine prefix each: wait for one of them")
 
 
-_guard = threading.RLock()
-_wine: Wine | Unavailable | None = None
-_stopping: list[Callable[[], None]] = []
+# What ends with this process, the last first
+_ending = ExitStack()
 
 
+@once
 def get() -> Wine:
     """The prefix of this process, made on first use. Raises Unavailable, the same each time."""
-    global _wine
-    with _guard:
-        if _wine is None:
-            try:
-                _wine = Wine()
-            except Unavailable as error:
-                _wine = error
-        if isinstance(_wine, Unavailable):
-            raise _wine
-        return _wine
+    wine = Wine()
+    before_stop(wine.stop)
+    return wine
 
 
 def before_stop(action: Callable[[], None]) -> None:
-    """Have stop() call this first."""
-    _stopping.append(action)
+    """Have stop() call this before what it was told earlier."""
+    _ending.callback(action)
 
 
+@atexit.register
 def stop() -> None:
     """Leave nothing of ours running. Called at exit; call it yourself before os._exit()."""
-    global _wine
-    with _guard:
-        while _stopping:
-            _stopping.pop()()
-        if isinstance(_wine, Wine):
-            _wine.stop()
-        _wine = None
-
-
-atexit.register(stop)
+    _ending.close()

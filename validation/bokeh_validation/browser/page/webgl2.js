@@ -22,12 +22,10 @@ export function start(canvas = new OffscreenCanvas(1, 1)) {
 }
 
 function sampler(filter) {
-  const made = gl.createSampler();
-  gl.samplerParameteri(made, gl.TEXTURE_MIN_FILTER, filter);
-  gl.samplerParameteri(made, gl.TEXTURE_MAG_FILTER, filter);
-  gl.samplerParameteri(made, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-  gl.samplerParameteri(made, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-  return made;
+  const clamping = gl.createSampler();
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.samplerParameteri(clamping, name, filter);
+  for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.samplerParameteri(clamping, name, gl.CLAMP_TO_EDGE);
+  return clamping;
 }
 
 // What the device is, whether it filters 32-bit textures, and the bytes a pixel that all targets of a pass may have:
@@ -45,10 +43,7 @@ function build(vertex, fragment) {
   const program = gl.createProgram();
   const logs = {};
   let ok = true;
-  const stages = [
-    ["vertex", gl.VERTEX_SHADER, vertex],
-    ["fragment", gl.FRAGMENT_SHADER, fragment],
-  ];
+  const stages = [["vertex", gl.VERTEX_SHADER, vertex], ["fragment", gl.FRAGMENT_SHADER, fragment]];
   for (const [name, stage, source] of stages) {
     const shader = gl.createShader(stage);
     gl.shaderSource(shader, source);
@@ -92,21 +87,21 @@ export function texture({ size, channels, type, data }) {
   const half = type === "half";
   const layout = { 4: gl.RGBA, 1: gl.RED }[channels];
   const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 1: gl.R32F }[channels];
-  const made = gl.createTexture();
+  const handle = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
-  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.bindTexture(gl.TEXTURE_2D, handle);
   gl.texStorage2D(gl.TEXTURE_2D, 1, internal, ...size);
   // a row of any of these formats is a multiple of 4 bytes, the alignment that uploads and readPixels() have by default
   const kind = half ? gl.HALF_FLOAT : gl.FLOAT;
   if (data) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, layout, kind, decode({ type, data }));
-  return made;
+  return handle;
 }
 
 // Do something with a framebuffer of some targets, in the order of the shader's outputs.
 export function onto(targets, step) {
-  const made = gl.createFramebuffer();
+  const framebuffer = gl.createFramebuffer();
   try {
-    gl.bindFramebuffer(gl.FRAMEBUFFER, made);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     const attachments = targets.map((target, index) => gl.COLOR_ATTACHMENT0 + index);
     targets.forEach((target, index) => {
       gl.framebufferTexture2D(gl.FRAMEBUFFER, attachments[index], gl.TEXTURE_2D, target, 0);
@@ -116,7 +111,7 @@ export function onto(targets, step) {
     if (status !== gl.FRAMEBUFFER_COMPLETE) throw new Error(`framebuffer incomplete: 0x${status.toString(16)}`);
     return step();
   } finally {
-    gl.deleteFramebuffer(made);
+    gl.deleteFramebuffer(framebuffer);
   }
 }
 
@@ -141,15 +136,11 @@ export function draw({ fragment, area, inputs, values }, vertex, textures) {
   inputs.forEach((_, unit) => bind(unit, null, null));
 }
 
-// The framebuffer that is bound, as RGBA, which is what 32-bit floats of any target can be read as; half floats only
-// where the browser names both.
-function read({ size, type }) {
-  const format = gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_FORMAT);
-  const exact = format === gl.RGBA && gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.HALF_FLOAT;
-  const half = type === "half" && exact;
-  const image = { size, channels: 4, type: half ? "half" : "float" };
+// The framebuffer that is bound, in 32 bits: every target can be read as that, and a half float is the same number.
+function read({ size }) {
+  const image = { size, channels: 4, type: "float" };
   const into = elements(image);
-  gl.readPixels(0, 0, ...size, gl.RGBA, half ? gl.HALF_FLOAT : gl.FLOAT, into);
+  gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, into);
   return encode(image, into);
 }
 

@@ -69,16 +69,12 @@ export async function checked(device, step) {
   }
 }
 
+// Stages are { module, entryPoint, constants }.
 function pipelineDescriptor(device, slots, vertex, fragment, formats) {
   return {
     layout: device.createPipelineLayout({ bindGroupLayouts: [layout(device, slots)] }),
-    vertex: { module: vertex.module, entryPoint: vertex.entry, constants: vertex.constants },
-    fragment: {
-      module: fragment.module,
-      entryPoint: fragment.entry,
-      constants: fragment.constants,
-      targets: formats.map((format) => ({ format })),
-    },
+    vertex,
+    fragment: { ...fragment, targets: formats.map((format) => ({ format })) },
     primitive: { topology: "triangle-list" },
   };
 }
@@ -92,15 +88,12 @@ export async function compile({ code, vertex, fragment, slots, formats }) {
   const module = device.createShaderModule({ code });
   const info = await module.getCompilationInfo();
   await device.popErrorScope();
-  const messages = info.messages.map((said) => ({
-    type: said.type,
-    line: said.lineNum,
-    column: said.linePos,
-    text: said.message,
-  }));
-  if (messages.some((said) => said.type === "error")) return { ok: false, messages, pipeline: "" };
+  const messages = info.messages.map(({ type, lineNum, linePos, message }) => ({
+    type, line: lineNum, column: linePos, text: message,
+  })); // prettier-ignore
+  if (messages.some(({ type }) => type === "error")) return { ok: false, messages, pipeline: "" };
   try {
-    const stages = [vertex, fragment].map((stage) => ({ module, ...stage }));
+    const stages = [vertex, fragment].map(({ entry, constants }) => ({ module, entryPoint: entry, constants }));
     await device.createRenderPipelineAsync(pipelineDescriptor(device, slots, ...stages, formats));
   } catch (error) {
     return { ok: false, messages, pipeline: error.message };
@@ -118,8 +111,8 @@ async function pipeline(device, { code, vertex, slots }, pass, formats) {
   if (!pipelines.has(key)) {
     if (!modules.has(code)) modules.set(code, device.createShaderModule({ code }));
     const module = modules.get(code);
-    const fragment = { module, entry: pass.entry, constants: pass.constants };
-    const descriptor = pipelineDescriptor(device, slots, { module, entry: vertex }, fragment, formats);
+    const fragment = { module, entryPoint: pass.entry, constants: pass.constants };
+    const descriptor = pipelineDescriptor(device, slots, { module, entryPoint: vertex }, fragment, formats);
     pipelines.set(key, await device.createRenderPipelineAsync(descriptor));
   }
   return pipelines.get(key);
@@ -128,12 +121,11 @@ async function pipeline(device, { code, vertex, slots }, pass, formats) {
 export function texture(device, image) {
   const { TEXTURE_BINDING, COPY_DST, COPY_SRC, RENDER_ATTACHMENT } = GPUTextureUsage;
   const usage = TEXTURE_BINDING | COPY_SRC | (image.data ? COPY_DST : RENDER_ATTACHMENT);
-  const made = device.createTexture({ size: image.size, format: format(image), usage });
-  if (image.data) {
-    // writeTexture() wants no alignment
-    device.queue.writeTexture({ texture: made }, decode(image), { bytesPerRow: pitch(image) }, image.size);
-  }
-  return made;
+  const handle = device.createTexture({ size: image.size, format: format(image), usage });
+  // writeTexture() wants no alignment
+  const rows = { bytesPerRow: pitch(image) };
+  if (image.data) device.queue.writeTexture({ texture: handle }, decode(image), rows, image.size);
+  return handle;
 }
 
 // The parameters of a pass.
@@ -178,40 +170,37 @@ export async function read({ image, buffer, bytesPerRow }) {
 // Run a job and return the images that it keeps.
 export async function run(job) {
   const gpu = await start();
-  const made = []; // what is destroyed at the end: waiting for the garbage collector would hold it for long
+  const { device } = gpu;
+  const resources = []; // destroyed at the end: waiting for the garbage collector would hold them for long
+  const owned = (resource) => resources[resources.push(resource) - 1];
   try {
-    return await checked(gpu.device, () => record(gpu, job, made));
+    return await checked(device, async () => {
+      const textures = job.images.map((image) => owned(texture(device, image)));
+      const encoder = device.createCommandEncoder();
+      for (const pass of job.passes) {
+        const formats = pass.targets.map((image) => format(job.images[image]));
+        const chosen = await pipeline(device, job, pass, formats);
+        const buffer = owned(uniforms(device, pass));
+        draw(encoder, pass, chosen, bind(gpu, job.slots, pass, buffer, textures), textures);
+      }
+      const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
+      copies.forEach(({ buffer }) => owned(buffer));
+      device.queue.submit([encoder.finish()]);
+      return Promise.all(copies.map(read));
+    });
   } finally {
-    for (const resource of made) resource.destroy();
+    for (const resource of resources) resource.destroy();
   }
 }
 
-async function record(gpu, job, made) {
-  const { device } = gpu;
-  const textures = job.images.map((image) => made[made.push(texture(device, image)) - 1]);
-  const encoder = device.createCommandEncoder();
-  await draw(gpu, encoder, job, textures, made);
-  const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
-  made.push(...copies.map(({ buffer }) => buffer));
-  device.queue.submit([encoder.finish()]);
-  return Promise.all(copies.map(read));
-}
-
-// Encode the passes of a job; what is to be destroyed when they are done goes into `made`.
-async function draw(gpu, encoder, job, textures, made) {
-  const { device } = gpu;
-  for (const pass of job.passes) {
-    const formats = pass.targets.map((image) => format(job.images[image]));
-    const chosen = await pipeline(device, job, pass, formats);
-    const buffer = made[made.push(uniforms(device, pass)) - 1];
-    // what is around the area that is drawn stays
-    const kept = { loadOp: "load", storeOp: "store" };
-    const colorAttachments = pass.targets.map((image) => ({ view: textures[image].createView(), ...kept }));
-    const render = encoder.beginRenderPass({ colorAttachments });
-    render.setPipeline(chosen);
-    render.setBindGroup(0, bind(gpu, job.slots, pass, buffer, textures));
-    render.setViewport(...pass.area, 0, 1); // a triangle is clipped to it
-    render.draw(3);
-    render.end();
-  }
+function draw(encoder, pass, pipeline, bindings, textures) {
+  // a new texture holds 0, and what is around the area that is drawn stays
+  const kept = { loadOp: "load", storeOp: "store" };
+  const colorAttachments = pass.targets.map((image) => ({ view: textures[image].createView(), ...kept }));
+  const render = encoder.beginRenderPass({ colorAttachments });
+  render.setPipeline(pipeline);
+  render.setBindGroup(0, bindings);
+  render.setViewport(...pass.area, 0, 1); // a triangle is clipped to it
+  render.draw(3);
+  render.end();
 }
