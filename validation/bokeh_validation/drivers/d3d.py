@@ -69,8 +69,8 @@ class Direct3D(Driver):
                 lines.append(f"input {SLOTS.index(slot)} {number} {kind}")
             # nine digits are enough for any float32
             values = [f"{value:.9g}" for value in item.values().values()]
-            lines += [f"{word} {' '.join(map(str, told))}" for word, told in (("viewport", area), ("values", values))]
-            lines.append(f"draw {' '.join(map(str, targets))}")
+            for word, arguments in {"viewport": area, "values": values, "draw": targets}.items():
+                lines.append(f"{word} {' '.join(map(str, arguments))}")
         results = {name: folder / f"result-{index}" for index, name in enumerate(keep)}
         lines += [f"keep {numbers[name]} {file.name}" for name, file in results.items()]
         job = folder / f"{self.name}.job"
@@ -80,7 +80,7 @@ class Direct3D(Driver):
             if not ok:
                 raise RuntimeError(f"{self.name}: {answer}")
             pixels = {name: np.frombuffer(file.read_bytes(), storage_type(storage)) for name, file in results.items()}
-            return {name: data.reshape(*images[numbers[name]].size[::-1], 4) for name, data in pixels.items()}
+            return {name: images[numbers[name]].shaped(data) for name, data in pixels.items()}
         except server.Ended as error:
             raise RuntimeError(f"{self.name}: {error}") from error
         finally:

@@ -38,18 +38,18 @@ def wgpu_adapters() -> list:
 
 
 def _choose(adapter: str | None):
-    found = wgpu_adapters()
-    if not found:
+    adapters = wgpu_adapters()
+    if not adapters:
         raise Unavailable(f"no Vulkan adapter; {WGPU.install}")
     if adapter is None:
-        return min(found, key=lambda a: a.info["adapter_type"] == "CPU")
-    if adapter.isdigit() and int(adapter) < len(found):
-        return found[int(adapter)]
-    for candidate in found:
-        if adapter.lower() in candidate.info["device"].lower():
+        return min(adapters, key=lambda candidate: candidate.info["adapter_type"] == "CPU")
+    if adapter.isdigit() and int(adapter) < len(adapters):
+        return adapters[int(adapter)]
+    names = [candidate.info["device"] for candidate in adapters]
+    for candidate, name in zip(adapters, names, strict=True):
+        if adapter.lower() in name.lower():
             return candidate
-    names = ", ".join(a.info["device"] for a in found)
-    raise Unavailable(f"no adapter named like {adapter!r}; there are: {names}")
+    raise Unavailable(f"no adapter named like {adapter!r}; there are: {', '.join(names)}")
 
 
 def texture_format(storage: str, channels: int) -> str:
@@ -67,15 +67,15 @@ class WGPU(TimedDriver):
         self.wgpu = _import()
         chosen = _choose(adapter)
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        wanted = {"float32-filterable", "timestamp-query"} & set(chosen.features)
+        features = {"float32-filterable", "timestamp-query"} & set(chosen.features)
         self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
         self.device = chosen.request_device_sync(
-            required_features=sorted(wanted), required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
+            required_features=sorted(features), required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
         )
-        self.float_filterable = "float32-filterable" in wanted
+        self.float_filterable = "float32-filterable" in features
         self.programs: dict[tuple, object] = {}
         self._modules: dict[str, object] = {}
-        self.has_timer = "timestamp-query" in wanted
+        self.has_timer = "timestamp-query" in features
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
@@ -182,14 +182,14 @@ class WGPU(TimedDriver):
         for record, stamp in zip([*steps] * repeats, stamps, strict=True):
             record(encoder, stamp or None)
         if self.has_timer:
-            found = self.device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
-            encoder.resolve_query_set(queries, 0, 2, found, 0)
+            resolved = self.device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
+            encoder.resolve_query_set(queries, 0, 2, resolved, 0)
         commands = encoder.finish()
 
         def queried() -> float | None:
             if not self.has_timer:
                 return None
-            begin, end = (int(stamp) for stamp in np.frombuffer(queue.read_buffer(found), np.uint64))
+            begin, end = (int(stamp) for stamp in np.frombuffer(queue.read_buffer(resolved), np.uint64))
             return (end - begin) * 1e-9
 
         return lambda: queue.submit([commands]), queried

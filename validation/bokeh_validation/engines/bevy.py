@@ -90,22 +90,22 @@ def _copied() -> Path:
 def _cargo() -> Path:
     """Cargo, with a compiler that is new enough and a linker."""
     places = (os.environ.get("PATH", ""), str(Path.home() / ".cargo/bin"))
-    found = shutil.which("cargo", path=os.pathsep.join(places))
-    if found is None:
+    cargo = shutil.which("cargo", path=os.pathsep.join(places))
+    if cargo is None:
         raise Unavailable(INSTALL_RUST)
-    said = process.run([found, "--version"], VERSION_S)
-    version = re.search(r"cargo (\d+)\.(\d+)", said)
+    answer = process.run([cargo, "--version"], VERSION_S)
+    version = re.search(r"cargo (\d+)\.(\d+)", answer)
     if version is None or (int(version[1]), int(version[2])) < RUST:
-        raise Unavailable(f"{said.strip()} is too old for Bevy; {INSTALL_RUST}")
+        raise Unavailable(f"{answer.strip()} is too old for Bevy; {INSTALL_RUST}")
     if shutil.which("cc") is None:
         raise Unavailable("no linker; apt-get install -y gcc libc6-dev")
-    return Path(found)
+    return Path(cargo)
 
 
 def _vulkan_driver() -> str:
     """What $VK_ICD_FILENAMES names, else Mesa's software driver."""
     named = os.environ.get("VK_ICD_FILENAMES")
-    found = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
-    if not named and not found:
+    drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
+    if not named and not drivers:
         raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
-    return named or str(found[0])
+    return named or str(drivers[0])

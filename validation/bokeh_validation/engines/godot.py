@@ -65,8 +65,8 @@ def opened() -> browser.Session:
 
 def project() -> dict[str, bytes]:
     """Path -> content of what is packed."""
-    found = sorted(path for path in SAMPLE.rglob("*") if path.is_file() and path.suffix not in (".md", ".png"))
-    files = {path.relative_to(SAMPLE).as_posix(): path.read_bytes() for path in found} | ADDED
+    sources = sorted(path for path in SAMPLE.rglob("*") if path.is_file() and path.suffix not in (".md", ".png"))
+    files = {path.relative_to(SAMPLE).as_posix(): path.read_bytes() for path in sources} | ADDED
     files["project.godot"] = files["project.godot"].replace(b"sample.tscn", b"capture.tscn")
     return files
 

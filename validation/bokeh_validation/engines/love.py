@@ -22,7 +22,7 @@ def command() -> list[str | Path]:
     program = shutil.which("love")
     if program is None:
         raise Unavailable("LÖVE is not installed; apt-get install -y love")
-    said = process.run([program, "--version"], VERSION_SECONDS)
-    if not said.startswith(f"LOVE {VERSION}"):
-        raise Unavailable(f"{said.strip()}: the sample is for LÖVE {VERSION}x; apt-get install -y love")
+    output = process.run([program, "--version"], VERSION_SECONDS)
+    if not output.startswith(f"LOVE {VERSION}"):
+        raise Unavailable(f"{output.strip()}: the sample is for LÖVE {VERSION}x; apt-get install -y love")
     return [*scripts.display(), program, SAMPLE]

@@ -29,17 +29,18 @@ def run(
     )  # fmt: skip
     failed = ""
     try:
-        said, _ = process.communicate(timeout=seconds)
+        output, _ = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
         _end(process)
-        said, failed = process.communicate()[0], f"not done after {seconds:.0f} s"
+        output, failed = process.communicate()[0], f"not done after {seconds:.0f} s"
     except BaseException:
         _end(process)
         raise
     if failed or process.returncode:
-        name, last = " ".join(Path(part).name for part in words[:2]), "\n".join(said.strip().splitlines()[-LAST_LINES:])
+        name = " ".join(Path(part).name for part in words[:2])
+        last = "\n".join(output.strip().splitlines()[-LAST_LINES:])
         raise RuntimeError(f"{name}: {failed or f'exit code {process.returncode}'}\n{last}")
-    return said
+    return output
 
 
 def _end(process: subprocess.Popen) -> None:
