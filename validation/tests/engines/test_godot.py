@@ -1,7 +1,5 @@
 """integration/godot: what its guide says of shaders, colour, depth, focus, debug views and frames is so."""
 
-import difflib
-import re
 from math import exp
 
 import numpy as np
@@ -9,8 +7,6 @@ import pytest
 from support import needed
 from support_pages import SIZE, assert_debug_views, pixels
 
-import bokeh_validation
-from bokeh_validation import paths
 from bokeh_validation.engines import godot
 
 
@@ -18,34 +14,6 @@ from bokeh_validation.engines import godot
 def sample():
     with needed("Godot"), godot.opened() as opened:
         yield opened
-
-
-@pytest.mark.parametrize("name", ["bokeh", "bokeh_layers"])
-def test_port_only_leaves_out(name):
-    """One line is new, those that are gone are of section [2], and of its functions only BokehSetViewport is gone."""
-    glsl = (paths.ROOT / "glsl" / f"{name}.glsl").read_text(encoding="ascii").splitlines()
-    port = (godot.ADDON / f"{name}.gdshaderinc").read_text(encoding="ascii").splitlines()
-    steps = difflib.SequenceMatcher(None, glsl, port, autojunk=False).get_opcodes()
-    changes = [step for step in steps if step[0] != "equal"]
-    assert changes[0][0] == "insert" and len(port[changes[0][3] : changes[0][4]]) == 1
-    assert all(step[0] == "delete" for step in changes[1:])
-    if name == "bokeh_layers":
-        assert len(changes) == 1
-        return
-    section = next(i for i, line in enumerate(glsl) if line.startswith("// [2] porting"))
-    end = next(i for i, line in enumerate(glsl) if line.startswith("// [3] Listing 1"))
-    assert len(changes) > 1 and all(section < step[1] < step[2] < end for step in changes[1:])
-    heads = [set(re.findall(r"^\w+ (Bokeh\w+)\(", "\n".join(lines), re.MULTILINE)) for lines in (glsl, port)]
-    assert heads[0] - heads[1] == {"BokehSetViewport"} and heads[1] <= heads[0]
-
-
-def test_version():
-    """Of the add-on: the package's. Of Godot in the tables: the one that runs."""
-    plugin = (godot.ADDON / "plugin.cfg").read_text(encoding="ascii")
-    assert re.findall(r'^version="(.*)"$', plugin, re.MULTILINE) == [bokeh_validation.__version__]
-    table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
-    (shown,) = re.findall(r"^\| \[Godot.*?\| ([\d.]+), ", table, re.MULTILINE)
-    assert shown == f"{godot.VERSION[0]}.{godot.VERSION[1]}"
 
 
 def test_click_and_key(sample):
