@@ -7,7 +7,7 @@ from bokeh_validation import drivers
 
 # They take longest: begun first, so that nobody waits for one alone at the end.
 LONGEST = (
-    "engines", "drivers", "truth", "validate", "compile", "hostile", "exact", "figures", "layers", "fuzz", "patterns",
+    "engines", "drivers", "truth", "validate", "compile", "hostile", "exact", "pictures", "layers", "fuzz", "patterns",
     "render", "parity", "sweep", "bench", "precision", "browser", "pages", "mutants",
     "invariance", "installed",
 )  # fmt: skip

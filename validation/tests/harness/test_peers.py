@@ -5,8 +5,7 @@ import pytest
 from support import needed
 
 from bokeh_validation.frame.methods import Camera
-from bokeh_validation.probes.model import overlap
-from bokeh_validation.truth import peers, ray_traced
+from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import counted, crate, effects, measured
 from bokeh_validation.truth.peers.effects import EFFECTS
 
@@ -83,22 +82,13 @@ void main()
         counted.of_text(text.replace("i < N", "i < int(uv.x)"))
 
 
-def test_measures():
-    """A shape and itself, and moved by half of its width; the table's line; every effect has its parameters."""
-    square = np.pad(np.ones((8, 4)), ((0, 0), (2, 2)))
-    assert overlap(square, square) == 1.0
-    assert overlap(square, np.roll(square, 2, axis=1)) == pytest.approx(1 / 3)
-    row = measured.Drawn("market_7", "Babylon", {"fStop": 1.0}, 0.4, 20.0, 1.0, 23.2)
-    shape = {"Babylon": measured.Shape({"fStop": 2.0}, 0.5, 1.0)}
-    lines = peers.markdown([row], shape, {"@babylonjs/core": "9"})
-    assert lines[2] == "| Babylon.js DepthOfFieldEffect 9 | 23 | 0.50/1.00 | 0.4000/20.00/1.000 |"
-    used = peers.parameters([row], shape)
-    assert used == {"market_7": {"Babylon": {"fStop": 1.0}}, "one light": {"Babylon": {"fStop": 2.0}}}
-    assert set(effects.parameters()) == {scene.name for scene in ray_traced.SCENES} | {effects.ONE_LIGHT}
-    for place, chosen in effects.parameters().items():
-        assert set(chosen) == set(EFFECTS), place
-        for name, parameters in chosen.items():
-            assert {*EFFECTS[name].numbers, *EFFECTS[name].options} <= set(parameters), (place, name)
+def test_parameters_that_were_found():
+    """Every scene and the light have all of every effect's."""
+    chosen = effects.parameters()
+    assert set(chosen) == {scene.name for scene in ray_traced.SCENES} | {effects.ONE_LIGHT}
+    for place, of_effects in chosen.items():
+        for name, effect in EFFECTS.items():
+            assert {*effect.numbers, *effect.options} <= set(of_effects[name]), (place, name)
 
 
 def test_search():

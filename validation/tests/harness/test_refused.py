@@ -46,6 +46,7 @@ peers --scene x | --scene x; market_7
 peers --pictures /no/such/folder | --pictures /no/such/folder
 figures --driver d3d12 | --driver d3d12; osmesa
 figures --output /no/such/folder/x | /no/such/folder; Make it first
+gallery --output /no/such/folder/x | /no/such/folder
 figures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
 bench --rounds 0 | --rounds; 3

@@ -1,15 +1,14 @@
-"""The exact polygons and the adaptive line: the tiling, light, quality and noise."""
+"""The exact polygons and the adaptive line: light, quality and noise. Their tiling: test_character.py."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from support import LANGUAGES, in_each_language, load
-from support_cases import CAMERA, everything, float_result, noise_case, result, within
+from support_cases import CAMERA, float_result, noise_case, result
 
-from bokeh_validation import metrics, paths
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation import metrics
+from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import exact, shapes
 from bokeh_validation.probes.model import depth_of
@@ -18,38 +17,6 @@ from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
 
 EXACT = tuple(methods.EXACT)
-DOCUMENT = (paths.ROOT / "docs/apertures.md").read_text(encoding="utf-8")
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# the construction, without any device
-# ----------------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("squeeze", [1.0, 0.5])
-@pytest.mark.parametrize("rotation", [0.0, 0.3])
-@pytest.mark.parametrize("sides", [4, 6, 8, 10, 12, 16])
-def test_tiling(sides, rotation, squeeze):
-    """The parallelograms that the two passes make lie side by side and fill the polygon: random points, no raster."""
-    corners = apertures.even_polygon(sides, np.degrees(rotation)) * [squeeze, 1.0]
-    random = np.random.default_rng(sides)
-    x, y = random.uniform(-0.6, 0.6, (2, 20000))
-    held = np.zeros(x.shape, int)
-    areas, total = [], 0.0
-    for k in range(2, sides // 2 + 1):
-        second = segments.polygon_edge(k, sides, rotation, squeeze, True)
-        for i in range(1, k):
-            first = segments.polygon_edge(i, sides, rotation, squeeze, False)
-            middle = first.middle + second.middle
-            u, v = first.half, second.half
-            shape = np.array([middle + u + v, middle + u - v, middle - u - v, middle - u + v])
-            held += polygons.inside(shape, x, y)
-            areas.append(abs(polygons.signed_area(shape)) / segments.parallelogram(k, i, sides))
-            total += abs(polygons.signed_area(shape))
-    # every parallelogram has the share of the light that its area is of the whole
-    np.testing.assert_allclose(areas, areas[0], rtol=1e-12)
-    assert total == pytest.approx(abs(polygons.signed_area(corners)), rel=1e-12)
-    np.testing.assert_array_equal(held, polygons.inside(corners, x, y))
 
 
 def test_noise_has_no_bias():
@@ -90,35 +57,6 @@ def test_nearer_to_brute_force_than_paper(scene, better, aperture):
     cases = {method: ray_traced.scene_case(chosen, method, aperture) for method in ("paper", "exact")}
     found = {m: metrics.psnr(result(driver, one), shapes.brute_force(driver, one)) for m, one in cases.items()}
     assert found["exact"] - found["paper"] >= better[aperture == "octagon"], found
-    told = re.search(rf"^\| {scene} \| {aperture} \| ([\d.]+) dB \| ([\d.]+) dB \|", DOCUMENT, re.MULTILINE)
-    # a driver that rounds the stores differently is a few hundredths of a decibel away
-    assert [float(number) for number in told.groups()] == pytest.approx([found["paper"], found["exact"]], abs=0.15)
-
-
-@pytest.mark.parametrize(
-    ("method", "aperture"),
-    [("exact", "hexagon"), ("exact", "decagon"), ("paper", "hexagon"), ("paper", "star"), ("naive", "octagon")],
-)
-def test_table_of_shapes(method, aperture):
-    """docs/apertures.md says what `validation/run shapes` measures, to a step of its last digit and a half."""
-    (row,) = re.findall(rf"^\| {aperture} \| {method} \| (.*) \|$", DOCUMENT, re.MULTILINE)
-    told = [float(cell.removesuffix(" %")) for cell in row.split(" | ")]
-    found = shapes.shape(load("egl"), method, aperture)
-    assert told[:3] == [found.passes, found.targets, found.fetches]
-    assert told[3] == pytest.approx(found.light, abs=0.0015)
-    assert told[4:] == pytest.approx([100 * found.error, 100 * found.sum_off], abs=1.5)
-
-
-def test_in_focus_is_untouched(driver):
-    """With adaptive counts a pixel in focus comes out bit for bit as CoCMap stored it."""
-    for aperture in EXACT:
-        settings = Settings("exact", aperture, camera=CAMERA, coc=0.0, spacing=1.0, samples=5)
-        case = noise_case((61, 48), settings)
-        # the pixel is read through the linear filter: within what uv may be off
-        within(driver, case)
-        outputs = everything(driver, case)
-        if driver.software:
-            np.testing.assert_array_equal(outputs["result"][1:-1, 1:-1, 3], outputs["coc"][1:-1, 1:-1, 3])
 
 
 # ----------------------------------------------------------------------------------------------------------------------

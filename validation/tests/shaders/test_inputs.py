@@ -167,12 +167,13 @@ def test_planes_too_far_apart(kind, driver):
         methods.Camera(0.05, 0.05, 5.0, max_coc=0.0),
         methods.Camera(0.05, 0.05, 5.0, max_coc=1.0),
         methods.Camera(1e6, 1.0, 1.0000001, max_coc=1.0),
+        methods.Camera(1e-6, 1e-5, 1e-3, sensor_height=1e-6, max_coc=1.0),  # a scene a millimetre deep
     ],
     ids=str,
 )
 def test_camera_at_its_limits(camera, driver):
     """Every camera gives a CoC that is finite and within 0 .. MaxCoC, the one that the documents tell."""
-    depth = np.array([[0.05, 0.1, 1.0, 5.0, 100.0, 1e9, np.inf, 0.0, -1.0, np.nan]], np.float32)
+    depth = np.array([[1e-5, 5e-4, 0.05, 0.1, 1.0, 5.0, 100.0, 1e9, np.inf, 0.0, -1.0, np.nan]], np.float32)
     color = np.ones((1, depth.shape[1], 4), np.float16)
     item = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", camera.parameters())
     textures = {"color": color, "depth": depth}

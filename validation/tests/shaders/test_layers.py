@@ -10,13 +10,13 @@ import moments
 import numpy as np
 import pytest
 import sweep
-from support import LANGUAGES, in_each_language, load
-from support_cases import CAMERA, judged, noise_case, result
+from support import LANGUAGES, in_each_language
+from support_cases import CAMERA, noise_case, result
 
 from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
-from bokeh_validation.probes import PROBES, lights, model, near_edges, unchanged
+from bokeh_validation.probes import lights, model, near_edges, unchanged
 from bokeh_validation.probes.model import Case, depth_of, flat
 
 # No program of layers takes the number of samples: one number for all apertures, or each would be compiled again
@@ -51,42 +51,6 @@ def test_every_preset(preset, driver):
         around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
         kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / lights.LIGHT
         assert kept == pytest.approx(1.0, abs=0.01), coc
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# the probes notice what they are there for
-# ----------------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("probe", "changes"),
-    [
-        ("near-edge-hexagon", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}),
-        ("near-edge-hexagon", {"squeeze": 0.8}),
-        ("near-edge-octagon", {"aperture": "square"}),
-        ("near-branch", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.4)}),
-        ("layered-light-9", {"rotation": 30.0}),
-        ("layered-light-9", {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}),
-        ("silhouette-light", {"coc": 0.3}),
-        ("covered-light", {"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}),
-        ("layered-focus", {"coc": 0.2}),
-    ],
-    ids=str,
-)
-def test_probes_notice(probe, changes):
-    """Other settings than its own, and it fails."""
-    found = next(item for item in PROBES if item.name == probe)
-    assert not all(check.ok for check in judged(found, **changes))
-
-
-def test_sweep_notices_a_pop():
-    """A picture of the near layer where the gather's should still be: all the change of a sweep in one step."""
-    outputs = {
-        case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in unchanged.SWEEP.cases
-    }
-    outputs["CoC -9.25"] = outputs["CoC -9.75"]
-    outputs["CoC -9"] = outputs["CoC -8.25"]
-    assert not all(check.ok for check in unchanged.SWEEP.judge(outputs))
 
 
 # ----------------------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What the layers cost: time against the paper's hexagon, and texels fetched, counted on the device."""
+"""What the layers cost: texels fetched, counted on the device."""
 
 import re
 from dataclasses import replace
@@ -7,31 +7,15 @@ import numpy as np
 import pytest
 from support import load
 
-from bokeh_validation import bench, shaders
+from bokeh_validation import shaders
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import depth_of, flat
 from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 
-pytestmark = pytest.mark.alone
-
-DRIVERS = ("osmesa", "wgpu")
-# Time over that of `paper`, hexagon with 13 samples, on market_7 at its size; and fetches of a picture and of a pixel,
-# without the CoC map
-TIMED_SIZE = (960, 540)
-MOST_TIME = {"layered low": 1.3, "layered medium": 2.0}
 MOST_FETCHES = {"low": (55, 55), "medium": (90, 90)}
 # The same where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
 IN_FOCUS = 0.35 * 2 * 39
-
-
-@pytest.mark.parametrize("name", DRIVERS)
-def test_time(name):
-    """Medians of rounds in which all are drawn, in CPU time."""
-    wanted = [row for row in bench.in_depth(TIMED_SIZE) if row.key in ("paper hexagon", *MOST_TIME)]
-    _, measured = bench.measured(load(name), wanted, TIMED_SIZE, 5)
-    ratios = {row["key"]: row["ratios"]["against"] for row in measured if row["key"] in MOST_TIME}
-    assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
 
 
 def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:

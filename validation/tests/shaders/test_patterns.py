@@ -1,14 +1,16 @@
 """Every probe in one of the languages, and that probes notice what they are there for."""
 
+from dataclasses import replace
 from itertools import cycle
 
+import numpy as np
 import pytest
-from support import LANGUAGES
-from support_cases import judged
+from support import LANGUAGES, load
+from support_cases import judged, result
 
 from bokeh_validation import probes as patterns
 from bokeh_validation.frame import methods
-from bokeh_validation.probes import impulse, model
+from bokeh_validation.probes import cats_eye, chromatic, impulse, model, near_edges, unchanged
 from bokeh_validation.reference import precision
 
 PROBES = {probe.name: probe for probe in patterns.QUICK_PROBES}
@@ -32,21 +34,43 @@ def test_impulse_probe_notices_a_wrong_shape(aperture):
     assert all(c.ok for c in judged(probe, rotation=0.0)[:4])
 
 
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        ("leakage", {"leak_fix": False}),
-        ("leakage", {"leak_fix": True}),
-        ("silhouette", {"coc": 0.1}),
-        ("coc-blur", {"blur_coc": True}),
-        ("coc-blur", {"blur_coc": False}),
-        ("coc", {"coc": 0.1}),
-    ],
-)
-def test_scene_probes_notice(name, changes):
-    """A switch that does nothing, and a CoC that does not follow depth."""
-    probe = next(p for p in patterns.PROBES if p.name == name)
-    assert not all(check.ok for check in judged(probe, **changes))
+# Probe -> settings other than its own, each of which it must notice
+NOTICED = {
+    # a switch that does nothing, and a CoC that does not follow depth
+    "leakage": [{"leak_fix": False}, {"leak_fix": True}],
+    "silhouette": [{"coc": 0.1}],
+    "coc-blur": [{"blur_coc": True}, {"blur_coc": False}],
+    "coc": [{"coc": 0.1}],
+    "near-edge-hexagon": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}, {"squeeze": 0.8}],
+    "near-edge-octagon": [{"aperture": "square"}],
+    "near-branch": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.4)}],
+    "layered-light-9": [{"rotation": 30.0}, {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}],
+    "silhouette-light": [{"coc": 0.3}],
+    "covered-light": [{"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}],
+    "layered-focus": [{"coc": 0.2}],
+    # no cut, half of one, and a CoC that is too small; no colour, too little, and red for blue
+    cats_eye.PROBES[0].name: [{"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15}],
+    chromatic.PROBES[0].name: [{"lateral": 0.0}, {"lateral": 0.03}],
+    chromatic.PROBES[1].name: [{"axial": (0.0, 0.0)}, {"axial": (0.01, -0.01)}],
+}
+
+
+@pytest.mark.parametrize("name", NOTICED)
+def test_probes_notice(name):
+    """Other settings than its own, and it fails."""
+    probe = next(probe for probe in patterns.PROBES if probe.name == name)
+    for changes in NOTICED[name]:
+        assert not all(check.ok for check in judged(probe, **changes)), changes
+
+
+def test_sweep_notices_a_pop():
+    """A picture of the near layer where the gather's should still be: all the change of a sweep in one step."""
+    outputs = {
+        case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in unchanged.SWEEP.cases
+    }
+    outputs["CoC -9.25"] = outputs["CoC -9.75"]
+    outputs["CoC -9"] = outputs["CoC -8.25"]
+    assert not all(check.ok for check in unchanged.SWEEP.judge(outputs))
 
 
 def test_reference_is_kept_by_content():

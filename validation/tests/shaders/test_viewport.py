@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from support import in_each_language, spread
 from support_cases import noise_case
-from support_targets import framed, inside, poisoned
 
 from bokeh_validation import metrics
 from bokeh_validation.drivers import base
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes.model import Case, depth_of, flat
+from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.passes import Pass, target_area
@@ -35,14 +34,38 @@ SETTINGS = {
     "naive": Settings("naive", "hexagon", 7, camera=CAMERA),
     "naive grid": Settings("naive-grid", "square", 5, camera=CAMERA),
     "constant CoC": Settings("exact", "square", coc=0.4, camera=replace(CAMERA, max_coc=0.5)),
+    "lateral colour": Settings("exact", "hexagon", camera=CAMERA, lateral=0.02),
     "layered": LAYERED,
 }
+
+
+Area = tuple[int, int, int, int]
+
+
+def inside(pixels: np.ndarray, area: Area) -> np.ndarray:
+    """The part of (H, W, ...) pixels that a rectangle (x, y, width, height) is, a view."""
+    x, y, width, height = area
+    return pixels[y : y + height, x : x + width]
+
+
+def framed(part: np.ndarray, size: tuple[int, int], area: Area, around: float = np.nan) -> np.ndarray:
+    """An image at its place in a texture of NaN, or of another value."""
+    whole = np.full((size[1], size[0], *part.shape[2:]), around, part.dtype)
+    inside(whole, area)[:] = part
+    return whole
+
+
+def poisoned(plan: methods.Plan) -> list[Pass]:
+    """Its passes, after debug views of "nan", a texture of NaN, into every target, each at its scale."""
+    inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
+    scales = {name: item.scale for item in plan.passes for name in item.outputs}
+    return [*(Pass("BokehDebug", inputs, name, scale=scale) for name, scale in scales.items()), *plan.passes]
 
 
 def checked(driver, settings: Settings, size: tuple[int, int], viewport) -> np.ndarray:
     """The result (H, W, 4). Fails where a target is outside of the reference's interval in its part, or touched around.
 
-    layered and the cat's eye are compared pass by pass, each with what the device had in its inputs. The interval is
+    layered and the character are compared pass by pass, each with what the device had in its inputs. The interval is
     that of the formulas on the image alone, wider by the slope times 1/128 texel, by which fetches keep away from the
     surroundings.
     """
@@ -51,7 +74,7 @@ def checked(driver, settings: Settings, size: tuple[int, int], viewport) -> np.n
     nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
     textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
     textures |= plan.tables
-    by_pass = settings.method == "layered" or settings.cats_eye > 0.0
+    by_pass = settings.method == "layered" or settings.cats_eye > 0.0 or settings.lateral > 0.0
     scales = {name: item.scale for item in plan.passes for name in item.outputs if by_pass or name == plan.result}
     outputs = driver.run(poisoned(plan), textures | {"nan": nothing}, size, keep=scales)
     given = outputs if by_pass else None
@@ -92,37 +115,6 @@ def test_places_of_layered(viewport, driver):
     """The whole texture, a corner, and each polygon."""
     aperture = VIEWPORTS[viewport]
     checked(driver, replace(LAYERED, aperture=aperture, targets=aperture != "octagon"), SIZE, viewport)
-
-
-@pytest.mark.parametrize("metres", [0.9, 30.0], ids=["near", "far"])
-@in_each_language
-def test_layers_of_a_viewport(metres, driver):
-    """In the middle of a large texture, the image is what it would be alone; 11 pixels near and 16 far.
-
-    Black but for a light whose blur ends before the edges. Places are off by float32 roundings, 8 of 2^-24 of the
-    width, and a GPU's step of 2^-8 texel; the light's own slope is the steepest. Four passes store, with a step each.
-    """
-    viewport = (24, 16, 48, 40)
-    color, depth = flat(viewport[2:]), depth_of(viewport[2:], metres)
-    color[18:22, 22:26, :3] = 40.0
-    case = Case("", replace(LAYERED, rotation=0.0, camera=methods.Camera(0.3, 0.05, 1.5, max_coc=0.5)), color, depth)
-    alone = driver.run(case.plan.passes, case.textures(), case.size)["result"].astype(float)[..., :3]
-    assert alone.max() < 0.5 * color.max()
-    plan = methods.in_viewport(case.plan, viewport, SIZE)
-    textures = {"color": framed(color, SIZE, viewport), "depth": framed(depth, SIZE, viewport)}
-    output = inside(driver.run(plan.passes, textures, SIZE)["result"], viewport).astype(float)[..., :3]
-    place = SIZE[0] * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8)
-    assert np.abs(output - alone).max() <= 4 * (place + 2.0**-10) * 40.0
-
-
-@in_each_language
-def test_lateral_color(driver):
-    """The middle is that of the image, and nothing around it is read: framed() puts NaN there."""
-    image = noise_case(VIEWPORT[2:], Settings("exact", "hexagon", camera=CAMERA, lateral=0.02))
-    found = in_part(driver, image.plan, {"color": image.color, "depth": image.depth})
-    wanted = Reference().run(image.plan.passes, image.textures(), image.size)["result"]
-    assert np.isfinite(found).all()
-    assert np.mean(metrics.steps(found, wanted.astype(np.float64)) > metrics.FAR_STEPS) < 0.02
 
 
 # Size of the textures, and where the image is in them

@@ -1,0 +1,74 @@
+"""The pictures of README and docs/reproduction.md: those that their commands draw, small, and all of them shown."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from support import called
+
+from bokeh_validation import figures, paths
+from bokeh_validation.truth import gallery
+
+README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
+# Of 255, on average: single pixels at comparisons and last digits are what drivers differ by
+MAX_DIFFERENCE = 0.5
+
+
+def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
+    """A command drew these pictures, and they are those that are kept."""
+    assert {path.name for path in drawn.iterdir()} == names
+    for name in names:
+        pixels, wanted = (np.asarray(Image.open(folder / name)).astype(int) for folder in (drawn, kept))
+        assert pixels.shape == wanted.shape and np.abs(pixels - wanted).mean() < MAX_DIFFERENCE, name
+
+
+def test_gallery(tmp_path):
+    done = called("gallery", "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert_kept(tmp_path, paths.ROOT / "docs/images", {f"{name}.png" for name in gallery.PICTURES})
+
+
+def test_pictures_are_those_of_the_document(tmp_path):
+    """As they are kept, but for what drivers differ by. Those of Figure 1 need a download, which may fail."""
+    done = called("figures", "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    names = {f"figure_{name}.png" for name in ("07", "09", "11", "11_own", "11_wide", "12", "13")}
+    if "not drawn, photographs" not in done.stdout:
+        names |= {f"figure_01_{letter}.png" for letter in figures.VIEWS}
+    assert_kept(tmp_path, paths.ROOT / "docs/reproduction", names)
+
+
+def test_pictures_of_the_readme():
+    """Each below 700 kB, with a command under it that the program has; the gallery's are all shown."""
+    shown = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
+    assert {f"docs/images/{name}.png" for name in gallery.PICTURES} - set(shown) == {"docs/images/character_color.png"}
+    assert "](images/character_color.png)" in (paths.ROOT / "docs/character.md").read_text(encoding="utf-8")
+    for picture in shown:
+        assert (paths.ROOT / picture).stat().st_size < 700_000, picture
+        after = README.split(f"]({picture})", 1)[1].strip()
+        assert re.match(r"(?:!\[[^\]]*\]\([^)]+\)\s*)*\*[^*]*`validation/run \w+", after), picture
+
+
+def test_without_npm(tmp_path, monkeypatch):
+    """The other figures are drawn; a line says what is missing for the photographs."""
+    monkeypatch.setattr(figures, "FIGURES", (figures.photographs, figures.two_under_max))
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = called("figures", "--output", tmp_path)
+    assert done.returncode == 0 and "not drawn, photographs: npm is not on this machine" in done.stdout
+    assert [path.name for path in tmp_path.glob("*.png")] == ["figure_13.png"]
+
+
+def test_perspective_looks_where_it_says():
+    """A bright spot in the panorama is in the middle of a view at it; the view's right is the panorama's right."""
+    panorama, (yaw, pitch) = np.zeros((256, 512, 3)), (40.0, 25.0)
+    row, column = round((0.5 - pitch / 180) * 256), round((0.5 + yaw / 360) * 512)
+    panorama[row - 2 : row + 3, column - 2 : column + 3] = 1.0
+    seen = figures.perspective(panorama, figures.View("spot", "hexagon", yaw, pitch, 60.0), (200, 150))[..., 0]
+    y, x = np.mgrid[0:150, 0:200]
+    assert abs((seen * x).sum() / seen.sum() - 99.5) < 3 and abs((seen * y).sum() / seen.sum() - 74.5) < 3
+    ramp = np.linspace(0, 1, 512)[None, :, None] + np.linspace(0, 8, 256)[:, None, None]
+    seen = figures.perspective(ramp, figures.View("ramp", "hexagon", 0.0, 0.0, 60.0), (200, 150))[..., 0]
+    assert seen[75, 150] > seen[75, 50] and seen[120, 100] > seen[30, 100]
