@@ -10,11 +10,6 @@ from bokeh_validation import paths
 from bokeh_validation.frame import methods
 
 
-def library(language: str) -> str:
-    """The library's text."""
-    return paths.library(language).read_text(encoding="ascii")
-
-
 def prose(document: Path) -> str:
     """A document without its code."""
     return re.sub(r"^ *```.*?^ *```", "", document.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
@@ -52,16 +47,6 @@ def test_costs_of_the_readme():
             fetches, *times = re.search(row, page, re.MULTILINE).groups()
             wanted += [fetches, *(f"{time} ms" for time in times)]
         assert cells.split(" | ") == wanted, name
-
-
-def test_paper_names_exist():
-    """Every function and struct that docs/paper.md names is in all three libraries."""
-    text = (paths.ROOT / "docs/paper.md").read_text(encoding="utf-8")
-    names = set(re.findall(r"`(Bokeh[A-Z]\w+)`", text))
-    assert names
-    for language in paths.LANGUAGES:
-        for name in names:
-            assert re.search(rf"\b{name}\(|\bstruct {name}\b", library(language)), f"{name} in {language}"
 
 
 def test_pitfalls_name_tests():

@@ -59,16 +59,3 @@ def test_without_npm(tmp_path, monkeypatch):
     done = called("figures", "--output", tmp_path)
     assert done.returncode == 0 and "not drawn, photographs: npm is not on this machine" in done.stdout
     assert [path.name for path in tmp_path.glob("*.png")] == ["figure_13.png"]
-
-
-def test_perspective_looks_where_it_says():
-    """A bright spot in the panorama is in the middle of a view at it; the view's right is the panorama's right."""
-    panorama, (yaw, pitch) = np.zeros((256, 512, 3)), (40.0, 25.0)
-    row, column = round((0.5 - pitch / 180) * 256), round((0.5 + yaw / 360) * 512)
-    panorama[row - 2 : row + 3, column - 2 : column + 3] = 1.0
-    seen = figures.perspective(panorama, figures.View("spot", "hexagon", yaw, pitch, 60.0), (200, 150))[..., 0]
-    y, x = np.mgrid[0:150, 0:200]
-    assert abs((seen * x).sum() / seen.sum() - 99.5) < 3 and abs((seen * y).sum() / seen.sum() - 74.5) < 3
-    ramp = np.linspace(0, 1, 512)[None, :, None] + np.linspace(0, 8, 256)[:, None, None]
-    seen = figures.perspective(ramp, figures.View("ramp", "hexagon", 0.0, 0.0, 60.0), (200, 150))[..., 0]
-    assert seen[75, 150] > seen[75, 50] and seen[120, 100] > seen[30, 100]

@@ -147,6 +147,3 @@ def test_crate(request, tmp_path):
                 raise
         pytest.skip(str(error))
     assert {path.removeprefix(f"{folder.name}/") for path in files} <= set(listed)
-
-
-# ---- Unity and Unreal Engine ----

@@ -6,7 +6,7 @@ from support import needed
 
 from bokeh_validation.frame.methods import Camera
 from bokeh_validation.truth import ray_traced
-from bokeh_validation.truth.peers import counted, crate, effects, measured
+from bokeh_validation.truth.peers import counted, crate, effects
 from bokeh_validation.truth.peers.effects import EFFECTS
 
 CAMERA = Camera(0.1, 0.05, 2.0, 0.024, 0.15)
@@ -63,25 +63,6 @@ def test_light_of_the_lens(page, name):
     assert drawn.sum() == pytest.approx(1000.0, rel=0.01)
 
 
-def test_fetches_of_a_text():
-    """Loops as often as they turn, the larger branch, functions where they are called."""
-    text = """#version 300 es
-precision highp float; uniform sampler2D a; in vec2 uv; out vec4 color;
-#define N 4
-vec4 twice(vec2 p) { return texture(a, p) + textureLod(a, p, 0.0); }
-void main()
-{
-    color = vec4(0.0);
-    for (int i = 0; i < N; i++) { for (int j = 1; j <= 3; ++j) color += twice(uv); }
-    if (texture(a, uv).r > 0.5) color += twice(uv); else if (uv.x > 0.0) color += texture(a, uv);
-}
-"""
-    draws = [{"text": text, "share": 0.25}, {"text": text + "// peerLight", "share": 1}]
-    assert counted.fetches(draws) == (4 * 3 * 2 + 1 + 2) / 4
-    with pytest.raises(ValueError, match="not counted"):
-        counted.of_text(text.replace("i < N", "i < int(uv.x)"))
-
-
 def test_parameters_that_were_found():
     """Every scene and the light have all of every effect's."""
     chosen = effects.parameters()
@@ -89,14 +70,3 @@ def test_parameters_that_were_found():
     for place, of_effects in chosen.items():
         for name, effect in EFFECTS.items():
             assert {*effect.numbers, *effect.options} <= set(of_effects[name]), (place, name)
-
-
-def test_search():
-    """Ends where no step makes it better, other options tried, the rest as it was."""
-    effect = effects.Effect("", "", ("a", "b"), {"c": (1, 2)})
-
-    def error(parameters):
-        return abs(np.log(parameters["a"] / 30)) + abs(np.log(parameters["b"] / 0.5)) + (parameters["c"] != 2)
-
-    best = measured.search(effect, {"a": 1.0, "b": 1.0, "c": 1, "d": 7.0}, error)
-    assert best["c"] == 2 and best["d"] == 7.0 and error(best) < 2 * abs(np.log(measured.STEPS[-1])) / 2

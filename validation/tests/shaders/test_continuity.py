@@ -16,7 +16,6 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
-from bokeh_validation.truth import ray_traced
 
 WIDE = methods.Camera(max_coc=1.0)
 SIZE = (72, 64)
@@ -65,38 +64,18 @@ def worst(driver: Driver, case: Case, frames: Iterable[methods.Settings]) -> lis
 def test_coc_sweep(driver, method):
     """CoC 0 to 0.2 of the height in steps of 1/8 pixel, every pass: no pixel changes by more than its samples' moves.
 
-    The same in steps of 1/64 pixel where samples are added most often, up to 3 pixels: the bound is eight times
-    smaller there, a step in the image would not be.
+    The same in steps of 1/64 pixel where the blur begins and samples are added: the bound is eight times smaller there,
+    a step in the image would not be.
     """
     base = METHODS[method]
     case = picture(base)
-    sweeps = [np.arange(0.0, 0.2 * SIZE[1], COARSE), np.arange(0.45, 3.0, FINE)]
-    if driver != "egl":
-        # where a second sample is added, on a line of a pixel
-        sweeps = [np.arange(0.95, 1.1, FINE), np.arange(1.95, 2.1, FINE)]
+    # where the blur begins, and where a second sample is added, on a line of a pixel
+    sweeps = [np.arange(0.45, 1.1, FINE), np.arange(1.95, 2.1, FINE)]
+    if driver == "egl":
+        sweeps.append(np.arange(0.0, 0.2 * SIZE[1], COARSE))
     for pixels in sweeps:
         shares = worst(load(driver), case, (replace(base, coc=float(c) / SIZE[1]) for c in pixels))
         assert max(shares) <= 1.0, (pixels[int(np.argmax(shares))], max(shares))
-
-
-def scene_crop(settings: methods.Settings) -> Case:
-    """A piece of a ray-traced scene with near and far objects."""
-    scene = ray_traced.scene_case(ray_traced.STREET, "paper", "hexagon")
-    return Case("", settings, scene.color[200:272, 280:376].copy(), scene.depth[200:272, 280:376].copy())
-
-
-FOCUS = np.linspace(2.0, 30.0, 71)  # metres, 0.4 a frame
-
-
-@pytest.mark.parametrize("method", ["paper, spacing 1", "exact, spacing 1", "exact, 7 samples"])
-def test_rack_focus(method):
-    """Focus pulled through a scene, the CoC from depth: the same bound in every pass, the leakage test off."""
-    camera = methods.Camera(0.05, 0.05, 5.0, max_coc=0.15)
-    base = replace(METHODS[method], camera=camera, leak_fix=False)
-    case = scene_crop(base)
-    settings = (replace(base, camera=replace(camera, focus_distance=float(s))) for s in FOCUS)
-    shares = worst(load("egl"), case, settings)
-    assert max(shares) <= 1.0, (FOCUS[int(np.argmax(shares))], max(shares))
 
 
 def planes(settings: methods.Settings) -> Case:

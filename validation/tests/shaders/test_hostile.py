@@ -181,19 +181,6 @@ def test_sample_counts(method, count, driver):
     assert_right(driver, littered((9, 7), settings, 0.1))
 
 
-@pytest.mark.parametrize("size", [(1, 2048), (2048, 1), (1, 1), (3, 2)], ids=str)
-@pytest.mark.parametrize("method", ["paper", "exact", "naive-grid", "exact adaptive", "layered"])
-@in_each_language
-def test_thin_images(method, size, driver):
-    """One column, one row, one pixel; a CoC of 0.02 is 41 texels high in the first.
-
-    uv is off by 2048 * 8 * 2^-24 texels, 1/1024. Beside a clipped highlight of 65504 that is 64, so that the interval
-    is wide there; between the others it is narrow.
-    """
-    camera = replace(CAMERA, max_coc=0.02)
-    assert_right(driver, littered(size, replace(METHODS[method], camera=camera), 0.05))
-
-
 @pytest.mark.parametrize("aperture", ["octagon", "decagon"])
 def test_clipped_highlights_do_not_overflow(aperture, driver):
     """Targets one by one from the two largest half floats, 65504 and 65472: a sum of three is not above the largest.

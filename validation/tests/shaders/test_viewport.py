@@ -8,12 +8,10 @@ from support import in_each_language, spread
 from support_cases import noise_case
 
 from bokeh_validation import metrics
-from bokeh_validation.drivers import base
-from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes.model import flat
-from bokeh_validation.reference import images, listings
+from bokeh_validation.reference import images
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.passes import Pass, target_area
 
@@ -138,11 +136,26 @@ def test_places_and_sizes(place, driver):
     assert (part[..., :3] >= 0).all() and (np.abs(part[..., 3]) <= 1.0).all()
 
 
-def in_part(driver, plan: methods.Plan, textures: dict[str, np.ndarray]) -> np.ndarray:
-    """A plan's result where the image is the VIEWPORT of textures of NaN, float64."""
-    plan = methods.in_viewport(plan, VIEWPORT, SIZE)
+def test_debug_views_and_linear_depth(driver):
+    """Of the part alone, as those of an image that is the whole texture; depth is read texel by texel."""
+    image = noise_case(VIEWPORT[2:], Settings())
+    textures = {"color": image.color, "depth": image.depth}
     whole = {name: framed(pixels, SIZE, VIEWPORT) for name, pixels in textures.items()}
-    return inside(driver.run(plan.passes, whole, SIZE)["result"], VIEWPORT).astype(np.float64)
+    parameters = {**CAMERA.parameters(), "BokehDepthKind": 7.0, "BokehFar": 20.0}
+    coc = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
+    view = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
+    views = [(coc, replace(view, parameters={**parameters, "BokehDebugMode": float(mode)})) for mode in range(4)]
+    linear = (Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "result", parameters),)
+    for passes in (linear, *views):
+        alone = driver.run(passes, textures, VIEWPORT[2:])["result"][..., :3].astype(float)
+        plan = methods.in_viewport(methods.Plan(passes, {}), VIEWPORT, SIZE)
+        output = driver.run(plan.passes, whole, SIZE)["result"]
+        assert not output[: VIEWPORT[1]].any(), "a new target holds 0 around the viewport"
+        # colour is read by a linear filter, off by the inset at most: 1/128 of the step to the next texel in x and y;
+        # and both are stored
+        step = 0.0 if passes in (linear, views[1]) else 2 * alone.max() / 128
+        off = np.abs(inside(output, VIEWPORT)[..., :3].astype(float) - alone)
+        assert (off <= step + 2 * images.step(np.abs(alone), np.float16)).all()
 
 
 def test_a_column(driver):
@@ -158,37 +171,6 @@ def test_a_column(driver):
     output = driver.run(plan.passes, {"color": color, "depth": np.ones((8, 8), np.float32)}, size)["result"]
     off = np.abs(inside(output, viewport)[..., :3].astype(float) - 1.0)
     assert off.max() <= 2 * (8 * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8) + 2.0**-11)
-
-
-def test_linear_depth(driver):
-    """`BokehLinearDepth` reads the rectangle of the engine's depth buffer, texel by texel."""
-    metres = np.geomspace(0.5, 90.0, VIEWPORT[2] * VIEWPORT[3]).reshape(VIEWPORT[3], VIEWPORT[2])
-    stored = listings.stored_depth(metres, 5, 0.1, 100.0).astype(np.float32)
-    parameters = {"BokehDepthKind": 5.0, "BokehNear": 0.1, "BokehFar": 100.0}
-    plan = methods.Plan((Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "result", parameters),), {})
-    plan = methods.in_viewport(plan, VIEWPORT, SIZE)
-    output = driver.run(plan.passes, {"depth": framed(stored, SIZE, VIEWPORT)}, SIZE, "float")["result"]
-    # the nearest number of 24 bits, times far, and two operations
-    np.testing.assert_allclose(inside(output, VIEWPORT)[..., 0], metres, rtol=4 * 2.0**-24, atol=2.0**-23 * 100.0)
-    assert not output[: VIEWPORT[1]].any(), "a new target holds 0 around the viewport"
-
-
-def test_debug_views(driver):
-    """Of the part alone, as those of an image that is the whole texture."""
-    image = noise_case(VIEWPORT[2:], Settings())
-    textures = {"color": image.color, "depth": image.depth}
-    for mode in range(4):
-        parameters = {**CAMERA.parameters(), "BokehDebugMode": float(mode)}
-        passes = (
-            Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters),
-            Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters),
-        )
-        alone = driver.run(passes, textures, VIEWPORT[2:])["result"][..., :3].astype(float)
-        output = in_part(driver, methods.Plan(passes, {}), textures)[..., :3]
-        # all but depth is read by a linear filter, off by the inset at most: 1/128 of the step to the next texel in x
-        # and y; and both are stored
-        step = 0.0 if mode == 1 else 2 * alone.max() / 128
-        assert (np.abs(output - alone) <= step + 2 * images.step(np.abs(alone), np.float16)).all()
 
 
 # Parameter -> what it may be by mistake or before a frame has set it
@@ -217,14 +199,6 @@ def test_parameters_out_of_range(name, driver):
 # ----------------------------------------------------------------------------------------------------------------------
 # what every driver refuses
 # ----------------------------------------------------------------------------------------------------------------------
-
-
-def test_more_bytes_a_pixel_than_the_device_writes():
-    """Four half-float targets are what every device of WebGPU has; four of 32 bits are not."""
-    passes = methods.plan(Settings("exact", "decagon"), (8, 8)).passes
-    base.require_targets(Reference(), passes, "half", 32)
-    with pytest.raises(Unavailable, match="writes 32 bytes a pixel at once; BokehDecagonFirst needs 64"):
-        base.require_targets(Reference(), passes, "float", 32)
 
 
 @pytest.mark.parametrize(
