@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame import apertures, methods
 from bokeh_validation.reference import segments
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
@@ -75,16 +75,9 @@ def midpoints(cells: float) -> float:
 def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
     """Spread of one bright pixel at `settings.coc`, without jitter.
 
-    `exact`, `naive` and the paper's parallelograms: all of it. The paper's hexagon with a fixed, odd number of samples:
-    the reach, with NaN for the moments; its corners are samples of both parallelograms then.
+    `exact`, `naive` and the paper's parallelograms, which have closed forms.
     """
     pixels = settings.coc * size[1]
-    if settings.method == "paper" and len(apertures.PARALLELOGRAMS[settings.aperture]) > 1:
-        assert settings.aperture == "hexagon" and settings.spacing <= 0.0 and settings.count % 2, "no closed form"
-        shapes = [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS["hexagon"]]
-        corners = polygons.clip_convex(*shapes) * [settings.squeeze, 1.0] * pixels
-        reach = np.array([-corners.min(axis=0), corners.max(axis=0)])
-        return Spread(np.full(2, np.nan), np.full((2, 2), np.nan), reach)
     paths = _paths(settings, pixels)
     shares = np.array([share for share, _ in paths]) / sum(share for share, _ in paths)
     means = np.array([-sum(item.mean for item in filters) for _, filters in paths])

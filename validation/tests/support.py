@@ -11,6 +11,7 @@ from unittest.mock import patch
 import pytest
 
 from bokeh_validation import cli, drivers
+from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
 
@@ -76,6 +77,12 @@ def compiled(step: Callable[[], CompileResult]) -> CompileResult:
     """Result of a compiler, if it is here."""
     with needed("compiler"):
         return step()
+
+
+def disassembled(module: bytes) -> str:
+    """The text of a SPIR-V module."""
+    disassembler = tool.Tool("spirv-dis", "spirv-tools", "--version", "^(.*)")
+    return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).output
 
 
 def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:

@@ -9,9 +9,7 @@ from support import LANGUAGES, load
 from support_cases import judged, result
 
 from bokeh_validation import probes as patterns
-from bokeh_validation.frame import methods
-from bokeh_validation.probes import cats_eye, chromatic, impulse, model, near_edges, unchanged
-from bokeh_validation.reference import precision
+from bokeh_validation.probes import cats_eye, chromatic, impulse, near_edges, unchanged
 
 PROBES = {probe.name: probe for probe in patterns.QUICK_PROBES}
 
@@ -71,11 +69,3 @@ def test_sweep_notices_a_pop():
     outputs["CoC -9.25"] = outputs["CoC -9.75"]
     outputs["CoC -9"] = outputs["CoC -8.25"]
     assert not all(check.ok for check in unchanged.SWEEP.judge(outputs))
-
-
-def test_reference_is_kept_by_content():
-    """Images of another size or content must not share a kept reference, even where one is freed for the next."""
-    for width in (3, 5, 3, 8):
-        case = model.Case("", methods.Settings(coc=0.1), model.flat((width, 2), 1.0), model.depth_of((width, 2), 1.0))
-        assert model.expected(case, precision.SOFTWARE, "zero")["result"].size == (width, 2)
-        del case
