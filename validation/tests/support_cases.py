@@ -12,7 +12,6 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.probes import model
 from bokeh_validation.probes.model import Case
-from bokeh_validation.reference import precision
 from bokeh_validation.shaders.passes import Pass
 
 CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
@@ -32,11 +31,6 @@ def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1)
         color[..., channel] = patches(random.lognormal(0.0, 1.0, coarse)) + 0.1 * random.random((height, width))
     depth = patches(random.uniform(1.0, 30.0, coarse)).astype(np.float32)
     return Case(f"noise {size}", settings, color, depth)
-
-
-def kind(driver: drivers.Driver) -> precision.Precision:
-    """What the driver's samplers may be off by."""
-    return driver.precision
 
 
 def result(driver: drivers.Driver, case: Case, storage: str = "half") -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support import LANGUAGES, load
-from support_cases import CAMERA, kind, noise_case, result, within
+from support_cases import CAMERA, noise_case, within
 
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, methods
@@ -44,18 +44,6 @@ def test_scenes(scene, method, aperture, all_drivers):
         assert distance[~undecided].max() <= 2 * metrics.FAR_STEPS, driver.name
 
 
-def test_float_targets(driver):
-    """32-bit targets: within the interval, and a thousand times closer than half floats could be."""
-    case = noise_case((64, 48), Settings("paper", "hexagon", camera=CAMERA))
-    output = result(driver, case, "float")
-    assert output.dtype == np.float32
-    wanted = Reference().images(case.plan.passes, case.textures(), case.size, "float", kind(driver))["result"]
-    off = np.abs(output - wanted.value)
-    assert (off <= wanted.error).all()
-    if driver.software:
-        assert np.median(off / np.maximum(wanted.value, 1e-3)) < 1e-6
-
-
 def exact_case(aperture: str) -> Case:
     """Exact polygons: the second pass of the plan writes two to four targets, the third reads them all."""
     # powers of two: uv is exact in float32, and so is the CoC, which these passes copy
@@ -69,7 +57,7 @@ def test_several_targets(aperture, storage, driver):
     case = exact_case(aperture)
     passes, names = case.plan.passes, case.plan.passes[1].outputs
     output = driver.run(passes, case.textures(), case.size, storage, keep=(*reversed(names), "result"))
-    wanted = Reference().images(passes, case.textures(), case.size, storage, kind(driver), driver.rounding)
+    wanted = Reference().images(passes, case.textures(), case.size, storage, driver.precision, driver.rounding)
     for name in (*names, "result"):
         comparison = metrics.compare(output[name], wanted[name], driver.software)
         assert comparison.outside == 0, (name, comparison)

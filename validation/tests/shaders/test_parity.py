@@ -151,18 +151,6 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
         assert parity.check({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
 
 
-def test_a_difference_says_where():
-    """The function, and the whole statement in each language with its line."""
-    change = "BokehFetchGrid(SumsSamp, SumsSampSampler, [[place=>origin]], halves)"
-    texts = mutated("layers", "wgsl", change)
-    found = parity.check(texts)
-    assert [difference.where for difference in found] == ["BokehLayerKernels"] * 2
-    line = texts["wgsl/bokeh_layers.wgsl"].partition("origin, halves")[0].count("\n") + 1
-    text = "sums += BokehFetchGrid(SumsSamp, SumsSampSampler, origin, halves);"
-    assert f"wgsl/bokeh_layers.wgsl:{line}  {text}" in str(found[0])
-    assert re.search(r"glsl/bokeh_layers.glsl:\d+  sums \+= BokehFetchGrid\(SumsSamp, place, halves\);", str(found[1]))
-
-
 @pytest.mark.parametrize("language", paths.LANGUAGES)
 def test_line_breaks_and_spaces_do_not_matter(language):
     change = "BokehSafeChannel([[color.r), BokehSafeChannel(color.g=> color.r ),\n        BokehSafeChannel(color.g]]),"
