@@ -10,7 +10,7 @@ import moments
 import numpy as np
 import pytest
 import sweep
-from support import LANGUAGES, in_each_language
+from support import LANGUAGES, in_each_language, load
 from support_cases import CAMERA, noise_case, result
 
 from bokeh_validation import metrics, shaders
