@@ -8,7 +8,7 @@ from bokeh_validation import drivers
 # They take longest: begun first, so that nobody waits for one alone at the end.
 LONGEST = (
     "engines", "drivers", "truth", "validate", "compile", "hostile", "exact", "pictures", "layers", "fuzz", "patterns",
-    "render", "parity", "sweep", "bench", "precision", "browser", "pages", "mutants",
+    "render", "parity", "bench", "browser", "pages", "mutants",
     "invariance", "installed",
 )  # fmt: skip
 

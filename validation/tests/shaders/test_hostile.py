@@ -115,7 +115,8 @@ def farthest(settings: Settings, coc: float) -> int:
     return int(8 * tiles + coc + 8)
 
 
-@spread("method", METHODS, EVERYWHERE)
+@pytest.mark.parametrize("method", METHODS)
+@in_each_language
 def test_damage_is_confined(method, driver):
     """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes reach.
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support import in_each_language
 
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import flat
@@ -158,6 +159,7 @@ def test_bad_depth_of_every_convention(kind, driver):
     ],
     ids=str,
 )
+@in_each_language
 def test_camera_at_its_limits(camera, driver):
     """Every camera gives a CoC that is finite and within 0 .. MaxCoC, the one that the documents tell."""
     depth = np.array([[1e-5, 5e-4, 0.05, 0.1, 1.0, 5.0, 100.0, 1e9, np.inf, 0.0, -1.0, np.nan]], np.float32)
@@ -177,6 +179,7 @@ def test_camera_at_its_limits(camera, driver):
 
 
 @pytest.mark.parametrize("f_number", [1.4, 16.0])
+@in_each_language
 def test_signed_map(f_number, driver):
     """BokehSignedCoCMap against BokehCoCMap: the same CoC, below 0 where the pixel is nearer than the focus; depth that
     is none is the nearest.

@@ -206,10 +206,10 @@ LAYERED = [
 ]
 
 
-@pytest.mark.parametrize("changes", LAYERED, ids=str)
-def test_settings_of_layered(changes):
+def test_settings_of_layered():
     """Every setting of layered away from its default, in one language."""
-    within(load("osmesa"), noise_case((75, 50), replace(Settings("layered", "hexagon", 7, camera=CAMERA), **changes)))
+    for settings in settings_of(Settings("layered", "hexagon", 7, camera=CAMERA), LAYERED):
+        within(load("osmesa"), noise_case((75, 50), settings))
 
 
 def black_and_bright() -> Case:
