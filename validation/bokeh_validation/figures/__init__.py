@@ -21,7 +21,7 @@ from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import apertures, methods
 from bokeh_validation.pictures import Panel
-from bokeh_validation.probes import impulse, shapes, two_points
+from bokeh_validation.probes import highlight, impulse, shapes, two_points
 from bokeh_validation.probes.model import Case, depth_of, drawn
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import ray_traced
@@ -181,7 +181,7 @@ def point_case(method: str, aperture: str, places: Sequence, size: tuple[int, in
         # as large as the paper's octagon, whose corners are outside the CoC
         larger = cos(pi / 8) if aperture == "octagon" else 1.0
         settings = replace(settings, coc=settings.coc / larger)
-    return Case(aperture, settings, impulse.impulse_image(places, size), depth_of(size, 10.0))
+    return Case(aperture, settings, highlight.impulse_image(places, size), depth_of(size, 10.0))
 
 
 def true_points(driver: Driver, case: Case) -> np.ndarray:
@@ -205,7 +205,7 @@ def by_each_method(
 def point_panels(images: dict[str, np.ndarray], aperture: str, zoom: int) -> list[Panel]:
     """Without the ambient light, as bright as the paper's plateau allows."""
     exposure = PLATEAU / impulse.plateau(aperture)
-    lit = {caption: image[..., :3].astype(np.float64) - impulse.AMBIENT for caption, image in images.items()}
+    lit = {caption: image[..., :3].astype(np.float64) - highlight.AMBIENT for caption, image in images.items()}
     return [Panel(pictures.enlarged(pictures.display(image, exposure), zoom), text) for text, image in lit.items()]
 
 

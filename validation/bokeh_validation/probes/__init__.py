@@ -8,8 +8,7 @@ from collections.abc import Sequence
 
 from bokeh_validation import drivers, jobs, terminal
 from bokeh_validation.probes import (
-    cats_eye,
-    chromatic,
+    character,
     exact,
     halo,
     impulse,
@@ -19,14 +18,17 @@ from bokeh_validation.probes import (
     sections,
     two_points,
     unchanged,
-)
+)  # fmt: skip
 from bokeh_validation.probes.model import Check, Probe, ProbeResult, run
 
-_PAPER = (*impulse.PROBES, *two_points.PROBES, *scenes.PROBES)
-_LAYERS = (*near_edges.PROBES, *lights.PROBES, *unchanged.PROBES, *cats_eye.PROBES, *chromatic.PROBES)
-PROBES: tuple[Probe, ...] = (*_PAPER, *exact.PROBES, *halo.PROBES, *_LAYERS)
-QUICK_PROBES: tuple[Probe, ...] = (*_PAPER, *exact.QUICK_PROBES, *halo.PROBES, *_LAYERS)
 
+def _all(exact_probes: Sequence[Probe]) -> tuple[Probe, ...]:
+    paper = (*impulse.PROBES, *two_points.PROBES, *scenes.PROBES)
+    layers = (*near_edges.PROBES, *lights.PROBES, *unchanged.PROBES, *character.PROBES)
+    return (*paper, *exact_probes, *two_points.EXACT_PROBES, *halo.PROBES, *layers)
+
+
+PROBES, QUICK_PROBES = _all(exact.PROBES), _all(exact.QUICK_PROBES)
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 
 __all__ = ["PROBES", "QUICK_PROBES", "REAL", "Check", "Probe", "ProbeResult", "probes", "run", "section"]

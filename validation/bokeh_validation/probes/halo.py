@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from bokeh_validation.frame import methods
+from bokeh_validation.probes import two_points
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat
 
 SIZE = (160, 126)
@@ -28,43 +29,39 @@ def scene() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     y, x = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
     checker = 0.1 + 0.9 * ((x // 13 + y // 13) % 2)
     color[..., 0], color[..., 1], color[..., 2] = 0.0, 0.6 * checker, checker
-    held = np.zeros(depth.shape, bool)
+    covered = np.zeros(depth.shape, bool)
     for shape in SHAPES:
-        held[shape] = True
-    color[held] = (1.0, 0.0, 0.0, 1.0)
-    depth[held] = OBJECT
-    return color, depth, held
+        covered[shape] = True
+    color[covered] = (1.0, 0.0, 0.0, 1.0)
+    depth[covered] = OBJECT
+    return color, depth, covered
 
 
-def leaked(red: np.ndarray, held: np.ndarray) -> float:
+def leaked(red: np.ndarray, covered: np.ndarray) -> float:
     """Red on the background, which begins a pixel from the object, as a share of the object's own."""
-    grown = held.copy()
-    for axis in (0, 1):
-        grown = grown | np.roll(grown, 1, axis) | np.roll(grown, -1, axis)
-    return float(red[~grown].sum() / held.sum())
+    return float(red[~two_points.grown(covered)].sum() / covered.sum())
 
 
-def _judge(held: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
-    found = {label: leaked(output["result"][..., 0], held) for label, output in outputs.items()}
-    exact, untested = found["exact"] / found["naive"], found["naive, no test"] / found["naive"]
+def _judge(covered: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
+    exact, naive, untested = (leaked(textures["result"][..., 0], covered) for textures in outputs.values())
     why = "a gather in two dimensions with the same weights is what exact stands for: no more than that may leak"
     must = "the object must have light to leak, or this probe shows nothing"
     return [
-        Check("light of the object on the background, exact / naive", exact, 0.0, 1.0, why),
-        Check("the same, naive without the leakage test / naive with it", untested, 2.0, float("inf"), must),
+        Check("light of the object on the background, exact / naive", exact / naive, 0.0, 1.0, why),
+        Check("the same, naive without the leakage test / naive with it", untested / naive, 2.0, float("inf"), must),
     ]
 
 
 def probe(aperture: str) -> Probe:
     """The probe of one polygon: exact and the gather, a sample a pixel and as dense."""
-    color, depth, held = scene()
+    color, depth, covered = scene()
     dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, samples=33)
     naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
     chosen = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
     cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())
     title = f"A sharp object leaks no more than by a gather in two dimensions, {aperture}"
     shows = "A red object, nearly in focus, with no red around it but what its own small CoC spreads."
-    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, held))
+    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, covered))
 
 
 PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon"))

@@ -1,4 +1,4 @@
-"""One bright pixel spread into the aperture: Figures 5, 6 and 9."""
+"""One bright pixel spread into the paper's apertures: Figures 5, 6 and 9."""
 
 from dataclasses import replace
 from functools import partial
@@ -6,61 +6,43 @@ from functools import partial
 import numpy as np
 
 from bokeh_validation.frame import apertures, methods, polygons
-from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
+from bokeh_validation.probes.highlight import AMBIENT, PEAK, PICTURE, impulse_image
+from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, overlap, pixel_center
 
 SIZE = (160, 96)  # not square, so that a missing aspect ratio shows
 COC = 36  # pixels
 # Two samples a pixel: at one a pixel the lines at 45 degrees ripple by several per cent, and min loses that much light.
 SAMPLES = 73
-PEAK = 4096.0
-# Not black: where a highlight's bilinear weight is 0 in float64 and 0.00003 in float32, a half float near zero would
-# count thousands of steps.
-AMBIENT = 0.5
-# brightness of the plateau in pictures: below half, so that two of them on top of each other can be seen
-PICTURE = 0.3
 CENTER = (80, 48)
 ROTATION = 10.0
+# Length in pixels that N samples stand for when they are spaced CoC / (N - 1) from end to end: N spacings
+LINE_LENGTH = COC * SAMPLES / (SAMPLES - 1)
 
-# corners of the outline; folds of its rotational symmetry
+# folds of the outline's rotational symmetry
 FOLDS = {"square": 4, "diamond": 2, "hexagon": 6, "octagon": 8, "star": 8}
 FIGURES = {"square": "5", "diamond": "6", "hexagon": "9a", "octagon": "9b", "star": "9c"}
 
 
-def line_length() -> float:
-    """Length in pixels that N samples stand for when they are spaced CoC / (N - 1) from end to end: N spacings."""
-    return COC * SAMPLES / (SAMPLES - 1)
-
-
 def parallelograms(aperture: str, rotation: float) -> list[np.ndarray]:
     """Corners in pixels of the parallelograms as sampled."""
-    return [line_length() * p.corners(rotation) for p in apertures.PARALLELOGRAMS[aperture]]
+    return [LINE_LENGTH * shape.corners(rotation) for shape in apertures.PARALLELOGRAMS[aperture]]
 
 
 def outlines(aperture: str, rotation: float) -> list[np.ndarray]:
     """Convex polygons whose union is the aperture: one, but two squares for the star."""
     shapes = parallelograms(aperture, rotation)
-    if aperture in apertures.USES_MAX or len(shapes) == 1:
-        return shapes
-    return [polygons.clip_convex(*shapes)]
+    return shapes if aperture in apertures.USES_MAX or len(shapes) == 1 else [polygons.clip_convex(*shapes)]
 
 
 def analytic(aperture: str, rotation: float) -> np.ndarray:
     """Coverage of the aperture, (H, W)."""
-    center = pixel_center(*CENTER)
-    return np.max([polygons.coverage(p, SIZE, center) for p in outlines(aperture, rotation)], axis=0)
+    shapes = outlines(aperture, rotation)
+    return np.max([polygons.coverage(shape, SIZE, pixel_center(*CENTER)) for shape in shapes], axis=0)
 
 
 def plateau(aperture: str) -> float:
     """Value inside the aperture: the light of the pixel spread over one parallelogram."""
     return PEAK / abs(polygons.signed_area(parallelograms(aperture, 0.0)[0]))
-
-
-def impulse_image(points: tuple[tuple[int, int], ...] = (CENTER,), size: tuple[int, int] = SIZE) -> np.ndarray:
-    """Nearly black, with bright pixels."""
-    image = flat(size, AMBIENT)
-    for column, row in points:
-        image[row, column, :3] = PEAK + AMBIENT
-    return image
 
 
 def constant_coc(aperture: str, rotation: float, size: tuple[int, int] = SIZE) -> methods.Settings:
@@ -75,44 +57,42 @@ def point_case(label: str, settings: methods.Settings, points: tuple, size: tupl
     return Case(label, settings, impulse_image(points, size), depth_of(size, 10.0), exposure=exposure)
 
 
-def _outline_length(aperture: str) -> float:
-    """Perimeter of the outline in pixels; the star has 16 sides, so the sum over both squares is above it."""
-    return sum(polygons.perimeter(p) for p in outlines(aperture, 0.0))
+def _edge(aperture: str) -> float:
+    """Area that half a pixel of the outline has; the star has 16 sides, so the sum over both squares is above it."""
+    return 0.5 * sum(polygons.perimeter(shape) for shape in outlines(aperture, 0.0))
 
 
-def _judge_shape(aperture: str, rotation: float, value: np.ndarray) -> list[Check]:
-    """Light, area, overlap, orientation and corners of one rendering, (H, W) green channel."""
+def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Check]:
+    """Area, overlap, orientation and corners of one rendering, (H, W) without the ambient light."""
     label, center, folds = f"{rotation:g} degrees", pixel_center(*CENTER), FOLDS[aperture]
     truth = analytic(aperture, rotation)
     seen = np.clip(value / plateau(aperture), 0.0, 1.0)
-    area, edge = truth.sum(), 0.5 * _outline_length(aperture)
+    area, edge = truth.sum(), _edge(aperture)
     turn = polygons.angle_between(*(polygons.moment_phase(shape, center, folds) for shape in (seen, truth)), folds)
-    radius = max(np.linalg.norm(p, axis=1).max() for p in outlines(aperture, rotation))
-    limit = np.degrees(0.5 / radius)
-    why = "the boundary is known to half a pixel: perimeter / 2 over the area"
+    radius = max(np.linalg.norm(shape, axis=1).max() for shape in outlines(aperture, rotation))
+    least = (area - edge) / (area + edge)
+    why, farthest = "the boundary is known to half a pixel", "half a pixel at the farthest corner"
     return [
         Check(f"area, {label}", seen.sum() / area, 1 - edge / area, 1 + edge / area, why),
-        Check(f"overlap with the polygon, {label}", overlap(seen, truth), (area - edge) / (area + edge), 1.0, why),
-        Check(f"orientation off by, {label} (degrees)", turn, 0.0, limit, "half a pixel at the farthest corner"),
-        _corner_check(aperture, rotation, seen, label),
+        Check(f"overlap with the polygon, {label}", overlap(seen, truth), least, 1.0, why),
+        Check(f"orientation off by, {label} (degrees)", turn, 0.0, np.degrees(0.5 / radius), farthest),
+        _corner_check(label, outlines(aperture, rotation), seen),
     ]
 
 
-def _corner_check(aperture: str, rotation: float, seen: np.ndarray, label: str) -> Check:
-    """How far the support reaches along each corner's direction, against the corner."""
+def _corner_check(label: str, shapes: list[np.ndarray], seen: np.ndarray) -> Check:
+    """How far the picture (H, W) reaches in the direction of each corner, against the corner: the worst of them."""
     y, x = np.argwhere(seen >= 0.5).T + 0.5
-    center = pixel_center(*CENTER)
-    worst, allowed = -np.inf, 0.0
-    for polygon in outlines(aperture, rotation):
+    center, corners = pixel_center(*CENTER), []
+    for polygon in shapes:
         for corner, angle in zip(polygon, polygons.corner_angles(polygon), strict=True):
-            along = corner / np.linalg.norm(corner)
+            radius = np.linalg.norm(corner)
+            along = corner / radius
             reach = ((x - center[0]) * along[0] + (y - center[1]) * along[1]).max()
-            off = abs(reach - np.linalg.norm(corner))
-            limit = 0.5 / np.sin(angle / 2) + np.sqrt(0.5)
-            if off - limit > worst - allowed:
-                worst, allowed = off, limit
+            corners.append((abs(reach - radius), 0.5 / np.sin(angle / 2) + np.sqrt(0.5)))
+    off, allowed = max(corners, key=lambda corner: corner[0] - corner[1])
     why = "edges known to half a pixel: within 0.5 / sin(half the angle); a pixel centre is within 0.71 of any place"
-    return Check(f"corner off by, {label} (pixels)", worst, 0.0, allowed, why)
+    return Check(f"corner off by, {label} (pixels)", off, 0.0, allowed, why)
 
 
 def light_kept(aperture: str) -> float:
@@ -120,37 +100,33 @@ def light_kept(aperture: str) -> float:
     shapes = parallelograms(aperture, 0.0)
     if len(shapes) == 1:
         return 1.0
-    one = abs(polygons.signed_area(shapes[0]))
+    area = abs(polygons.signed_area(shapes[0]))
     common = abs(polygons.signed_area(polygons.clip_convex(*shapes)))
-    return (2 * one - common) / one if aperture in apertures.USES_MAX else common / one
+    return (2 * area - common) / area if aperture in apertures.USES_MAX else common / area
 
 
 def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    green = {turn: outputs[f"{turn:g} degrees"]["result"][..., 1] - AMBIENT for turn in (0.0, ROTATION)}
-    checks = [check for turn, value in green.items() for check in _judge_shape(aperture, turn, value)]
+    upright, turned = (textures["result"][..., 1] - AMBIENT for textures in outputs.values())
+    checks = _shape_checks(aperture, 0.0, upright) + _shape_checks(aperture, ROTATION, turned)
     whole = 2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners()
     near = polygons.coverage(whole, SIZE, pixel_center(*CENTER)) > 0
     if len(apertures.PARALLELOGRAMS[aperture]) == 1:
-        # every bilinear sample shares its light out completely, so only the stores lose any: half a step or one, each
-        # of the two passes, 2^-10 relative
-        off, why = 2 * 2.0**-10, "two stores in half floats, one step each"
+        off, why = 2 * 2.0**-10, "bilinear samples share their light out completely; two stores, a step of 2^-10 each"
     else:
-        off = 0.5 * _outline_length(aperture) / analytic(aperture, 0.0).sum()
+        off = _edge(aperture) / analytic(aperture, 0.0).sum()
         why = "area of the outline over that of a parallelogram, boundary known to half a pixel"
     kept = light_kept(aperture)
-    checks.append(Check("light kept", green[0.0][near].sum() / PEAK, kept * (1 - off), kept * (1 + off), why))
-    return checks + (_judge_stages(outputs["0 degrees"]) if aperture == "square" else [])
-
-
-def _judge_stages(outputs: Outputs) -> list[Check]:
-    """Figure 5: after the first pass a line, one pixel thin."""
-    lit = outputs["line 1"][..., 1] - AMBIENT > 0.5 * PEAK / line_length()
-    length, thickness = (float(lit.any(axis=axis).sum()) for axis in (0, 1))
-    why = f"{SAMPLES} samples half a pixel apart, ends known to half a pixel"
-    return [
-        Check("first pass: length (pixels)", length, line_length() - 1, line_length() + 1, why),
-        Check("first pass: thickness (pixels)", thickness, 1, 1, "a horizontal line"),
-    ]
+    checks.append(Check("light kept", upright[near].sum() / PEAK, kept * (1 - off), kept * (1 + off), why))
+    if aperture == "square":
+        # Figure 5: after the first pass a line, one pixel thin
+        lit = outputs["0 degrees"]["line 1"][..., 1] - AMBIENT > 0.5 * PEAK / LINE_LENGTH
+        length, thickness = (float(lit.any(axis=axis).sum()) for axis in (0, 1))
+        ends = "samples half a pixel apart, ends known to half a pixel"
+        checks += [
+            Check("first pass: length (pixels)", length, LINE_LENGTH - 1, LINE_LENGTH + 1, ends),
+            Check("first pass: thickness (pixels)", thickness, 1, 1, "a horizontal line"),
+        ]
+    return checks
 
 
 def probe(aperture: str) -> Probe:

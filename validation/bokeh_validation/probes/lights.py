@@ -5,18 +5,9 @@ from functools import partial
 import numpy as np
 
 from bokeh_validation.frame import polygons
+from bokeh_validation.probes.highlight import Bokeh, block, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
-from bokeh_validation.probes.near_edges import (
-    CAMERA,
-    SIZE,
-    STEP,
-    WHOLE,
-    checker,
-    edge_spread,
-    metres,
-    polygon_of,
-    settings,
-)
+from bokeh_validation.probes.near_edges import CAMERA, SIZE, STEP, WHOLE, checker, edge_spread, metres, settings
 
 LIGHT = 800.0
 # Blue around the lights: a half float near zero would count thousands of steps for a filter's rounding beside a light
@@ -31,62 +22,53 @@ LIGHT_PIXELS = {1: 0.9, 3: 0.94, 9: 0.97}
 LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
 
 
-def light_label(coc: float, pixels: int, preset: str) -> str:
-    """Names of cases and checks."""
-    return f"{pixels} px at CoC {coc}" + (", 16 samples" if preset == "high" else "")
+def light_bokeh(coc: float, pixels: int, size: tuple[int, int]) -> Bokeh:
+    """Of the upper left pixel of a light in the middle."""
+    first = [(length - pixels) // 2 for length in size]
+    return Bokeh.of(polygon_of("hexagon", 0.0, coc), size, pixel_center(*first))
 
 
 def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
     """A blue light over a dark far plane of its own depth, or a near one over a green checker in focus."""
     side = abs(coc) + pixels + 24
     size = side + 8, side
-    color = flat(size)
+    color, depth = flat(size), depth_of(size, metres(coc, side) if coc > 0 else CAMERA.focus_distance)
     color[..., :3] = 0.01, 0.01, AMBIENT
-    depth = depth_of(size, metres(coc, side) if coc > 0 else CAMERA.focus_distance)
     if coc < 0:
         color[..., 1] = checker(size)
-    rows, columns = (slice((length - pixels) // 2, (length + pixels) // 2) for length in size[::-1])
-    color[rows, columns, :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
-    depth[rows, columns] = metres(coc, side)
-    exposure = 0.3 * abs(polygons.signed_area(polygon_of("hexagon", 0.0, coc))) / (LIGHT * pixels**2)
-    return Case(light_label(coc, pixels, preset), settings(preset=preset), color, depth, exposure=exposure)
+    light = block(((size[0] - 1) // 2, (size[1] - 1) // 2), pixels)
+    color[light][..., :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
+    depth[light] = metres(coc, side)
+    exposure = light_bokeh(coc, pixels, size).exposure(LIGHT * pixels**2)
+    label = f"{pixels} px at CoC {coc}" + (", 16 samples" if preset == "high" else "")
+    return Case(label, settings(preset=preset), color, depth, exposure=exposure)
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
     """Share of the light that a lens puts on each pixel: the mean of the polygons of its pixels, (H, W)."""
-    polygon = polygon_of("hexagon", 0.0, coc)
-    first = [(length - pixels) // 2 for length in size]
-    one = polygons.coverage(polygon, size, pixel_center(*first)) / abs(polygons.signed_area(polygon))
-    moved = (np.roll(one, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels))
-    return sum(moved) / pixels**2
-
-
-def half_pixel_overlap(coc: float, off: float = 0.5) -> float:
-    """Least overlap of a hexagon whose outline is off by so many pixels: by perimeter times that of its area."""
-    polygon = polygon_of("hexagon", 0.0, coc)
-    area, edge = abs(polygons.signed_area(polygon)), off * polygons.perimeter(polygon)
-    return (area - edge) / (area + edge)
+    bokeh = light_bokeh(coc, pixels, size)
+    share = bokeh.coverage / bokeh.area
+    return sum(np.roll(share, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels)) / pixels**2
 
 
 def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
     checks = []
-    for coc, preset in LIGHTS:
-        label = light_label(coc, pixels, preset)
-        blue, total = outputs[label]["result"][..., 2], LIGHT * pixels**2
-        spread = light_spread(coc, pixels, blue.shape[::-1])
+    for (coc, preset), (label, textures) in zip(LIGHTS, outputs.items(), strict=True):
+        blue, total = textures["result"][..., 2], LIGHT * pixels**2
+        size = blue.shape[::-1]
+        spread = light_spread(coc, pixels, size)
         # a near light hides what is behind it
-        around = AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
-        checks.append(Check(f"light kept, {label}", (blue - around).sum() / total, 0.99, 1.01, "asked for"))
-        found = overlap((blue - around) / total, spread)
+        lit = blue - AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
+        checks.append(Check(f"light kept, {label}", lit.sum() / total, 0.99, 1.01, "asked for"))
         if preset == "high":
             least, why = LIGHT_PIXELS[pixels], "asked for at 16 samples"
         elif abs(coc) < 80:
             # far light below 12.4 pixels is gathered, in rings 1/7 of the CoC apart
-            least = half_pixel_overlap(coc, max(0.5, coc / 14.0) if 0 < coc < 12.4 else 0.5)
+            least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 14.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
         else:
             continue
-        checks.append(Check(f"overlap with the polygon, {label}", found, least, 1.0, why))
+        checks.append(Check(f"overlap with the polygon, {label}", overlap(lit / total, spread), least, 1.0, why))
     return checks
 
 
@@ -100,23 +82,18 @@ def light_probe(pixels: int) -> Probe:
 
 # ---------------------------------------------------------------------------- far lights and what is in front of them
 
-COC = 24
+COC, NEAR_COC = 24, 16
 EDGE = 47  # first column of what is behind the silhouette: within a texel of half the size
 BEHIND = 0.2
 BESIDE = 8  # pixels from the silhouette to the light
-
-
-def _place(column: int, size: tuple[int, int] = SIZE) -> tuple[slice, slice]:
-    """Three by three pixels around a column, half-way down."""
-    row = size[1] // 2
-    return slice(row - 1, row + 2), slice(column - 1, column + 2)
+COVER = EDGE + 6  # first column of the near thing that covers part of a light at EDGE
+ROW = SIZE[1] // 2  # of the lights, which are three by three pixels
 
 
 def far_spread(column: int) -> np.ndarray:
-    """Share of the light of those pixels on each pixel, (H, W)."""
+    """Share of the light of the pixels around a column on each pixel, (H, W)."""
     polygon = polygon_of("hexagon", 0.0, COC)
-    row = SIZE[1] // 2
-    centers = [pixel_center(column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    centers = [pixel_center(column + i, ROW + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     return sum(polygons.coverage(polygon, SIZE, c) for c in centers) / 9.0 / abs(polygons.signed_area(polygon))
 
 
@@ -126,7 +103,7 @@ def silhouette_case() -> Case:
     color, depth = flat(SIZE), depth_of(SIZE, metres(COC, SIZE[1]))
     color[..., 0] = np.where(sharp, 0.0, BEHIND)
     color[..., 1] = np.where(sharp, checker(SIZE), 0.0)
-    color[_place(EDGE + BESIDE)][..., 2] = LIGHT
+    color[block((EDGE + BESIDE, ROW), 3)][..., 2] = LIGHT
     depth[sharp] = CAMERA.focus_distance
     return Case("silhouette", settings(), color, depth, exposure=0.3)
 
@@ -134,16 +111,14 @@ def silhouette_case() -> Case:
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     result = outputs["silhouette"]["result"]
     sharp, behind = result[:, :EDGE], result[:, EDGE:]
-    nothing = "nothing behind it can be sampled there"
     off = np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max()
-    quotient = "a quotient that is 1 but for rounding, and its store"
     darkest = behind[..., 0].min() / float(np.float16(BEHIND))
     rim = "no dark rim: a mean of one colour; the layer and its share are cut off three times, the picture once"
     light = behind[..., 2].sum() / (far_spread(EDGE + BESIDE)[:, EDGE:].sum() * 9.0 * LIGHT)
     why = "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more"
     return [
-        Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, nothing),
-        Check("the sharp side, off by", off, 0.0, STEP, quotient),
+        Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, "nothing behind it can be sampled there"),
+        Check("the sharp side, off by", off, 0.0, STEP, "a quotient that is 1 but for rounding, and its store"),
         Check("darkest behind, in units of what is there", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
         Check("the silhouette's light behind it", behind[..., 1].max(), 0.0, 0.0, "it does not spread"),
         Check("light behind it, in units of the polygon's part there", light, 0.99, 2.0, why),
@@ -158,38 +133,31 @@ SILHOUETTE = Probe(
     _judge_silhouette,
 )
 
-NEAR_COC = 16
-
 
 def covered_case() -> Case:
-    """The blue far light with red near things on the right, from 6 pixels beside it on."""
-    held = np.broadcast_to(np.arange(SIZE[0]) >= EDGE + 6, SIZE[::-1])
+    """The blue far light with red near things on the right."""
+    near = np.broadcast_to(np.arange(SIZE[0]) >= COVER, SIZE[::-1])
     color, depth = flat(SIZE), depth_of(SIZE, metres(COC, SIZE[1]))
-    color[..., 0] = held
-    color[..., 1] = np.where(held, 0.0, BEHIND)
-    color[..., 2] = np.where(held, 0.0, AMBIENT)
-    color[_place(EDGE)][..., 2] += LIGHT
-    depth[held] = metres(-NEAR_COC, SIZE[1])
+    color[..., 0] = near
+    color[..., 1] = np.where(near, 0.0, BEHIND)
+    color[..., 2] = np.where(near, 0.0, AMBIENT)
+    color[block((EDGE, ROW), 3)][..., 2] += LIGHT
+    depth[near] = metres(-NEAR_COC, SIZE[1])
     return Case("covered", settings(), color, depth, exposure=0.3)
 
 
 def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
-    result = outputs["covered"]["result"]
-    edge, x = EDGE + 6, np.arange(SIZE[0]) + 0.5
+    result, x = outputs["covered"]["result"], np.arange(SIZE[0]) + 0.5
     blue = result[..., 2] - result[..., 1] * (AMBIENT / BEHIND)
-    alpha = edge_spread(polygon_of("hexagon", 0.0, NEAR_COC), x - edge)
-    hidden = edge_spread(polygon_of("hexagon", 0.0, COC), x - edge)
+    alpha, hidden = (edge_spread(polygon_of("hexagon", 0.0, coc), x - COVER) for coc in (NEAR_COC, COC))
     spread = far_spread(EDGE) * 9.0 * LIGHT
     covered = blue[:, alpha >= 1.0].max() / spread.max()
     # a ray from a pixel to the light passes the near plane on the other side of the pixel, by similar triangles
     ratio = NEAR_COC / COC
-    seen = spread[:, x < (edge + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
+    seen = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
     most = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / seen
     nothing = "light where the near thing covers all, in units of the light's bokeh"
-    why = (
-        "a lens sees it up to a line; here it fades with the near edge, and what that hides is taken like the rest: "
-        "1 - alpha of the polygon over the share of the far plane that is in the picture"
-    )
+    why = "it fades with the near edge: 1 - alpha of the polygon over the share of the far plane in the picture"
     return [
         Check(nothing, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
         Check("light, in units of what the lens sees of it", blue.sum() / seen, 0.99, 1.01 * most, why),

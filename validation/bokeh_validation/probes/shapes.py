@@ -8,7 +8,7 @@ import numpy as np
 from bokeh_validation import terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import apertures, fetches, methods, polygons
-from bokeh_validation.probes import impulse
+from bokeh_validation.probes import highlight
 from bokeh_validation.probes.model import Case, depth_of, drawn, pixel_center
 from bokeh_validation.shaders.passes import Pass
 
@@ -93,7 +93,7 @@ def shape(driver: Driver, method: str, aperture: str) -> Shape:
         len(plan) - 1,
         max(len(item.outputs) for item in plan),
         round(fetches.of_filters(plan)),
-        float(one.sum() / impulse.PEAK),
+        float(one.sum() / highlight.PEAK),
         float(1.0 - np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum()),
         _sum_off(driver, _dense(method, aperture, PAIR_COC / PAIR_SIZE[1], PAIR_COC)),
     )
@@ -122,8 +122,8 @@ def _dense(method: str, aperture: str, coc: float, pixels: int) -> methods.Setti
 
 def _lit(driver: Driver, settings: methods.Settings, size: tuple[int, int], places) -> np.ndarray:
     """Bright pixels through a method, without the ambient light, (H, W)."""
-    case = Case("", settings, impulse.impulse_image(places, size), depth_of(size, 1.0))
-    return drawn(driver, case)[..., 1].astype(np.float64) - impulse.AMBIENT
+    case = Case("", settings, highlight.impulse_image(places, size), depth_of(size, 1.0))
+    return drawn(driver, case)[..., 1].astype(np.float64) - highlight.AMBIENT
 
 
 def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:

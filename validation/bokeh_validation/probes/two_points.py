@@ -1,15 +1,15 @@
-"""Two bright pixels that expose min and max: Figures 12 and 13. The paper's method has them, so they must show."""
+"""Two bright pixels: Figures 12 and 13. The paper's min and max must show what is wrong; exact adds them up."""
 
 from functools import partial
 
 import numpy as np
 
 from bokeh_validation.frame import apertures, polygons
-from bokeh_validation.probes import impulse
+from bokeh_validation.probes import exact, impulse
+from bokeh_validation.probes.highlight import AMBIENT
 from bokeh_validation.probes.model import Check, Outputs, Probe, pixel_center
 
 SIZE = (160, 128)
-
 # Second point relative to the first, pixels, for a CoC of 36: where a corner that min discards around one point falls
 # on one discarded around the other (found by a scan of the analytic shapes, largest light in false shapes).
 OFFSETS = {"hexagon": (0, 38), "octagon": (38, 16), "star": (36, 16)}
@@ -29,7 +29,7 @@ def ripple(aperture: str) -> float:
     lattice = i[..., None] * along + j[..., None] * across
     cell = spacing**2 * abs(along[0] * across[1] - along[1] * across[0])
     places = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 11)] * 2), axis=-1).reshape(-1, 2)
-    sums = [np.maximum(0.0, 1.0 - np.abs(lattice - p)).prod(axis=-1).sum() * cell for p in places]
+    sums = [np.maximum(0.0, 1.0 - np.abs(lattice - place)).prod(axis=-1).sum() * cell for place in places]
     return float(np.abs(np.array(sums) - 1.0).max())
 
 
@@ -40,34 +40,26 @@ def points(aperture: str) -> tuple[tuple[int, int], tuple[int, int]]:
     return first, (first[0] + dx, first[1] + dy)
 
 
-def shapes(aperture: str) -> list[list[np.ndarray]]:
-    """Coverage of parallelogram p of point k: [k][p], each (H, W)."""
-    return [
-        [polygons.coverage(p, SIZE, pixel_center(*point)) for p in impulse.parallelograms(aperture, 0.0)]
+def _analytic(aperture: str) -> tuple[np.ndarray, np.ndarray]:
+    """In units of the plateau, (H, W): both apertures, added where they overlap; and what the paper's method makes of
+    them, where each parallelogram's blur has both points before min or max.
+    """
+    combine = np.maximum if aperture in apertures.USES_MAX else np.minimum
+    first, second = (
+        [polygons.coverage(shape, SIZE, pixel_center(*point)) for shape in impulse.parallelograms(aperture, 0.0)]
         for point in points(aperture)
-    ]
-
-
-def correct_sum(aperture: str, combine) -> np.ndarray:
-    """Both apertures, added where they overlap, in units of the plateau, (H, W)."""
-    first, second = shapes(aperture)
-    return combine(*first) + combine(*second)
-
-
-def combined(aperture: str, combine) -> np.ndarray:
-    """What the paper's method makes of it: each parallelogram blur has both points, then min or max."""
-    first, second = shapes(aperture)
-    return combine(first[0] + second[0], first[1] + second[1])
+    )
+    return combine(*first) + combine(*second), combine(first[0] + second[0], first[1] + second[1])
 
 
 def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
-    truth, predicted = correct_sum(aperture, np.minimum), combined(aperture, np.minimum)
+    value = (outputs["two points"]["result"][..., 1] - AMBIENT) / impulse.plateau(aperture)
+    truth, predicted = _analytic(aperture)
     # a pixel away from the true shapes, so that their soft edges do not count as false light
     outside = grown(truth > 0) == 0
-    one_shape = truth.sum() / 2
-    seen, expected = value[outside].sum() / one_shape, predicted[outside].sum() / one_shape
-    border = 0.5 * boundary_pixels(predicted * outside) / one_shape
+    light = truth.sum() / 2
+    seen, expected = value[outside].sum() / light, predicted[outside].sum() / light
+    border = 0.5 * _boundary_pixels(predicted * outside) / light
     least, most = max(expected - border, 0.25 * expected), expected + border
     why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
     bright = "both blurs have light 1, but for the ripple of their samples"
@@ -78,8 +70,8 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
-    value = (outputs["two points"]["result"][..., 1] - impulse.AMBIENT) / impulse.plateau(aperture)
-    truth, predicted = correct_sum(aperture, np.maximum), combined(aperture, np.maximum)
+    value = (outputs["two points"]["result"][..., 1] - AMBIENT) / impulse.plateau(aperture)
+    truth, predicted = _analytic(aperture)
     # where the formula says that one of two highlights is missing; a pixel away from the edges of that place
     missing = truth - predicted > 0.5
     inner, off = ~grown(~missing), ripple(aperture)
@@ -96,23 +88,48 @@ def grown(mask: np.ndarray) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(np.pad(mask, 1), (3, 3)).any(axis=(2, 3))
 
 
-def boundary_pixels(image: np.ndarray) -> float:
+def _boundary_pixels(image: np.ndarray) -> float:
     """Number of pixels at which a picture of plateaus changes: the length of its boundary."""
     across, down = (np.abs(np.diff(image, axis=axis)) > 0.01 for axis in (1, 0))
     return float((across[:-1] | down[:, :-1]).sum())
 
 
-def probe(aperture: str) -> Probe:
-    """Two points for one aperture."""
+def _paper_probe(aperture: str, name: str, figure: str, title: str, shows: str) -> Probe:
     case = impulse.point_case("two points", impulse.constant_coc(aperture, 0.0, SIZE), points(aperture), SIZE)
-    if aperture == "star":
-        title = "Two highlights that do not add up under max"
-        shows = "Where the stars overlap the light should be twice as bright; max shows it once."
-        return Probe("two-points-max", title, shows, (case,), partial(_judge_max, aperture), "13")
-    title = f"Two highlights make false ones under min, {aperture}"
-    shows = "Beside the two shapes there is light that belongs to neither: discarded corners that met."
-    figure = {"hexagon": "12a", "octagon": "12b"}[aperture]
-    return Probe(f"two-points-{aperture}", title, shows, (case,), partial(_judge_min, aperture), figure)
+    judge = _judge_max if aperture in apertures.USES_MAX else _judge_min
+    return Probe(f"two-points-{name}", title, shows, (case,), partial(judge, aperture), figure)
 
 
-PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon", "star"))
+def _judge_sum(outputs: dict[str, Outputs]) -> list[Check]:
+    first, second, both, paper = (textures["result"][..., 1] - AMBIENT for textures in outputs.values())
+    alone = first + second
+    exact_off, paper_off = (np.abs(value - alone).max() / alone.max() for value in (both, paper))
+    why = "min finds light where there is none: Figure 12 must show, or this probe shows nothing"
+    return [
+        Check("two highlights off from their sum by", exact_off, 0.0, 0.01, "it is linear; stores in half floats"),
+        Check("the same, paper", paper_off, 0.2, float("inf"), why),
+    ]
+
+
+def _exact_probe(aperture: str) -> Probe:
+    """Both points by exact, alone and together, and by the paper."""
+    places, chosen = points(aperture), exact.settings(aperture, 0.0, SIZE, impulse.COC)
+    paper = impulse.constant_coc(aperture, 0.0, SIZE)
+    shown = (("point 1", places[:1], chosen), ("point 2", places[1:], chosen), ("both", places, chosen))
+    cases = [impulse.point_case(label, use, lit, SIZE) for label, lit, use in (*shown, ("paper", places, paper))]
+    title = f"Two highlights that add up, {aperture}"
+    shows = "Two clean shapes where min makes false ones, as bright together as each alone."
+    return Probe(f"two-points-exact-{aperture}", title, shows, tuple(cases), _judge_sum, "12, 13")
+
+
+FALSE = (
+    "Two highlights make false ones under min",
+    "Beside the two shapes lies light of discarded corners that met.",
+)
+LOST = "Two highlights that do not add up under max", "Where the stars overlap max shows once what should be twice."
+PROBES = (
+    _paper_probe("hexagon", "hexagon", "12a", *FALSE),
+    _paper_probe("octagon", "octagon", "12b", *FALSE),
+    _paper_probe("star", "max", "13", *LOST),
+)
+EXACT_PROBES = tuple(_exact_probe(aperture) for aperture in ("hexagon", "octagon"))

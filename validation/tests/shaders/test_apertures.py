@@ -11,7 +11,7 @@ from bokeh_validation import paths
 from bokeh_validation.frame import apertures, decomposition, methods, polygons
 from bokeh_validation.frame.aperture import parsed
 from bokeh_validation.frame.decomposition import Decomposition, decompose
-from bokeh_validation.probes import impulse
+from bokeh_validation.probes import highlight, impulse
 from bokeh_validation.probes.model import depth_of, pixel_center
 from bokeh_validation.reference.device import Reference
 
@@ -143,9 +143,13 @@ def assert_drawn(driver, plan: methods.Plan, shape: Decomposition, squeeze: floa
     polygon = impulse.COC * shape.polygon * [squeeze, 1.0]
     area, edge = abs(polygons.signed_area(polygon)), 0.5 * polygons.perimeter(polygon)
     largest = area / shape.light
-    textures = {"color": impulse.impulse_image(), "depth": depth_of(impulse.SIZE, 10.0), **plan.tables}
+    textures = {
+        "color": highlight.impulse_image([impulse.CENTER], impulse.SIZE),
+        "depth": depth_of(impulse.SIZE, 10.0),
+        **plan.tables,
+    }
     output = driver.run(plan.passes, textures, impulse.SIZE)["result"][..., 1].astype(np.float64)
-    light = (output - impulse.AMBIENT) / impulse.PEAK
+    light = (output - highlight.AMBIENT) / highlight.PEAK
     seen, overlap = np.clip(light * largest, 0.0, 1.0), []
     for corners in (polygon, -polygon):
         truth = polygons.coverage(corners, impulse.SIZE, pixel_center(*impulse.CENTER))

@@ -11,7 +11,7 @@ from support_cases import CAMERA, evaluated, everything, noise_case, result
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, polygons
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import cats_eye
+from bokeh_validation.probes import character
 from bokeh_validation.reference import cuts, segments
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)
@@ -61,7 +61,7 @@ def assert_tiles(sides: int, amount: float, towards: float, rotation: float, squ
 @pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
 def test_rounded_outline(roundness):
     """A square whose corners are cut off, on the circle: the sides of the polygon, one by one."""
-    corners = cats_eye.rounded(roundness)
+    corners = character.rounded(roundness)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     # the outline begins with a corner that is cut off, edge 1 of the octagon is such a one
     np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), np.roll(sides, -2)[:4], rtol=1e-12)

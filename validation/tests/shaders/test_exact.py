@@ -10,7 +10,7 @@ from support_cases import CAMERA, float_result, noise_case, result
 from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import exact, shapes
+from bokeh_validation.probes import exact, highlight, shapes
 from bokeh_validation.probes.model import depth_of
 from bokeh_validation.reference import segments
 from bokeh_validation.shaders.passes import Pass
@@ -44,7 +44,7 @@ def test_light_on_float_targets(aperture, driver):
     of 1000 samples may be off by 1/512 of a texel at random, which averages out to 1e-4.
     """
     for rotation in exact.ROTATIONS[0]:
-        value = float_result(driver, exact.impulse_case(aperture, rotation))[..., 1] - exact.impulse.AMBIENT
+        value = float_result(driver, exact.impulse_case(aperture, rotation))[..., 1] - highlight.AMBIENT
         for check in exact.shape_checks(aperture, rotation, value, 0.002):
             assert check.ok, f"{check.name}: {check.value}"
 

@@ -16,7 +16,7 @@ from support_cases import CAMERA, noise_case, result
 from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.probes import lights, model, near_edges, unchanged
+from bokeh_validation.probes import highlight, lights, model, near_edges, unchanged
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 
@@ -143,7 +143,7 @@ def test_layered_moving_edge(driver):
     of the spread. Beside that, a pixel that is covered by less than a half keeps the colour of the edge in focus: where
     alpha is a half, half of a half. From frame to frame that comes and goes.
     """
-    polygon = near_edges.polygon_of("hexagon", 0.0, BLUR)
+    polygon = highlight.polygon_of("hexagon", 0.0, BLUR)
     from_edge = near_edges.SIZE[0] // 2 - np.arange(near_edges.SIZE[0]) - 0.5
     off = [layered(driver, edge_at(p))[..., 0] - near_edges.edge_spread(polygon, from_edge + p) for p in MOVES]
     allowed = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
@@ -180,7 +180,7 @@ def test_layered_moving_light(near, driver):
         case, cover = light_at(place, near)
         found.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
     changed = np.abs(np.diff(found)).max()
-    allowed = 0.02 + (0.0 if near else 2 * near_edges.steepest(near_edges.polygon_of("hexagon", 0.0, BLUR)) / 8)
+    allowed = 0.02 + (0.0 if near else 2 * near_edges.steepest(highlight.polygon_of("hexagon", 0.0, BLUR)) / 8)
     assert changed <= allowed
     if near:
         assert 0.99 <= min(found) and max(found) <= 1.01, found

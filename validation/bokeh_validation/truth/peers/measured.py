@@ -10,7 +10,7 @@ import numpy as np
 from bokeh_validation import drivers, metrics, truth
 from bokeh_validation.frame import fetches, polygons
 from bokeh_validation.frame.methods import Camera
-from bokeh_validation.probes.impulse import AMBIENT, PEAK
+from bokeh_validation.probes.highlight import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
