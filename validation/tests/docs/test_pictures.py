@@ -12,6 +12,7 @@ from bokeh_validation.truth import gallery
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
+PICTURES = paths.ROOT / "docs" / "reproduction"
 # Of 255, on average: single pixels at comparisons and last digits are what drivers differ by
 MAX_DIFFERENCE = 0.5
 
@@ -37,7 +38,10 @@ def test_pictures_are_those_of_the_document(tmp_path):
     names = {f"figure_{name}.png" for name in ("07", "09", "11", "11_own", "11_wide", "12", "13")}
     if "not drawn, photographs" not in done.stdout:
         names |= {f"figure_01_{letter}.png" for letter in figures.VIEWS}
-    assert_kept(tmp_path, paths.ROOT / "docs/reproduction", names)
+    assert_kept(tmp_path, PICTURES, names)
+    # those that nothing draws any more are shown too, each once
+    shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", DOCUMENT.read_text(encoding="utf-8"))
+    assert sorted(shown) == sorted(path.name for path in PICTURES.iterdir())
 
 
 def test_pictures_of_the_readme():

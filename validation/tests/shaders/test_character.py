@@ -15,7 +15,6 @@ from bokeh_validation.probes import character
 from bokeh_validation.reference import cuts, segments
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)
-PLAIN = replace(EXACT, cats_eye=0.0)
 LAYERED = Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7)
 
 
