@@ -36,13 +36,11 @@ VERTEX = {
 }
 # What is known in the engine only. The values in `parameters` are those of the settings, or defaults.
 OVERWRITE = {
-    "lens": [
-        "BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC",
-    ],
+    "lens": list(methods.LENS),
     "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
     "size": ["BokehAspectRatio", "BokehImageWidth", "BokehImageHeight"],
     "each frame, with BokehJitter": ["BokehFrame"],
-}  # fmt: skip
+}
 NOTES = (
     "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
     "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
