@@ -34,8 +34,11 @@ class Language(NamedTuple):
     """How a table of passes is written.
 
     head, tail        around all; {} is its name
-    row               a pass, by the fields of Row; `quoted` is `writes` with each name in quotes
-    parameter, angle  one of a row's `sets`; an angle is in degrees
+    row               a pass: {entry} such as BokehLayerTiles, {define} such as LAYER_TILES, {scale} that its targets'
+                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {turn} in
+                      degrees, {reads} with '-' for a colour slot that it leaves out, {writes}, and {quoted} for these
+                      with each name in quotes
+    parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
     named             camel or snake: how textures are called
@@ -91,98 +94,61 @@ GODOT = Language(
 BEVY = Language("const {}: &[Pass] = &[", '    pass("{entry}_PS", &[{reads}], &[{writes}], {turn:.1f}),', "];")
 
 
-class Row(NamedTuple):
-    """A pass.
-
-    entry   such as BokehLayerTiles
-    define  such as LAYER_TILES: BOKEH_PASS without BOKEH_
-    reads   textures for ColorSamp, ColorSampB .., '-' for a slot that it does not read
-    writes  its targets
-    scale   they have the full size divided by it, rounded up
-    sets    parameters of its own, without Bokeh; an angle in degrees
-    call    the function of the library that it is, in GLSL
-    memory  number of the memory that each target may share with others: plan.frame()
-    """
-
-    entry: str
-    define: str
-    reads: tuple[str, ...]
-    writes: tuple[str, ...]
-    scale: int
-    sets: dict[str, float]
-    call: str
-    memory: tuple[int, ...]
-
-
 def table(language: Language, name: str, method: str, aperture: str = "") -> Iterator[str]:
     """The lines of a polygon's table of passes; without `aperture`, of all polygons, and without the CoC map."""
     yield from language.head.format(name).splitlines()
     if aperture:
-        yield from _lines(language, rows(language, method, aperture))
+        yield from rows(language, method, aperture)
     else:
         for shape in ("hexagon", "octagon") if method == "paper" else EXACT:
             yield language.polygon.format(EXACT[shape])
-            yield from _lines(language, rows(language, method, shape)[1:])
+            yield from rows(language, method, shape)[1:]
             yield language.its_end.format()
     yield from language.tail.format().splitlines()
 
 
-def _lines(language: Language, listed: list[Row]) -> Iterator[str]:
-    """A line for each pass."""
-    forms = {"Angle": language.angle or language.parameter}
-    word, replacement = language.replaced
-    for row in _in_three_textures(listed) if language is BEVY else listed:
-        texts = {
-            "reads": (", " if language is BEVY else " ").join(row.reads),
-            "writes": (", " if language is BEVY else " ").join(row.writes),
-            "quoted": ", ".join(f"{language.quote}{name}{language.quote}" for name in row.writes),
-            "sets": ", ".join(forms.get(key, language.parameter).format(key, value) for key, value in row.sets.items()),
-            "turn": row.sets.get("Angle", 0.0),
-        }
-        line = language.row.format(**{**row._asdict(), **texts})
-        yield re.sub(rf"\b{word}\b", replacement, line) if word else line
-
-
-def _in_three_textures(listed: list[Row]) -> Iterator[Row]:
-    """Bevy's names of textures. Three do between the passes: those that may share their memory are one."""
-    places, letters = {"color": "Scene", "coc": "CoC", "result": "Out"}, {}
-    for row in listed:
-        for texture, memory in zip(row.writes, row.memory, strict=True):
-            if texture not in places:
-                places[texture] = letters.setdefault(memory, "ABC"[len(letters) % 3])
-        yield row._replace(reads=[places[name] for name in row.reads], writes=[places[name] for name in row.writes])
-
-
-def rows(language: Language, method: str, aperture: str) -> list[Row]:
-    """The passes of a method from the CoC map on, with what the language needs."""
+def rows(language: Language, method: str, aperture: str) -> list[str]:
+    """The passes of a method from the CoC map on, as the language writes them."""
     spacing = language.spacing if method == "paper" else 0.0
     settings = methods.Settings(method, aperture, targets=language.targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
-    memory = {texture["name"]: texture["memory"] for texture in planned["textures"]}
-
-    def named(name: str) -> str:
-        return DEPTH_NAME if name == "depth" else language.named(name)
-
-    listed = []
+    names = {texture["name"]: language.named(texture["name"]) for texture in planned["textures"]}
+    names |= _three_textures(planned["textures"]) if language is BEVY else {}
+    names["depth"] = DEPTH_NAME
+    word, replacement = language.replaced
+    separator = ", " if language is BEVY else " "
+    lines = []
     for step, item in zip(planned["passes"][1:], methods.plan(settings, SIZE).passes, strict=True):
-        last = max(COLORS.index(slot) for slot in item.inputs if slot in COLORS)
-        sets = {name: value for name, value in step["changes"].items() if name != LEFT_OUT}
+        sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
         if item.spec.layers and "BokehSides" in program(step["define"]):
-            sets["BokehSides"] = item.values()["BokehSides"]
-        if "BokehAngle" in sets:
-            sets["BokehAngle"] = round(degrees(sets["BokehAngle"]), 6)
-        row = Row(
-            item.entry,
-            step["define"].removeprefix("BOKEH_"),
-            tuple(named(item.inputs[slot]) if slot in item.inputs else "-" for slot in COLORS[: last + 1]),
-            tuple(named(name) for name in item.outputs),
-            item.scale,
-            {name.removeprefix("Bokeh"): value for name, value in sets.items()},
-            call(item, named),
-            tuple(memory[name] for name in item.outputs),
+            sets["Sides"] = item.values()["BokehSides"]
+        if "Angle" in sets:
+            sets["Angle"] = round(degrees(sets["Angle"]), 6)
+        forms = {"Angle": language.angle or language.parameter}
+        last = max(COLORS.index(slot) for slot in item.inputs if slot in COLORS)
+        writes = [names[name] for name in item.outputs]
+        line = language.row.format(
+            entry=item.entry,
+            define=step["define"].removeprefix("BOKEH_"),
+            reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
+            writes=separator.join(writes),
+            quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
+            scale=item.scale,
+            sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
+            turn=sets.get("Angle", 0.0),
+            call=call(item, names),
         )
-        listed.append(row)
-    return listed
+        lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
+    return lines
+
+
+def _three_textures(textures: list[dict]) -> dict[str, str]:
+    """Bevy's names. Three textures do between the passes: those that may share their memory are one."""
+    places, letters = {"color": "Scene", "coc": "CoC", "result": "Out"}, {}
+    for texture in textures:
+        if texture["written"] and texture["name"] not in places:
+            places[texture["name"]] = letters.setdefault(texture["memory"], "ABC"[len(letters) % 3])
+    return places
 
 
 def program(define: str) -> str:
@@ -202,13 +168,13 @@ def signature(function: str) -> tuple[str, list[list[str]]]:
     return head[1], [parameter.split() for parameter in head[2].split(",")]
 
 
-def call(item: Pass, named: Callable[[str], str]) -> str:
-    """The function of the library that a pass calls, with a sample's textures, uniforms and locals.
+def call(item: Pass, names: dict[str, str]) -> str:
+    """The function of the library that a pass calls, with a sample's names of textures, uniforms and locals.
 
     uv, layers, polygon, settings, rotation and squeeze are the locals and uniforms that each sample has.
     """
     entry, values = item.spec, item.values()
-    textures = {slot: named(name) for slot, name in item.inputs.items()}
+    textures = {slot: names[name] for slot, name in item.inputs.items()}
     if entry.role == COPY:
         return f"{entry.name}(color, {DEPTH_NAME}, uv, {LENS})"
     if entry.role == ADAPTIVE:
