@@ -153,7 +153,7 @@ FIELD_DEPTH = np.geomspace(0.5, 500.0, SIZE[0] * SIZE[1], dtype=np.float32).resh
 
 def _judge_constant(outputs: dict[str, Outputs]) -> list[Check]:
     expected = FIELD[..., :3].astype(np.float64)
-    checks, why = [], "a mean of equal numbers, rounded once in float32 and once a store; a step for each of 4 passes at most"
+    checks, why = [], "a mean of equal numbers; a step for the store of each pass, of which there are 4 at most"
     for label, textures in outputs.items():
         off = float(np.abs(textures["result"][..., :3] / expected - 1.0).max())
         checks.append(Check(f"change, {label} (relative)", off, 0.0, 4 * HALF_STEP, why))
