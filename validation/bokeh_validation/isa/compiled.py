@@ -1,25 +1,30 @@
 """The methods whose cost is counted, and their passes as programs: as they are, and with their loops written out."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 from bokeh_validation import shaders
-from bokeh_validation.compilers import glslang
+from bokeh_validation.compilers import dxc, glslang
+from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.isa.unrolled import unrolled
 from bokeh_validation.shaders.entries import EDGE, EXACT
-from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, Pass
 
 VERTEX = "BokehFullScreen"
 PATH = " path"  # ends the names of programs with their loops written out
-THREADS = 2  # for the compilations to SPIR-V
 SIZE = (1920, 1080)  # for which the tiles that the largest CoC reaches are counted
 # preset of `exact` -> BOKEH_NUM_SAMPLES, pixels between samples
 EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
+# binding -> kind of descriptor, by language: HLSL's textures have a sampler of their own
+BOUND = {
+    "glsl": {0: "uniform"} | dict.fromkeys(BINDINGS.values(), "combined"),
+    "hlsl": {0: "uniform", FIRST_SAMPLER: "sampler"} | dict.fromkeys(BINDINGS.values(), "texture"),
+}
+THREADS = 2  # for glslang
 
 
 @dataclass(frozen=True)
@@ -42,20 +47,18 @@ class Method:
 
 def all_methods() -> list[Method]:
     """`paper`, `exact` and `layered`, with all presets."""
-    found = [Method(f"paper {shape}", Settings("paper", shape)) for shape in ("hexagon", "octagon")]
+    rows = {f"paper {shape}": Settings("paper", shape) for shape in ("hexagon", "octagon")}
     for shape in EXACT:
         for preset, (samples, spacing) in EXACT_PRESETS.items():
-            settings = Settings("exact", shape, spacing=spacing, samples=samples)
-            found.append(Method(f"exact {shape} {preset}", settings))
+            rows[f"exact {shape} {preset}"] = Settings("exact", shape, spacing=spacing, samples=samples)
     for shape in ("hexagon", "octagon"):
-        found += [
-            Method(f"layered {shape} {preset}", Settings("layered", shape, preset=preset)) for preset in methods.PRESETS
-        ]
-    return found
+        for preset in methods.PRESETS:
+            rows[f"layered {shape} {preset}"] = Settings("layered", shape, preset=preset)
+    return [Method(name, settings) for name, settings in rows.items()]
 
 
 @dataclass(frozen=True)
-class Program:
+class PassProgram:
     """A pass as it is compiled.
 
     path  with its loops written out: its counts are those of the path that a pixel takes
@@ -71,7 +74,7 @@ class Program:
         words = [self.item.entry.removeprefix("Bokeh")]
         if self.item.spec.layers:
             words += [f"{key.removeprefix('BOKEH_LAYER_').lower()} {constants[key]}" for key in self._settings]
-        elif "BOKEH_NUM_SAMPLES" in self._settings:
+        elif self.item.spec.role != "copy":
             words += [str(constants["BOKEH_NUM_SAMPLES"]), "adaptive" * constants["BOKEH_ADAPTIVE_SAMPLES"]]
         if self.path and self.item.spec.layers and not self.item.spec.sides:
             words.append(f"{round(self.item.values()['BokehSides'])} sides")
@@ -79,69 +82,68 @@ class Program:
 
     @property
     def _settings(self) -> tuple[str, ...]:
-        """The constants that decide about its code."""
-        entry = self.item.entry
-        if not self.item.spec.layers:
-            return ("BOKEH_NUM_SAMPLES",) if self.item.spec.role != "copy" else ()
-        if entry == "BokehLayered":
+        """The constants that decide about the code of a pass of the layers."""
+        if self.item.entry == "BokehLayered":
             return ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CUBIC")
         return ("BOKEH_LAYER_CELLS",) if self.item.spec.sides or self.item.spec.role == EDGE else ()
 
-    def source(self, text: str, profile: str) -> str:
-        """Its GLSL; `text` is the library with the passes."""
-        constants = self.item.constants
-        if self.path:
-            values = self.item.values()
-            tiles = fetches.tiles_along(self.item)
-            text = unrolled(text, {**constants, "sides": round(values["BokehSides"]), "tiles": tiles})
-        head = {"BOKEH_PASS": shaders.glsl_pass(self.item.entry), **constants}
-        return shaders.GLSL_VERSIONS[profile] + "\n" + shaders.defines(head) + text
+    def glsl(self, profile: str) -> str:
+        """Its GLSL."""
+        text, constants = shaders.glsl(self.item.entry, profile, self.item.constants), self.item.constants
+        if not self.path:
+            return text
+        sides, tiles = round(self.item.values()["BokehSides"]), fetches.tiles_along(self.item)
+        return unrolled(text, {**constants, "sides": sides, "tiles": tiles})
 
 
-def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, Program]:
+def of_methods(chosen: Iterable[Method], paths: bool = True) -> dict[str, PassProgram]:
     """Every program that the methods need, once, by name: as it is, and, for `paths`, with its loops written out."""
-    found = {}
-    for method in chosen:
-        for item in method.passes:
-            for path in (False, True) if paths else (False,):
-                program = Program(item, path)
-                found.setdefault(program.name, program)
-    return found
+    programs = [
+        PassProgram(item, path) for method in chosen for item in method.passes for path in (False, True)[: 1 + paths]
+    ]
+    return {program.name: program for program in programs}
 
 
-def made(
-    wanted: dict[str, Program], profile: str, folder: Path | None = None
-) -> tuple[bytes, dict[str, tuple[bytes, int]]]:
-    """(vertex shader, name -> (code, targets)): SPIR-V in profile 450, else text. Raises Unavailable without glslang.
+@dataclass(frozen=True)
+class Code:
+    """What a GPU's compiler is given: a vertex stage and fragment stages, each a code and its entry point.
 
-    folder  holds glsl/ of another release, whose entries need not be all of them; None: this one's
+    fragments  name of a program -> (code, entry point, number of targets)
+    bindings   binding -> kind of descriptor
     """
-    text = shaders.text("glsl") if folder is None else _other(folder)
-    known = {name: program for name, program in wanted.items() if shaders.glsl_pass(program.item.entry) in text}
-    head = {"BOKEH_PASS": shaders.glsl_pass(VERTEX)}
-    vertex = shaders.GLSL_VERSIONS[profile] + "\n" + shaders.defines(head) + text
-    sources = [vertex, *(program.source(text, profile) for program in known.values())]
-    codes = [source.encode("ascii") for source in sources] if profile != "450" else _spirv(sources, ["", *known])
-    targets = [program.item.spec.targets for program in known.values()]
-    return codes[0], dict(zip(known, zip(codes[1:], targets, strict=True), strict=True))
+
+    vertex: tuple[bytes, str]
+    fragments: Mapping[str, tuple[bytes, str, int]]
+    bindings: Mapping[int, str]
 
 
-def _spirv(sources: list[str], names: list[str]) -> list[bytes]:
-    """A vertex shader and fragment shaders for Vulkan."""
+def code(programs: Mapping[str, PassProgram], language: str, profile: str = "450") -> Code:
+    """Programs as SPIR-V by glslang or, of HLSL, by DXC; GLSL of another profile than 450 as text.
 
-    def compiled(source: str, name: str) -> bytes:
-        result = glslang.spirv(source, "frag" if name else "vert", glslang.VULKAN)
-        if not result.ok:
-            raise UserError(f"{name or 'the vertex shader'}: {result.messages.splitlines()[0]}")
-        return result.binary
+    Raises Unavailable without these compilers and UserError where they refuse a program.
+    """
+    items = [program.item for program in programs.values()]
+    if language == "hlsl":
+        vertex, entries = (_hlsl(VERTEX, "vert", {}), f"{VERTEX}_VS"), [f"{item.entry}_PS" for item in items]
+        codes = [_hlsl(item.entry, "frag", item.constants) for item in items]
+    else:
+        entries, texts = ["main"] * len(items), [program.glsl(profile) for program in programs.values()]
+        with ThreadPoolExecutor(THREADS) as pool:
+            codes = list(pool.map(lambda text: _glsl(text, "frag", profile), texts))
+        vertex = _glsl(shaders.glsl(VERTEX, profile), "vert", profile), "main"
+    targets = [item.spec.targets for item in items]
+    return Code(vertex, dict(zip(programs, zip(codes, entries, targets, strict=True), strict=True)), BOUND[language])
 
-    with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(compiled, sources, names))
+
+def _glsl(text: str, stage: str, profile: str) -> bytes:
+    return _binary(glslang.spirv(text, stage, glslang.VULKAN)) if profile == "450" else text.encode("ascii")
 
 
-def _other(folder: Path) -> str:
-    """Library, layers if there are any, and passes of another release."""
-    files = [folder / "glsl" / f"{name}.glsl" for name in ("bokeh", "bokeh_layers", "bokeh_passes")]
-    if not files[0].is_file():
-        raise UserError(f"--against {folder}: there is no glsl/bokeh.glsl in it. Name a folder with another release.")
-    return "".join(file.read_text(encoding="ascii") for file in files if file.is_file())
+def _hlsl(entry: str, stage: str, constants: Mapping[str, object]) -> bytes:
+    return _binary(dxc.build(shaders.hlsl(6, constants), stage, entry + {"vert": "_VS", "frag": "_PS"}[stage]))
+
+
+def _binary(result: CompileResult) -> bytes:
+    if not result.ok:
+        raise UserError(f"a shader does not compile: {result.messages.splitlines()[0]}. See validation/run compile.")
+    return result.binary

@@ -9,7 +9,7 @@ beside anything else. A frame is the sum of its passes; the time between passes 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from bokeh_validation.isa.compiled import Method, Program
+from bokeh_validation.isa.compiled import Method, PassProgram
 from bokeh_validation.isa.targets import Count
 from bokeh_validation.shaders.passes import Pass
 
@@ -100,10 +100,5 @@ def by_pass(method: Method, counts: Mapping[str, Count], device: Device) -> Iter
 
 def along_path(item: Pass, counts: Mapping[str, Count]) -> Count:
     """A pass along a pixel's path: the program as it is where the compiler has written out the loops itself."""
-    one, path = counts[Program(item).name], counts[Program(item, path=True).name]
-    return one if is_unrolled(one, path) else path
-
-
-def is_unrolled(one: Count, path: Count) -> bool:
-    """Whether all fetches of the path are in the code."""
-    return one.texture >= path.texture
+    plain, path = counts[PassProgram(item).name], counts[PassProgram(item, path=True).name]
+    return plain if plain.texture >= path.texture else path

@@ -1,8 +1,8 @@
 """A program by itself: GLSL ES programs linked and drawn with by an OpenGL ES driver on a GPU that is not there.
 
-It runs in an emulated Python, so it needs nothing but the driver. Standard input: {"vertex": FILE, "fragments": [[NAME,
-FILE, TARGETS], ...]}, files of GLSL ES 3.00. The driver writes what it counts to standard error; after each program
-this adds a line `## NAME`.
+It runs in an emulated Python, so it needs nothing but the driver. Standard input: {"vertex": [FILE, ENTRY],
+"fragments": [[NAME, FILE, ENTRY, TARGETS], ...]}, files of GLSL ES 3.00. The driver writes what it counts to standard
+error; after each program this adds a line `## NAME`.
 """
 
 import ctypes
@@ -59,8 +59,8 @@ def main():
         gl.glBindTexture(TEXTURE_2D, texture)
         gl.glTexStorage2D(TEXTURE_2D, 1, RGBA16F, SIZE, SIZE)
         gl.glFramebufferTexture2D(FRAMEBUFFER, COLOR_ATTACHMENT + index, TEXTURE_2D, texture, 0)
-    vertex = shader(gl, VERTEX, asked["vertex"])
-    for name, file, targets in asked["fragments"]:
+    vertex = shader(gl, VERTEX, asked["vertex"][0])
+    for name, file, _, targets in asked["fragments"]:
         program = gl.glCreateProgram()
         gl.glAttachShader(program, vertex)
         gl.glAttachShader(program, shader(gl, FRAGMENT, file))

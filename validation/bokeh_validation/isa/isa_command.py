@@ -1,11 +1,12 @@
 """The command `validation/run isa`."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, astuple, dataclass, field
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from bokeh_validation import files, terminal
@@ -13,9 +14,11 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.isa import compiled, estimate
 from bokeh_validation.isa.compiled import Method
 from bokeh_validation.isa.estimate import DEVICES
-from bokeh_validation.isa.targets import MISSING, OTHERS, STOCK, TARGETS, Count
+from bokeh_validation.isa.targets import OTHERS, STOCK, TARGETS, Count
 
-SIZES = ((1920, 1080), (3840, 2160))
+# heading -> field of Count
+COLUMNS = {"instructions": "instructions", "fetches": "texture"}
+COLUMNS |= {name: name for name in ("registers", "waves", "spills", "latency")}
 ESTIMATED = {device.target for device in DEVICES}
 
 
@@ -23,14 +26,14 @@ ESTIMATED = {device.target for device in DEVICES}
 class Counts:
     """What the compilers made of the programs.
 
-    found    target -> program -> count; those of ESTIMATED have the programs with their loops written out as well
+    found    (target, language) -> program -> count; the GLSL of ESTIMATED with its loops written out as well
     mesa     target -> version
     missing  target -> why there is none
     """
 
-    found: dict[str, dict[str, Count]] = field(default_factory=dict)
-    mesa: dict[str, str] = field(default_factory=dict)
-    missing: dict[str, str] = field(default_factory=dict)
+    found: dict[tuple[str, str], dict[str, Count]]
+    mesa: dict[str, str]
+    missing: dict[str, str]
 
 
 def isa(
@@ -40,114 +43,77 @@ def isa(
             "--all", help="Newer AMD, NVIDIA, Adreno, Mali and VideoCore too: 220 MB of packages, unpacked once."
         ),
     ] = False,
-    against: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder with glsl/ of another release: show ratios to it.")
-    ] = None,
-    json_file: terminal.JsonFile = None,
     table: Annotated[
         Path | None, typer.Option(metavar="FILE.tsv", help="Write the counts here, as the tests compare them.")
     ] = None,
 ) -> None:
     """Instructions, fetches and registers of every pass, by the compilers of real GPUs; none needs the GPU."""
-    terminal.check_writable(json_file, table)
+    terminal.check_writable(table)
     methods = compiled.all_methods()
-    names = [target.name for target in (*STOCK, *(OTHERS if every else ()))]
-    counts = count(methods, names)
-    old = count(methods, list(counts.found), against) if against else Counts()
-    wide = terminal.table_console(130)
-    for name, found in counts.found.items():
-        wide.print(
-            passes_table(f"{TARGETS[name].title} ({name}), Mesa {counts.mesa[name]}", found, old.found.get(name))
-        )
+    counts = count(methods, [target.name for target in (*STOCK, *(OTHERS if every else ()))])
+    # a table in a file or a pipe needs a width of its own
+    wide = terminal.console if terminal.console.is_terminal else Console(width=130)
+    for name in counts.mesa:
+        wide.print(passes_table(name, counts))
     for device in DEVICES:
-        if device.target in counts.found:
-            wide.print(methods_table(device, methods, counts.found[device.target]))
-    for name, reason in {**counts.missing, **(MISSING if every else {})}.items():
+        if device.target in counts.mesa:
+            wide.print(methods_table(device, methods, counts.found[device.target, "glsl"]))
+    for name, reason in counts.missing.items():
         terminal.console.print(f"{terminal.NOT_RUN} {name}: {reason}", highlight=False)
-    terminal.write_json(json_file, as_json(methods, counts, old))
     if table is not None:
         files.whole(table, lambda partial: partial.write_text("".join(rows(counts)), encoding="ascii"))
-    if not counts.found:
+    if not counts.mesa:
         terminal.end(False)
 
 
-def count(methods: Iterable[Method], names: Iterable[str], folder: Path | None = None) -> Counts:
-    """The programs of methods on targets; `folder` as in compiled.made. Raises UserError."""
-    counts, compiled_for = Counts(), {}
+def count(methods: Iterable[Method], names: Iterable[str], languages: Iterable[str] = ("glsl", "hlsl")) -> Counts:
+    """The programs of methods on targets, of those of the languages that these take. Raises UserError."""
+    counts, codes = Counts({}, {}, {}), {}
     names = list(names)
     with terminal.progress("isa", len(names)) as step:
         for name in names:
-            paths = name in ESTIMATED and folder is None
-            kind = paths, TARGETS[name].profile
-            if kind not in compiled_for:
-                compiled_for[kind] = compiled.made(compiled.of_methods(methods, paths), kind[1], folder)
+            target = TARGETS[name]
             try:
-                counts.mesa[name], counts.found[name] = TARGETS[name].counts(*compiled_for[kind])
+                for language in [language for language in target.languages if language in languages]:
+                    kind = language, target.profile, name in ESTIMATED and language == "glsl"
+                    if kind not in codes:
+                        codes[kind] = compiled.code(compiled.of_methods(methods, kind[2]), *kind[:2])
+                    counts.mesa[name], counts.found[name, language] = target.counts(codes[kind])
             except Unavailable as error:
+                counts.mesa.pop(name, None)
                 counts.missing[name] = str(error)
             step(name)
     return counts
 
 
-def passes_table(title: str, found: Mapping[str, Count], old: Mapping[str, Count] | None) -> Table:
-    """A row a program, as it is compiled; the slots are those on a pixel's path."""
-    table = Table(title=title)
-    estimated = any(name.endswith(compiled.PATH) for name in found)
-    columns = ["instructions", "fetches", "registers", "waves", "spills"]
-    columns += ["loops", "slots"] if estimated else []
-    columns += ["instructions, ratio", "fetches, ratio"] if old else []
-    for column in ("pass", *columns):
-        table.add_column(column, justify="left" if column in ("pass", "loops") else "right")
-    for name, one in found.items():
-        if name.endswith(compiled.PATH) or (old is not None and name not in old):
-            continue
-        cells = [one.instructions, one.texture, one.registers, one.waves or "", one.spills]
-        if estimated:
-            # of a pass for several polygons, the first one
-            path = next(path for key, path in found.items() if key.startswith(name) and key.endswith(compiled.PATH))
-            unrolled = estimate.is_unrolled(one, path)
-            cells += ["unrolled" if unrolled else "rolled", one.slots if unrolled else path.slots]
-        if old:
-            cells += [f"{one.instructions / old[name].instructions:.3f}", f"{one.texture / old[name].texture:.3f}"]
-        table.add_row(name, *map(str, cells))
+def passes_table(name: str, counts: Counts) -> Table:
+    """A row a program, as it is compiled: of GLSL, and of HLSL beside it."""
+    table = Table(title=f"{TARGETS[name].title} ({name}), Mesa {counts.mesa[name]}: GLSL / HLSL by DXC")
+    for heading in ("pass", *COLUMNS):
+        table.add_column(heading, justify="left" if heading == "pass" else "right")
+    programs = [counts.found[name, language] for language in TARGETS[name].languages]
+    for program in programs[0]:
+        if not program.endswith(compiled.PATH):
+            both = [by_name[program] for by_name in programs]
+            table.add_row(program, *(" / ".join(str(getattr(c, field)) for c in both) for field in COLUMNS.values()))
     return table
 
 
 def methods_table(device: estimate.Device, methods: Iterable[Method], counts: Mapping[str, Count]) -> Table:
     """A row a method: estimated milliseconds, and what it is bound by."""
     table = Table(title=f"{device.title}, estimated milliseconds a frame")
-    for column in ("method", "fetches", *(f"{width} x {height}" for width, height in SIZES), "bound by"):
+    for column in ("method", "fetches", "1920 x 1080", "bound by"):
         table.add_column(column, justify="left" if column in ("method", "bound by") else "right")
     for method in methods:
         cost = estimate.cost(method, counts, device)
-        table.add_row(method.name, f"{method.fetches:.1f}", *(cost.text(size) for size in SIZES), cost.bound)
+        table.add_row(method.name, f"{method.fetches:.1f}", cost.text(compiled.SIZE), cost.bound)
     return table
 
 
 def rows(counts: Counts) -> Iterator[str]:
-    """Lines of --table: target, version of Mesa, program, then the fields of its count."""
-    for target, found in counts.found.items():
-        for name, one in found.items():
+    """Lines of --table: target, version of Mesa, language, program, then the fields of its count."""
+    for (target, language), programs in counts.found.items():
+        for name, numbers in programs.items():
             if not name.endswith(compiled.PATH):
-                values = "\t".join(map(str, astuple(one)))
-                yield f"{target}\t{counts.mesa[target]}\t{name}\t{values}\n"
-
-
-def as_json(methods: Iterable[Method], counts: Counts, old: Counts) -> dict:
-    """Everything, for --json."""
-    estimates = {
-        device.title: {
-            method.name: asdict(cost := estimate.cost(method, counts.found[device.target], device))
-            | {"bound": cost.bound}
-            for method in methods
-        }
-        for device in DEVICES
-        if device.target in counts.found
-    }
-    return {
-        "mesa": counts.mesa,
-        "counts": {name: {key: asdict(one) for key, one in found.items()} for name, found in counts.found.items()},
-        "against": {name: {key: asdict(one) for key, one in found.items()} for name, found in old.found.items()},
-        "nanoseconds a pixel": estimates,
-        "missing": counts.missing,
-    }
+                fields = (target, counts.mesa[target], language, name, *astuple(numbers))
+                yield "\t".join(map(str, fields)) + "\n"

@@ -80,6 +80,6 @@ def _output(command: Sequence[str]) -> str:
     except subprocess.TimeoutExpired:
         raise Unavailable(f"{command[0]} took over {TIMEOUT_S} s") from None
     if done.returncode:
-        said = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-        raise Unavailable(f"{' '.join(command[:1] + list(command[-1:]))}: {said}")
+        last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
+        raise Unavailable(f"{command[0]} .. {command[-1]}: {last}")
     return done.stdout

@@ -16,9 +16,6 @@ _BOUNDS = {
     "255": "tiles",
     "layers.polygon.sides": "sides",
     "layers.polygon.sides / 2": "edges",
-    # of version 0.1.0
-    "numSamples": "BOKEH_NUM_SAMPLES",
-    "maxSamples": "BOKEH_NUM_SAMPLES",
 }
 
 
