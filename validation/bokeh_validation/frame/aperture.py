@@ -58,9 +58,8 @@ def aperture(
     terminal.tell(ROW.format("pass", "entry", "degrees", *names, "ColorSamp", "ColorSampB"))
     for line in passes:
         numbers = [f"{line['degrees']:.2f}", *(f"{line['parameters'][name]:.6f}" for name in names)]
-        source = f"pass {line['reads']}" if line["reads"] else "CoC map"
-        other = f"pass {line['combines']}" if line["combines"] else ""
-        terminal.tell(ROW.format(line["pass"], line["entry"], *numbers, source, other).rstrip())
+        source, other = (f"pass {line[key]}" if line[key] else "" for key in ("reads", "combines"))
+        terminal.tell(ROW.format(line["pass"], line["entry"], *numbers, source or "CoC map", other).rstrip())
     terminal.tell(f"in every pass: BokehSqueeze {squeeze:g}, BokehUseMax 0")
 
 

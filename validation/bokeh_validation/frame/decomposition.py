@@ -37,8 +37,8 @@ class LinePass:
     """
 
     angle: float
-    length: float
-    center: tuple[float, float]
+    length: float = 1.0
+    center: tuple[float, float] = (0.0, 0.0)
     reads: int | None = None
     combines: int | None = None
 
@@ -131,7 +131,7 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
     for star in sorted(stars, key=lambda star: (strips[star.hub].angle, star.leaves)):
         hub, shared = strips[star.hub], len(passes)
         # the shared line is centred on the pixel; all of the offset is in the second pass
-        passes.append(LinePass(hub.angle + rotation, star.chord, (0.0, 0.0)))
+        passes.append(LinePass(hub.angle + rotation, star.chord))
         for leaf in (strips[index] for index in star.leaves):
             width = max(leaf.width, star.chord * abs(sin(radians(leaf.angle - hub.angle))))
             middles = hub.middle(hub.width), leaf.middle(width)

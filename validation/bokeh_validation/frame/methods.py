@@ -1,14 +1,18 @@
 """The workflows of Figure 10 and the naive gather, as lists of passes."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, field, replace
 from math import radians
 
 import numpy as np
 
 from bokeh_validation.frame import apertures
-from bokeh_validation.frame.decomposition import decompose
+from bokeh_validation.frame.decomposition import LinePass, decompose
 from bokeh_validation.shaders.entries import COLORS, EXACT
 from bokeh_validation.shaders.passes import Pass
+
+# The shaders' names for the fields of Camera, in the same order
+LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
 
 
 @dataclass(frozen=True)
@@ -23,20 +27,14 @@ class Camera:
 
     def parameters(self) -> dict[str, float]:
         """As the shaders name them."""
-        return {
-            "BokehApertureDiameter": self.aperture_diameter,
-            "BokehFocalLength": self.focal_length,
-            "BokehFocusDistance": self.focus_distance,
-            "BokehSensorHeight": self.sensor_height,
-            "BokehMaxCoC": self.max_coc,
-        }
+        return dict(zip(LENS, astuple(self), strict=True))
 
 
 @dataclass(frozen=True)
 class Settings:
     """What to render.
 
-    samples      on a line, with spacing at most; default: see default_samples
+    samples      on a line, with spacing at most; default: see `count`
     coc          a constant CoC (fraction of the image height) instead of one from depth
     spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples
     jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
@@ -73,10 +71,13 @@ class Settings:
 
     @property
     def count(self) -> int:
-        """BOKEH_NUM_SAMPLES of the filter passes."""
+        """BOKEH_NUM_SAMPLES of the filter passes: by default 13 on a line, as in the paper's section 4.3."""
         if self.samples is not None:
             return self.samples
-        return MOST_SAMPLES if self.spacing > 0.0 else default_samples(self.method, self.aperture)
+        if self.spacing > 0.0:
+            return MOST_SAMPLES
+        has_edges = self.method in ("exact", "layered")
+        return EDGE_SAMPLES.get(self.aperture, PAPER_SAMPLES) if has_edges else PAPER_SAMPLES
 
 
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
@@ -88,11 +89,6 @@ MOST_SAMPLES = 65
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
 # 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
 EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
-
-
-def default_samples(method: str, aperture: str) -> int:
-    """Samples on a line where nobody says: 13 as in the paper's section 4.3, and as dense in the exact method."""
-    return EDGE_SAMPLES.get(aperture, PAPER_SAMPLES) if method in ("exact", "layered") else PAPER_SAMPLES
 
 
 @dataclass(frozen=True)
@@ -136,50 +132,21 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
 def paper(settings: Settings, size: tuple[int, int]) -> Plan:
     """Listings 1 to 4. `size` is (width, height) in pixels.
 
-    Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is made once.
+    Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is drawn once.
     """
     if settings.aperture in apertures.POLYGONS:
-        corners = apertures.regular_polygon(apertures.POLYGONS[settings.aperture])
-        return paper_polygon(corners, settings, size)
-    common = _filter_parameters(settings, size)
-    shapes = apertures.PARALLELOGRAMS[settings.aperture]
-    passes = [_coc_pass(settings)]
-    first_lines: dict[float, str] = {}
+        return paper_polygon(apertures.regular_polygon(apertures.POLYGONS[settings.aperture]), settings, size)
+    lines: list[LinePass] = []
+    first_lines: dict[float, int] = {}
     finished = None
-    for index, shape in enumerate(shapes):
+    for shape in apertures.PARALLELOGRAMS[settings.aperture]:
         if shape.first not in first_lines:
-            first_lines[shape.first] = name = f"line {len(passes)}"
-            passes.append(_line(settings, common, shape.first, "coc", name))
-        source = first_lines[shape.first]
-        if index + 1 < len(shapes):
-            finished = f"line {len(passes)}"
-            passes.append(_line(settings, common, shape.second, source, finished))
-        else:
-            passes.append(_line(settings, common, shape.second, source, "result", finished))
-    return Plan(_numbered(passes), {})
-
-
-def _numbered(passes: list[Pass]) -> tuple[Pass, ...]:
-    """A CoC map and line passes, each of these with noise of its own."""
-    return (
-        passes[0],
-        *(
-            replace(item, parameters={**item.parameters, "BokehPassIndex": float(index)})
-            for index, item in enumerate(passes[1:])
-        ),
-    )
-
-
-def _line(settings: Settings, common: dict, angle: float, source: str, target: str, other: str | None = None) -> Pass:
-    """One line pass; with `other`, the final one that combines with it."""
-    parameters = {**common, "BokehAngle": radians(angle + settings.rotation)}
-    inputs = {"ColorSamp": source, "DepthSamp": "depth"}
+            first_lines[shape.first] = len(lines)
+            lines.append(LinePass(shape.first + settings.rotation))
+        lines.append(LinePass(shape.second + settings.rotation, reads=first_lines[shape.first], combines=finished))
+        finished = len(lines) - 1
     entry = "BokehAdaptive" if settings.spacing > 0.0 else "BokehDepthOfField"
-    if other is None:
-        return Pass(entry, inputs, target, parameters, settings.count)
-    inputs["ColorSampB"] = other
-    parameters["BokehUseMax"] = 1.0 if settings.aperture in apertures.USES_MAX else 0.0
-    return Pass(entry + "Final", inputs, target, parameters, settings.count)
+    return _line_passes(settings, size, entry, lines, use_max=settings.aperture in apertures.USES_MAX)
 
 
 def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]) -> Plan:
@@ -187,18 +154,26 @@ def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]
 
     Names are those of `paper`. The entries are the adaptive ones, which take lines of any length beside the pixel.
     """
+    return _line_passes(settings, size, "BokehAdaptive", decompose(corners, settings.rotation).passes)
+
+
+def _line_passes(
+    settings: Settings, size: tuple[int, int], entry: str, lines: Sequence[LinePass], use_max: bool = False
+) -> Plan:
+    """The CoC map and the lines, each of these with noise of its own."""
     common = _filter_parameters(settings, size)
-    common["BokehUseMax"] = 0.0
-    lines = decompose(corners, settings.rotation).passes
-    names = [f"line {index + 1}" for index in range(len(lines) - 1)] + ["result"]
+    names = [f"line {number}" for number in range(1, len(lines))] + ["result"]
     passes = [_coc_pass(settings)]
-    for line, name in zip(lines, names, strict=True):
+    for index, (line, name) in enumerate(zip(lines, names, strict=True)):
         inputs = {"ColorSamp": "coc" if line.reads is None else names[line.reads], "DepthSamp": "depth"}
-        if line.combines is not None:
+        parameters = {**common, **line.parameters(), "BokehPassIndex": float(index)}
+        if line.combines is None:
+            passes.append(Pass(entry, inputs, name, parameters, settings.count))
+        else:
             inputs["ColorSampB"] = names[line.combines]
-        entry = "BokehAdaptive" if line.combines is None else "BokehAdaptiveFinal"
-        passes.append(Pass(entry, inputs, name, {**common, **line.parameters()}, settings.count))
-    return Plan(_numbered(passes), {})
+            parameters["BokehUseMax"] = float(use_max)
+            passes.append(Pass(entry + "Final", inputs, name, parameters, settings.count))
+    return Plan(tuple(passes), {})
 
 
 def exact(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -291,17 +266,17 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     return Plan((_coc_pass(settings), gather), {})
 
 
-def in_viewport(found: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
+def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
     """A plan for an image that is a part of its textures.
 
-    viewport  (x, y, width, height) of the image, texels; `found` was made for its width and height
+    viewport  (x, y, width, height) of the image, texels; `full` was made for its width and height
     size      (width, height) of the textures and targets
     """
     names = ("BokehViewportX", "BokehViewportY", "BokehImageWidth", "BokehImageHeight")
     place = dict(zip(names, map(float, viewport), strict=True))
     place |= {"BokehTextureWidth": float(size[0]), "BokehTextureHeight": float(size[1])}
-    passes = (replace(item, viewport=viewport, parameters={**item.parameters, **place}) for item in found.passes)
-    return replace(found, passes=tuple(passes))
+    passes = (replace(item, viewport=viewport, parameters={**item.parameters, **place}) for item in full.passes)
+    return replace(full, passes=tuple(passes))
 
 
 def kernel_texture(table: np.ndarray) -> np.ndarray:
@@ -311,14 +286,15 @@ def kernel_texture(table: np.ndarray) -> np.ndarray:
     return texture
 
 
+METHODS = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}
+
+
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
     """The passes of `settings.method`, and lateral colour after them."""
-    made = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}[
-        settings.method
-    ](settings, size)
+    planned = METHODS[settings.method](settings, size)
     if settings.lateral == 0.0:
-        return made
-    *others, last = made.passes
+        return planned
+    *others, last = planned.passes
     finished = replace(last, output="finished")
     lateral = Pass("BokehLateralColor", {"ColorSamp": "finished"}, "result", {"BokehLateral": settings.lateral})
-    return replace(made, passes=(*others, finished, lateral))
+    return replace(planned, passes=(*others, finished, lateral))

@@ -3,9 +3,8 @@
 It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
 """
 
-import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated
 
@@ -36,13 +35,11 @@ VERTEX = {
 }
 # What is known in the engine only. The values in `parameters` are those of the settings, or defaults.
 OVERWRITE = {
-    "lens": [
-        "BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC",
-    ],
+    "lens": list(methods.LENS),
     "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
     "size": ["BokehAspectRatio", "BokehImageWidth", "BokehImageHeight"],
     "each frame, with BokehJitter": ["BokehFrame"],
-}  # fmt: skip
+}
 NOTES = (
     "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
     "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
@@ -61,17 +58,15 @@ NOTES = (
 
 
 def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
-    """Everything, ready for JSON. Raises UserError for settings that mean nothing.
+    """Everything that an engine needs, ready for JSON; NOTES say how to read it. Raises UserError for bad settings.
 
     size      (width, height) of the textures, pixels
     viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
               are multiples of every pass's scale, or ValueError is raised
 
-    Passes are numbered as listed: 0 makes metres of the depth buffer. A pass's parameters are `parameters` with its own
-    `changes`: one block for all passes will do. `constants` are fixed when its program is compiled. `last_read` is the
-    last pass that reads a texture, null for the result; textures with the same number in `memory` may be one target.
-    Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel of its targets, at
-    most; those of the frame are per pixel of the full size.
+    `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
+    may be one target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel
+    of a pass's targets, at most; those of the frame are per pixel of the full size.
     """
     options.check(settings)
     plan = methods.plan(settings, viewport[2:] if viewport else size)
@@ -81,17 +76,21 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         plan = methods.in_viewport(plan, viewport, size)
     first = 0 if plan.passes[0].entry == LINEAR_DEPTH.entry else 1
     same, changes = _parameters(plan.passes)
+    preset = dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True))
+    define = f"BOKEH_PRESET_{settings.preset.upper()}"
     textures = _textures(plan, size, first)
+    targets = [texture for texture in textures if texture["written"] is not None]
     steps = [
         _step(number, item, changed, size, textures)
         for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True), start=first)
     ]
-    memory = {texture["memory"]: texture["bytes"] for texture in textures if texture["written"] is not None}
     return {
         "version": __version__,
         "method": settings.method,
         "aperture": settings.aperture,
-        "preset": _preset(settings),
+        "preset": {"name": settings.preset, "define": define, "stands_for": preset}
+        if settings.method == "layered"
+        else None,
         "several_targets": settings.targets,
         "size": list(size),
         "notes": list(NOTES),
@@ -105,8 +104,8 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "textures": textures,
         "tables": {name: table[0, :, :2].tolist() for name, table in plan.tables.items()},
         "result": plan.result,
-        "bytes": sum(texture["bytes"] for texture in textures if texture["written"] is not None),
-        "bytes_shared": sum(memory.values()),
+        "bytes": sum(texture["bytes"] for texture in targets),
+        "bytes_shared": sum({texture["memory"]: texture["bytes"] for texture in targets}.values()),
         "fetches": fetches.of_frame(plan.passes),
     }
 
@@ -117,7 +116,18 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
         "pass": number,
         "entry": item.entry,
         "define": shaders.glsl_pass(item.entry),
-        "inputs": [_input(item, slot) for slot in SLOTS if slot in item.inputs],
+        "inputs": [
+            {
+                "slot": slot,
+                "uniform": f"Bokeh{slot}",
+                "register": register,
+                "binding": BINDINGS[slot],
+                "texture": item.inputs[slot],
+                "filter": "linear" if is_linear(item.entry, slot) else "nearest",
+            }
+            for register, slot in enumerate(SLOTS)
+            if slot in item.inputs
+        ],
         "targets": list(item.outputs),
         "scale": item.scale,
         "size": list(target_size(item.scale, size)),
@@ -161,26 +171,6 @@ def constants(item: Pass) -> dict[str, int]:
     return {"BOKEH_NUM_SAMPLES": item.samples, **known}
 
 
-def _preset(settings: methods.Settings) -> dict | None:
-    """The preset of layered: one #define in GLSL and HLSL, or the constants that it stands for; others have none."""
-    if settings.method != "layered":
-        return None
-    values = dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True))
-    return {"name": settings.preset, "define": f"BOKEH_PRESET_{settings.preset.upper()}", "stands_for": values}
-
-
-def _input(item: Pass, slot: str) -> dict:
-    """A texture of a pass. What is not filtered is fetched; shader model 3 needs a nearest filter for that."""
-    return {
-        "slot": slot,
-        "uniform": f"Bokeh{slot}",
-        "register": SLOTS.index(slot),
-        "binding": BINDINGS[slot],
-        "texture": item.inputs[slot],
-        "filter": "linear" if is_linear(item.entry, slot) else "nearest",
-    }
-
-
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
     """All parameters as most passes have them, and what each pass has differently.
 
@@ -208,9 +198,8 @@ def _textures(plan: methods.Plan, size: tuple[int, int], first: int) -> list[dic
         for name in item.inputs.values():
             read.setdefault(name, []).append(number)
             if name not in textures:
-                table = plan.tables.get(name)
-                whole = size if table is None else (table.shape[1], table.shape[0])
-                textures[name] = {"name": name, "written": None, "size": list(whole), "format": None, "bytes": None}
+                full = plan.tables[name].shape[1::-1] if name in plan.tables else size
+                textures[name] = {"name": name, "written": None, "size": list(full), "format": None, "bytes": None}
         wide, high = target_size(item.scale, size)
         kind, texel = FORMATS.get(item.spec.role, USUAL_FORMAT)
         for name in item.outputs:
@@ -219,25 +208,21 @@ def _textures(plan: methods.Plan, size: tuple[int, int], first: int) -> list[dic
     for name, texture in textures.items():
         texture["read"] = read.get(name, [])
         texture["last_read"] = None if name == plan.result else texture["read"][-1]
-    _share(textures.values())
+    # a target takes the memory of one of its size and format that nobody reads any more
+    taken: list[dict] = []
+    for texture in textures.values():
+        texture["memory"] = None
+        if texture["written"] is not None:
+            free = (number for number, other in enumerate(taken) if _is_free(other, texture))
+            texture["memory"] = number = next(free, len(taken))
+            taken[number : number + 1] = [texture]
     return list(textures.values())
 
 
-def _share(textures: Iterable[dict]) -> None:
-    """Number the memory: a target takes that of one of its size and format that nobody reads any more."""
-    taken: list[dict] = []
-    for texture in textures:
-        texture["memory"] = None
-        if texture["written"] is not None:
-            last = [math.inf if other["last_read"] is None else other["last_read"] for other in taken]
-            free = (
-                number
-                for number, other in enumerate(taken)
-                if (other["size"], other["format"]) == (texture["size"], texture["format"])
-                and last[number] < texture["written"]
-            )
-            texture["memory"] = number = next(free, len(taken))
-            taken[number : number + 1] = [texture]
+def _is_free(other: dict, texture: dict) -> bool:
+    """Whether a texture may take another's memory."""
+    alike = (other["size"], other["format"]) == (texture["size"], texture["format"])
+    return alike and other["last_read"] is not None and other["last_read"] < texture["written"]
 
 
 # ---------------------------------------------------------------------------------------------------------------- text
@@ -260,8 +245,8 @@ def lines(planned: dict) -> Iterator[str]:
         yield f"{step['pass']:2}  {step['entry']}  ({step['define']})"
         for source in step["inputs"]:
             yield f"      {source['slot']} <- {source['texture']}  ({source['filter']})"
-        share = "" if step["scale"] == 1 else f", 1/{step['scale']}"
-        yield f"      writes {', '.join(step['targets'])}  ({size_text(step['size'])} {step['format']}{share})"
+        scale = "" if step["scale"] == 1 else f", 1/{step['scale']}"
+        yield f"      writes {', '.join(step['targets'])}  ({size_text(step['size'])} {step['format']}{scale})"
         if step["viewport"]:
             x, y, *area = step["viewport"]
             yield f"      viewport {size_text(area)} at {x}, {y}"

@@ -2,8 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 import typer
@@ -11,7 +10,6 @@ import typer
 from bokeh_validation import files, paths, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods, plan, samples
-from bokeh_validation.frame.samples import camel, frames, rows, snake, table
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -28,7 +26,6 @@ NOT_IN_GODOT = (
     r"// where the image lies in its textures.*?(?=// Porting: image uv)",
     r"    if \(BOKEH_VIEWPORT > 0\)\n    \{\n        coords = clamp\(BokehViewport.*?\n    \}\n",
 )
-Lines = Iterable[str]
 
 
 def port(
@@ -60,12 +57,21 @@ def contents() -> dict[str, str]:
         planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
         head = {"generated": f"by validation/run port from {FRAME}"}
         texts[f"integration/frames/{method}-{aperture}.json"] = json.dumps(head | planned, indent=1) + "\n"
-    for path, origin, lines in REGIONS:
-        texts[path] = replaced(path, texts.get(path) or _text(path), origin, lines())
+    for path, origin, lines in _regions():
+        texts[path] = replaced(path, texts.get(path) or _text(path), origin, lines)
     return texts
 
 
-def replaced(path: str, text: str, origin: str, lines: Lines) -> str:
+def _regions() -> Iterator[tuple[str, str, Iterable[str]]]:
+    """Path, what it is made from, and lines of every region."""
+    yield from ((path, FRAME, tables(language, names)) for path, language, names in TABLES)
+    yield from ((path, PARAMETER_LIST, parameter_list(*form)) for path, form in PARAMETER_FORMS.items())
+    yield "integration/jmonkeyengine/BokehPass.java", PASS_LIST, java_passes()
+    yield "docs/passes.md", FRAME, passes_page()
+    yield "docs/parameters.md", PARAMETER_LIST, parameter_table()
+
+
+def replaced(path: str, text: str, origin: str, lines: Iterable[str]) -> str:
     """A file's text with what is between two markers made anew, as far indented as the first. Raises UserError."""
     begin, end = (f"{WRITTEN_BY} {origin}: {word}" for word in ("begin", "end"))
     region = re.compile(rf"^([ \t]*)(.*{re.escape(begin)}.*\n)(?:.*\n)*?(.*{re.escape(end)})", re.MULTILINE).search(
@@ -84,32 +90,39 @@ def _text(name: str) -> str:
 
 # ------------------------------------------------------------------------------------------------------------- samples
 
-# Name of a table -> method, aperture
-HEXAGON = {"HEXAGON": ("layered", "hexagon")}
-EXACT_HEXAGON = {"EXACT_HEXAGON": ("exact", "hexagon")}
-FLAT_OTHERS = {
-    "EXACT_OCTAGON": ("exact", "octagon"),
-    "PAPER_HEXAGON": ("paper", "hexagon"),
-    "PAPER_OCTAGON": ("paper", "octagon"),
-}
-OTHERS = {"OCTAGON": ("layered", "octagon"), **EXACT_HEXAGON, **FLAT_OTHERS}
-WINDOWS = {"LAYERED_HEXAGON": ("layered", "hexagon"), **EXACT_HEXAGON, **FLAT_OTHERS}
+# Name of a table -> method and polygon; without one, all polygons
+HEXAGON = {"HEXAGON": "layered hexagon"}
+EXACT_HEXAGON = {"EXACT_HEXAGON": "exact hexagon"}
+FLAT_OTHERS = {"EXACT_OCTAGON": "exact octagon", "PAPER_HEXAGON": "paper hexagon", "PAPER_OCTAGON": "paper octagon"}
+OTHERS = {"OCTAGON": "layered octagon", **EXACT_HEXAGON, **FLAT_OTHERS}
+UPPER = {method.upper(): method for method in ("layered", "exact", "paper")}
+TABLES = (
+    ("integration/opengl/depth_of_field.py", samples.PYTHON, HEXAGON),
+    ("integration/opengl/apertures.py", samples.PYTHON, OTHERS),
+    ("integration/raylib/depth_of_field.py", samples.PYTHON, HEXAGON),
+    ("integration/raylib/apertures.py", samples.PYTHON, OTHERS),
+    ("integration/panda3d/bokeh_panda3d/__init__.py", samples.PYTHON, EXACT_HEXAGON),
+    ("integration/panda3d/bokeh_panda3d/apertures.py", samples.PYTHON, FLAT_OTHERS),
+    ("integration/jmonkeyengine/BokehFilter.java", samples.JAVA, HEXAGON),
+    ("integration/jmonkeyengine/Apertures.java", samples.JAVA, OTHERS),
+    ("integration/frames.js", samples.SCRIPT, UPPER),
+    ("integration/love/polygon_bokeh.lua", samples.LUA, {"layered": "layered", "exact": "exact"}),
+    ("integration/ogre/PolygonBokeh.h", samples.OGRE, {"layered": "layered", "exact": "exact"}),
+    ("integration/godot/addons/polygon_bokeh/frames.gd", samples.GODOT, UPPER),
+    (
+        "integration/direct3d11/main.cpp",
+        samples.DIRECT3D11,
+        {"LAYERED_HEXAGON": "layered hexagon", **EXACT_HEXAGON, **FLAT_OTHERS},
+    ),
+    ("integration/bevy/src/lib.rs", samples.BEVY, EXACT_HEXAGON | FLAT_OTHERS),
+)
 
 
-def tables(write: Callable, named: dict[str, tuple], style: Callable[[str], str] = snake, **options) -> Lines:
-    """Tables one after the other, each written by `write` from its name and rows."""
-    return _separated(write(name, rows(*chosen, style, **options)) for name, chosen in named.items())
-
-
-def polygons(write: Callable, names: dict[str, str], **options) -> Lines:
-    """method -> name of its table: one after the other, each of all polygons."""
-    return _separated(write(name, frames(method, **options)) for method, name in names.items())
-
-
-def _separated(parts: Iterable[Lines]) -> Iterator[str]:
-    for number, part in enumerate(parts):
+def tables(language: samples.Language, names: dict[str, str]) -> Iterator[str]:
+    """Tables one after the other, with a blank line between them."""
+    for number, (name, chosen) in enumerate(names.items()):
         yield from [""] * (number > 0)
-        yield from part
+        yield from samples.table(language, name, *chosen.split())
 
 
 def java_passes() -> Iterator[str]:
@@ -135,18 +148,29 @@ def godot_shaders() -> dict[str, str]:
 
 # ---------------------------------------------------------------------------------------------------------- parameters
 
-BARE = {name.removeprefix("Bokeh"): value for name, value in PARAMETERS.items()}
+# A line of the file, what it has of each parameter, and how many parameters are in a line
+PARAMETER_FORMS = {
+    "integration/jmonkeyengine/assets/Bokeh/Bokeh.frag": ("{}", "#define Bokeh{name} m_{name}", 1),
+    "integration/jmonkeyengine/assets/Bokeh/Bokeh.j3md": ("{}", "Float {name} : {default}", 1),
+    "integration/bevy/src/lib.rs": ("{},", "{snaked}: f32", 1),
+    "integration/parameters/BokehParameters.h": ("float {};", "{name}", 4),
+    "integration/parameters/BokehParameters.cs": ("public float {};", "{name}", 4),
+    "integration/parameters/bokeh_parameters.rs": ("{},", "pub {snaked}: f32", 4),
+    "integration/parameters/bokehParameters.js": ("{},", '"{name}"', 4),
+}
 
 
-def snaked(name: str) -> str:
-    """MaxCoC -> max_coc, AngleB -> angle_b."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.replace("CoC", "Coc")).lower()
-
-
-def fields(form: str, named: Callable[[str], str] = str) -> Iterator[str]:
-    """Four parameters a line, and what fills the buffer up."""
-    names = [named(name) for name in (*BARE, *(f"Unused{i}" for i in range(len(BARE), BLOCK_FLOATS)))]
-    return (form.format(", ".join(names[first : first + 4])) for first in range(0, len(names), 4))
+def parameter_list(line: str, each: str, in_line: int) -> Iterator[str]:
+    """All parameters; where four are in a line, what fills the buffer up too."""
+    defaults = {name.removeprefix("Bokeh"): default for name, default in PARAMETERS.items()}
+    if in_line == 4:
+        defaults |= {f"Unused{i}": 0.0 for i in range(len(PARAMETERS), BLOCK_FLOATS)}
+    texts = []
+    for name, default in defaults.items():
+        # MaxCoC -> max_coc, AngleB -> angle_b
+        snaked = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.replace("CoC", "Coc")).lower()
+        texts.append(each.format(name=name, default=default, snaked=snaked))
+    return (line.format(", ".join(texts[first : first + in_line])) for first in range(0, len(texts), in_line))
 
 
 def parameter_table() -> Iterator[str]:
@@ -212,51 +236,3 @@ def _sources(inputs: list[dict]) -> Iterator[str]:
 
 def _cells(*cells: object) -> str:
     return f"| {' | '.join(str(cell) for cell in cells)} |"
-
-
-# ------------------------------------------------------------------------------------------------------------- regions
-
-PYTHON, JAVA = partial(table, samples.PYTHON), partial(table, samples.JAVA)
-UPPER = {method: method.upper() for method in ("layered", "exact", "paper")}
-TWO = {"layered": "layered", "exact": "exact"}
-REGIONS: tuple[tuple[str, str, Callable[[], Lines]], ...] = (
-    ("integration/opengl/depth_of_field.py", FRAME, lambda: tables(PYTHON, HEXAGON)),
-    ("integration/opengl/apertures.py", FRAME, lambda: tables(PYTHON, OTHERS)),
-    ("integration/raylib/depth_of_field.py", FRAME, lambda: tables(PYTHON, HEXAGON)),
-    ("integration/raylib/apertures.py", FRAME, lambda: tables(PYTHON, OTHERS)),
-    ("integration/panda3d/bokeh_panda3d/__init__.py", FRAME, lambda: tables(PYTHON, EXACT_HEXAGON)),
-    ("integration/panda3d/bokeh_panda3d/apertures.py", FRAME, lambda: tables(PYTHON, FLAT_OTHERS)),
-    ("integration/jmonkeyengine/BokehFilter.java", FRAME, lambda: tables(JAVA, HEXAGON, camel)),
-    ("integration/jmonkeyengine/Apertures.java", FRAME, lambda: tables(JAVA, OTHERS, camel)),
-    ("integration/jmonkeyengine/BokehPass.java", PASS_LIST, java_passes),
-    (
-        "integration/jmonkeyengine/assets/Bokeh/Bokeh.frag", PARAMETER_LIST,
-        lambda: map("#define Bokeh{0} m_{0}".format, BARE),
-    ),
-    (
-        "integration/jmonkeyengine/assets/Bokeh/Bokeh.j3md", PARAMETER_LIST,
-        lambda: map("Float {} : {}".format, BARE, BARE.values()),
-    ),
-    ("integration/frames.js", FRAME, lambda: polygons(partial(table, samples.SCRIPT), UPPER, named=camel)),
-    ("integration/love/polygon_bokeh.lua", FRAME, lambda: polygons(partial(table, samples.LUA), TWO, named=camel)),
-    ("integration/ogre/PolygonBokeh.h", FRAME, lambda: polygons(partial(table, samples.OGRE), TWO)),
-    (
-        "integration/godot/addons/polygon_bokeh/frames.gd", FRAME,
-        lambda: polygons(partial(table, samples.GODOT), UPPER, targets=False),
-    ),
-    (
-        "integration/direct3d11/main.cpp", FRAME,
-        lambda: tables(partial(table, samples.DIRECT3D11), WINDOWS, spacing=0.0),
-    ),
-    ("integration/bevy/src/lib.rs", FRAME, lambda: tables(samples.bevy, EXACT_HEXAGON | FLAT_OTHERS)),
-    ("integration/bevy/src/lib.rs", PARAMETER_LIST, lambda: (f"{snaked(name)}: f32," for name in BARE)),
-    ("integration/parameters/BokehParameters.h", PARAMETER_LIST, lambda: fields("float {};")),
-    ("integration/parameters/BokehParameters.cs", PARAMETER_LIST, lambda: fields("public float {};")),
-    (
-        "integration/parameters/bokeh_parameters.rs", PARAMETER_LIST,
-        lambda: fields("{},", lambda name: f"pub {snaked(name)}: f32"),
-    ),
-    ("integration/parameters/bokehParameters.js", PARAMETER_LIST, lambda: fields("{},", '"{}"'.format)),
-    ("docs/passes.md", FRAME, passes_page),
-    ("docs/parameters.md", PARAMETER_LIST, parameter_table),
-)  # fmt: skip

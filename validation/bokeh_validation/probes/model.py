@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from hashlib import blake2b
 
 import numpy as np
@@ -18,9 +18,9 @@ from bokeh_validation.reference.images import Image
 Outputs = Mapping[str, np.ndarray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
-    """One rendering of a probe.
+    """One rendering of a probe; equal to another with the same images, settings and outputs.
 
     color, depth  (H, W, 4) float16 and (H, W) float32
     keep          textures to look at, the result last
@@ -47,12 +47,16 @@ class Case:
         return methods.plan(self.settings, self.size)
 
     @cached_property
-    def content(self) -> bytes:
-        """Hash of colour and depth: unlike id(), it is never that of another image that was freed."""
-        digest = blake2b(repr((self.color.shape, self.color.dtype, self.depth.shape, self.depth.dtype)).encode())
-        for pixels in (self.color, self.depth):
-            digest.update(np.ascontiguousarray(pixels))
-        return digest.digest()
+    def _key(self) -> tuple:
+        # not id(): another image may have that of one that was freed
+        images = [(pixels.shape, blake2b(pixels.tobytes()).digest()) for pixels in (self.color, self.depth)]
+        return *images, self.settings, self.keep
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
 
     def textures(self) -> dict[str, np.ndarray]:
         """Everything the passes read."""
@@ -113,21 +117,12 @@ class ProbeResult:
     checks: list[Check]
 
 
-# Scenes are 20 MB each; the oldest go when there are more than fit.
-KEPT_BYTES = 400e6
-_expected: dict[tuple, dict[str, Image]] = {}
-
-
+@lru_cache(maxsize=16)  # scenes are 20 MB each
 def expected(case: Case, kind: precision.Precision, rounding: str) -> dict[str, Image]:
     """The reference's outputs with the acceptance interval of a class of devices; kept, since drivers share them."""
-    key = (case.content, case.settings, case.keep, kind, rounding)
-    if key not in _expected:
-        images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
-        # what nobody looks at is not kept: a scene's passes are a hundred megabytes
-        _expected[key] = {name: images[name] for name in case.keep}
-        while len(_expected) > 1 and sum(map(_bytes, _expected.values())) > KEPT_BYTES:
-            del _expected[next(iter(_expected))]
-    return _expected[key]
+    images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
+    # what nobody looks at is not kept: a scene's passes are a hundred megabytes
+    return {name: images[name] for name in case.keep}
 
 
 def compared(case: Case, driver: Driver) -> CaseResult:
@@ -140,18 +135,14 @@ def compared(case: Case, driver: Driver) -> CaseResult:
     passes, textures, software = case.plan.passes, case.textures(), driver.software
     if case.settings.method != "layered":
         outputs = driver.run(passes, textures, case.size, keep=case.keep)
-        wanted = expected(case, driver.precision, driver.rounding)
-        return CaseResult(case, outputs, wanted, {k: metrics.compare(outputs[k], wanted[k], software) for k in wanted})
+        images = expected(case, driver.precision, driver.rounding)
+        return CaseResult(case, outputs, images, {k: metrics.compare(outputs[k], images[k], software) for k in images})
     names = [name for item in passes for name in item.outputs]
     outputs = driver.run(passes, textures, case.size, keep=names)
-    wanted = Reference().images(passes, textures, case.size, "half", driver.precision, driver.rounding, given=outputs)
+    images = Reference().images(passes, textures, case.size, "half", driver.precision, driver.rounding, given=outputs)
     # bounds in steps are for pictures: sums and shares are often small differences
-    comparisons = {k: metrics.compare(outputs[k], wanted[k], software and k in case.keep) for k in names}
-    return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: wanted[k] for k in case.keep}, comparisons)
-
-
-def _bytes(images: Mapping[str, Image]) -> int:
-    return sum(image.value.nbytes + image.error.nbytes + image.undecided.nbytes for image in images.values())
+    comparisons = {k: metrics.compare(outputs[k], images[k], software and k in case.keep) for k in names}
+    return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: images[k] for k in case.keep}, comparisons)
 
 
 def run(probe: Probe, driver: Driver) -> ProbeResult:
@@ -178,9 +169,9 @@ def depth_of(size: tuple[int, int], metres: float) -> np.ndarray:
     return np.full((size[1], size[0]), metres, np.float32)
 
 
-def overlap(seen: np.ndarray, wanted: np.ndarray) -> float:
+def overlap(shape: np.ndarray, other: np.ndarray) -> float:
     """Of two shapes: the sum of the smaller over the sum of the larger."""
-    return float(np.minimum(seen, wanted).sum() / np.maximum(seen, wanted).sum())
+    return float(np.minimum(shape, other).sum() / np.maximum(shape, other).sum())
 
 
 def pixel_center(column: int, row: int) -> tuple[float, float]:

@@ -22,11 +22,6 @@ def thin_lens(depth):
     return listings.circle_of_confusion(depth, *lens)
 
 
-def coc_pixels(depth: float) -> float:
-    """CoC in pixels of a depth."""
-    return float(thin_lens(depth)) * SIZE[1]
-
-
 def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Colour and depth of a square before a background; each given as (value, depth)."""
     color, depth = flat(SIZE, outside[0]), depth_of(SIZE, outside[1])
@@ -37,67 +32,58 @@ def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> t
 
 def _outside(image: np.ndarray) -> np.ndarray:
     """Values around the square."""
-    held = np.ones_like(image, bool)
-    held[SQUARE] = False
-    return image[held]
+    around = np.ones_like(image, bool)
+    around[SQUARE] = False
+    return image[around]
 
 
 def _settings(aperture: str = "square", **changes) -> methods.Settings:
     return replace(methods.Settings("paper", aperture, 25, camera=CAMERA), **changes)
 
 
-# ---------------------------------------------------------------------------------------------- intensity leakage
-
-
 def _judge_leakage(outputs: dict[str, Outputs]) -> list[Check]:
+    unfixed, fixed = (textures["result"][..., 1] for textures in outputs.values())
     # the square is brighter than the background by so much
-    green = {label: output["result"][..., 1] for label, output in outputs.items()}
-    leaked = {label: _outside(value - 0.25).sum() / 15.75 for label, value in green.items()}
-    without, share = leaked["without the fix"], leaked["with the fix"] / leaked["without the fix"]
+    without, leaked = (_outside(value - 0.25).sum() / 15.75 for value in (unfixed, fixed))
     # Without the fix the background collects the square's light over half a CoC around it. A box filter gives to the
     # outside the mean of |x| over the line, L / 4, for each pixel of edge and each of the two lines.
-    side, line = SQUARE[0].stop - SQUARE[0].start, coc_pixels(FAR)
+    side, line = SQUARE[0].stop - SQUARE[0].start, float(thin_lens(FAR)) * SIZE[1]
     expected = 2 * 2 * side * line / 8
     why = f"perimeter x CoC / 8 = {expected:.0f}, within a factor of two for the square's corners"
     # With the fix only samples that straddle the edge still leak: their nearest depth is the background's, but up to
     # half a texel of the square is in their colour. That is a strip of 1/8 pixel (the integral of x over half a texel)
     # in place of line / 8 pixels.
     strip = "a strip of 1/8 pixel where samples straddle the edge, against CoC / 8 pixels; twice for two passes"
-    change = float(np.abs(green["with the fix"][SQUARE] / 16.0 - 1.0).max())
+    change = float(np.abs(fixed[SQUARE] / 16.0 - 1.0).max())
     same = "CoC 0: every sample is the pixel itself; three stores of one step each"
     return [
         Check("light leaked without the fix (pixels of the square)", without, 0.5 * expected, 2.0 * expected, why),
-        Check("leaked with the fix, share of that without", share, 0.0, 2.0 / line, strip),
+        Check("leaked with the fix, share of that without", leaked / without, 0.0, 2.0 / line, strip),
         Check("the focused square keeps its colour (relative)", change, 0.0, 3 * HALF_STEP, same),
     ]
 
 
-_BRIGHT = square_scene((16.0, FOCUS), (0.25, FAR))
+BRIGHT_SQUARE = square_scene((16.0, FOCUS), (0.25, FAR))
 LEAKAGE = Probe(
     "leakage",
     "Intensity leakage, with and without the fix",
-    "Without the fix a halo of the focused bright square lies on the blurred background. With it a faint one is left, "
-    "of samples that straddle the outline: linear filtering gives them colour of the square and the far depth.",
+    "A halo of the bright square on the blurred background; with the fix a faint one, of samples across the outline.",
     (
-        Case("without the fix", _settings(leak_fix=False), *_BRIGHT, tone_map=True),
-        Case("with the fix", _settings(), *_BRIGHT, tone_map=True),
+        Case("without the fix", _settings(leak_fix=False), *BRIGHT_SQUARE, tone_map=True),
+        Case("with the fix", _settings(), *BRIGHT_SQUARE, tone_map=True),
     ),
     _judge_leakage,
     "2",
 )
 
-# ---------------------------------------------------------------------------------------------- sharp silhouette
-
-_NEAR_SQUARE = "near square before a focused background"
-
 
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
-    value = outputs[_NEAR_SQUARE]["result"][..., 1]
+    value = outputs["near square before a focused background"]["result"][..., 1]
     change = float(np.abs(_outside(value - 0.25)).max())
     itself = "the background's CoC is 0, so it gathers nothing but itself: the artefact of section 2.1"
     row = value[(SQUARE[0].start + SQUARE[0].stop) // 2, SQUARE[1]]
     faded = int((row < 4.0 * (1 - 4 * HALF_STEP)).sum()) / 2
-    coc = coc_pixels(NEAR)
+    coc = float(thin_lens(NEAR)) * SIZE[1]
     why = f"half a CoC ({coc / 2:.1f} pixels) at most; less where the blurred CoC shortens the later lines"
     return [
         Check("change outside the silhouette", change, 0.0, 3 * HALF_STEP * 0.25, itself),
@@ -105,16 +91,15 @@ def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     ]
 
 
+NEAR_SQUARE = square_scene((4.0, NEAR), (0.25, FOCUS))
 SILHOUETTE = Probe(
     "silhouette",
     "Sharp silhouette of a defocused foreground",
     "The square fades inside its outline but does not spread over it, as a lens would make it.",
-    (Case(_NEAR_SQUARE, _settings("hexagon"), *square_scene((4.0, NEAR), (0.25, FOCUS)), tone_map=True),),
+    (Case("near square before a focused background", _settings("hexagon"), *NEAR_SQUARE, tone_map=True),),
     _judge_silhouette,
     "3",
 )
-
-# ---------------------------------------------------------------------------------------------- CoC blurred or not
 
 
 def branches() -> tuple[np.ndarray, np.ndarray]:
@@ -127,7 +112,7 @@ def branches() -> tuple[np.ndarray, np.ndarray]:
     return color, depth
 
 
-def steepest(value: np.ndarray) -> float:
+def _steepest(value: np.ndarray) -> float:
     """Largest difference of horizontal neighbours, away from the image's border."""
     return float(np.abs(np.diff(value[20:-20], axis=1)).max())
 
@@ -135,10 +120,8 @@ def steepest(value: np.ndarray) -> float:
 def _judge_coc_blur(outputs: dict[str, Outputs]) -> list[Check]:
     blurred, kept = outputs["CoC blurred"]["result"], outputs["CoC not blurred"]["result"]
     stored = outputs["CoC not blurred"]["coc"][..., 3]
-    edges, steps = (
-        steepest(kept[..., 1]) / steepest(blurred[..., 1]),
-        steepest(blurred[..., 3]) / steepest(kept[..., 3]),
-    )
+    edges = _steepest(kept[..., 1]) / _steepest(blurred[..., 1])
+    steps = _steepest(blurred[..., 3]) / _steepest(kept[..., 3])
     changed = float((np.abs(kept[..., 3] - stored) / stored).max())
     soft = "blurring the CoC softens the edges at depth discontinuities; 1 % is above what the stores can do"
     mean = "a mean over a line is smoother than what it averages"
@@ -162,25 +145,18 @@ COC_BLUR = Probe(
     "7",
 )
 
-# ---------------------------------------------------------------------------------------------- constant field
-
 FIELD = flat(SIZE)
 FIELD[..., :3] = (0.1, 1.0, 300.0)
-
-
-def field_depth() -> np.ndarray:
-    """Depth from near to far, so that the CoC takes every size."""
-    return np.geomspace(0.5, 500.0, SIZE[0] * SIZE[1], dtype=np.float32).reshape(SIZE[1], SIZE[0])
+# From near to far, so that the CoC takes every size
+FIELD_DEPTH = np.geomspace(0.5, 500.0, SIZE[0] * SIZE[1], dtype=np.float32).reshape(SIZE[1], SIZE[0])
 
 
 def _judge_constant(outputs: dict[str, Outputs]) -> list[Check]:
     expected = FIELD[..., :3].astype(np.float64)
-    checks = []
+    checks, why = [], "a mean of equal numbers; a step for the store of each pass, of which there are 4 at most"
     for label, textures in outputs.items():
         off = float(np.abs(textures["result"][..., :3] / expected - 1.0).max())
-        passes = 4 if "octagon" in label else 1
-        why = "a mean of equal numbers, rounded once in float32 and once a store; one half-float step for each pass"
-        checks.append(Check(f"change, {label} (relative)", off, 0.0, passes * HALF_STEP, why))
+        checks.append(Check(f"change, {label} (relative)", off, 0.0, 4 * HALF_STEP, why))
     return checks
 
 
@@ -189,23 +165,21 @@ CONSTANT = Probe(
     "A constant field stays as it is",
     "Depth runs from half a metre to 500 m, the colour is the same everywhere: nothing may change.",
     (
-        Case("paper, octagon", _settings("octagon"), FIELD, field_depth()),
-        Case("naive, octagon", _settings("octagon", method="naive", samples=13), FIELD, field_depth()),
+        Case("paper, octagon", _settings("octagon"), FIELD, FIELD_DEPTH),
+        Case("naive, octagon", _settings("octagon", method="naive", samples=13), FIELD, FIELD_DEPTH),
     ),
     _judge_constant,
 )
 
-# ---------------------------------------------------------------------------------------------- CoC over depth
-
 
 def _judge_coc(outputs: dict[str, Outputs]) -> list[Check]:
-    seen, sky = (outputs[label]["coc"][..., 3] for label in ("depth 0.5 m to 500 m", "infinite depth"))
-    camera, truth = CAMERA, thin_lens(field_depth().astype(np.float64))
+    seen, sky = (textures["coc"][..., 3] for textures in outputs.values())
+    truth = thin_lens(FIELD_DEPTH.astype(np.float64))
     off = np.abs(seen - truth) / images.step(truth + 16 * 2.0**-24 * truth, np.float16)
-    clamped = float((seen >= np.float16(camera.max_coc) * (1 - HALF_STEP)).mean())
-    share = float((truth >= camera.max_coc).mean())
-    far = camera.aperture_diameter * camera.focal_length / (camera.focus_distance - camera.focal_length)
-    beyond = float(np.abs(sky / (far / camera.sensor_height) - 1.0).max())
+    clamped = float((seen >= np.float16(CAMERA.max_coc) * (1 - HALF_STEP)).mean())
+    share = float((truth >= CAMERA.max_coc).mean())
+    far = CAMERA.aperture_diameter * CAMERA.focal_length / (CAMERA.focus_distance - CAMERA.focal_length)
+    beyond = float(np.abs(sky / (far / CAMERA.sensor_height) - 1.0).max())
     store = "one store in half a float, and 16 float32 roundings, 0.01 of a step"
     within = "where the formula exceeds MaxCoC; 0.1 % for pixels within a step of it"
     limit = "CoC at infinite depth over its limit A f / (S1 - f)"
@@ -221,7 +195,7 @@ COC = Probe(
     "CoC over depth against the thin-lens formula",
     "Depth grows from the upper left to the lower right; the CoC falls to zero at the focus distance and rises again.",
     (
-        Case("depth 0.5 m to 500 m", _settings(), FIELD, field_depth(), ("coc",)),
+        Case("depth 0.5 m to 500 m", _settings(), FIELD, FIELD_DEPTH, ("coc",)),
         Case("infinite depth", _settings(), FIELD, depth_of(SIZE, np.inf), ("coc",)),
     ),
     _judge_coc,

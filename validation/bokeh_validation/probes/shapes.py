@@ -9,7 +9,7 @@ from bokeh_validation import terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import apertures, fetches, methods, polygons
 from bokeh_validation.probes import highlight
-from bokeh_validation.probes.model import Case, depth_of, drawn, pixel_center
+from bokeh_validation.probes.model import Case, depth_of, drawn, overlap, pixel_center
 from bokeh_validation.shaders.passes import Pass
 
 # Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
@@ -82,19 +82,18 @@ class Shape(NamedTuple):
 
 def shape(driver: Driver, method: str, aperture: str) -> Shape:
     """Measure a row of the table: CoC 80 pixels, 40 for two highlights; half-float targets."""
-    first = (SIZE[0] // 2, SIZE[1] // 2)
+    middle = (SIZE[0] // 2, SIZE[1] // 2)
     settings = _dense(method, aperture, COC / SIZE[1], COC)
-    one = _lit(driver, settings, SIZE, [first])
+    value = _lit(driver, settings, SIZE, [middle])
     shapes = _parallelograms(settings) if aperture in apertures.USES_MAX else [outline(settings)]
-    truth = np.max([polygons.coverage(COC * corners, SIZE, pixel_center(*first)) for corners in shapes], axis=0)
-    seen = one * truth.sum() / one.sum()
+    truth = np.max([polygons.coverage(COC * corners, SIZE, pixel_center(*middle)) for corners in shapes], axis=0)
     plan = methods.plan(methods.Settings(method, aperture), SIZE).passes
     return Shape(
         len(plan) - 1,
         max(len(item.outputs) for item in plan),
         round(fetches.of_filters(plan)),
-        float(one.sum() / highlight.PEAK),
-        float(1.0 - np.minimum(seen, truth).sum() / np.maximum(seen, truth).sum()),
+        float(value.sum() / highlight.PEAK),
+        1.0 - overlap(value * truth.sum() / value.sum(), truth),
         _sum_off(driver, _dense(method, aperture, PAIR_COC / PAIR_SIZE[1], PAIR_COC)),
     )
 
@@ -102,14 +101,13 @@ def shape(driver: Driver, method: str, aperture: str) -> Shape:
 def _sum_off(driver: Driver, settings: methods.Settings) -> float:
     """See Shape."""
     first = (PAIR_SIZE[0] // 2, PAIR_SIZE[1] // 2)
-    one = _lit(driver, settings, PAIR_SIZE, [first])
-    worst = 0.0
+    single, worst = _lit(driver, settings, PAIR_SIZE, [first]), 0.0
     for distance in DISTANCES:
         for turn in np.arange(DIRECTIONS) * 2.0 * np.pi / DIRECTIONS:
             dx, dy = np.rint(distance * PAIR_COC * apertures.direction(turn)).astype(int)
             both = _lit(driver, settings, PAIR_SIZE, [first, (first[0] + dx, first[1] + dy)])
             # the second one alone is the first, moved: by whole pixels, and nothing reaches the border
-            alone = one + np.roll(one, (dy, dx), axis=(0, 1))
+            alone = single + np.roll(single, (dy, dx), axis=(0, 1))
             worst = max(worst, float(np.abs(both - alone).max() / max(alone.max(), both.max())))
     return worst
 
@@ -129,10 +127,8 @@ def _lit(driver: Driver, settings: methods.Settings, size: tuple[int, int], plac
 def shapes(driver: terminal.OneDriver = None, adapter: terminal.Adapter = None) -> None:
     """The table of docs/apertures.md: every shape by every method, measured on a driver."""
     used = terminal.pick_driver(driver, adapter)
-    lines = [
-        "| shape | method | passes | targets | fetches a pixel | light kept | shape off by | two highlights off by |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    heads = ("shape", "method", "passes", "targets", "fetches a pixel", "light kept", "shape off by")
+    lines = [f"| {' | '.join(heads)} | two highlights off by |", "|---" * 8 + "|"]
     with terminal.progress("shapes", len(SHAPES)) as step:
         for method, aperture in SHAPES:
             lines.append(f"| {aperture} | {method} | {shape(used, method, aperture)} |")

@@ -35,21 +35,14 @@ class Entry:
     whole: str = ""
 
 
-def _polygon(word: str, sides: int) -> tuple[Entry, Entry]:
-    """The two passes of an exact polygon."""
+def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]:
+    """The two passes of an exact polygon; those of a layer have the CoC in a slot of their own, the second's fifth."""
     between = sides // 2 - 1
+    stem = f"Bokeh{word.capitalize()}{'Layer' if layers else ''}"
+    first, second = (COLORS[:2], (*COLORS[:between], COLORS[4])) if layers else (COLORS[:1], COLORS[:between])
     return (
-        Entry(f"Bokeh{word}First", FIRST, COLORS[:1], between, sides),
-        Entry(f"Bokeh{word}Second", SECOND, COLORS[:between], 1, sides),
-    )
-
-
-def _layer(word: str, sides: int) -> tuple[Entry, Entry]:
-    """The same on a layer, whose second pass has the CoC in the fifth slot."""
-    between = sides // 2 - 1
-    return (
-        Entry(f"Bokeh{word}LayerFirst", FIRST, COLORS[:2], between, sides, True),
-        Entry(f"Bokeh{word}LayerSecond", SECOND, (*COLORS[:between], COLORS[4]), 1, sides, True),
+        Entry(f"{stem}First", FIRST, first, between, sides, layers),
+        Entry(f"{stem}Second", SECOND, second, 1, sides, layers),
     )
 
 
@@ -77,14 +70,14 @@ _ALL = (
     Entry("BokehAdaptiveFinal", ADAPTIVE, (*_COLOR_DEPTH, "ColorSampB")),
     Entry("BokehNaiveGather", TABLE, (*_COLOR_DEPTH, "KernelSamp")),
     Entry("BokehNaiveGrid", GRID, _COLOR_DEPTH),
-    *(entry for word, sides in EXACT.items() for entry in _polygon(word.capitalize(), sides)),
+    *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides)),
     Entry("BokehExactEdge", EDGE, COLORS[:1]),
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
     Entry("BokehDebug", VIEW, _COLOR_DEPTH),
     _layers("Tiles", 1),
     _layers("Reach", 1),
     *_SEVERAL,
-    *(entry for word, sides in EXACT.items() for entry in _layer(word.capitalize(), sides)),
+    *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
     Entry("BokehLayered", LAYERS, COLORS, layers=True),
     # one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),

@@ -17,7 +17,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
 
@@ -49,10 +49,6 @@ def _own_body(found: re.Match) -> str:
     """A function that reads a texture, to its head and the first line of its comment."""
     first = found["doc"].partition("\n")[0]
     return f"{first}\n{found['head']};" if re.search(rf"{rules.SAMPLING}\(", found["body"]) else found[0]
-
-
-def _glsl_head(found: re.Match) -> str:
-    return f"\n\n{found[2]}ENTRY {_PASS_NAMES.get(found[1], found[1])}()"
 
 
 def _wgsl_head(found: re.Match) -> str:
@@ -91,7 +87,10 @@ _CODE: Mapping[str, _Rewrites] = {
         (r"\btarget0 = (?=[^;]*;\n\})", "return "),
     ),
     "glsl": (
-        (r"^#(?:el)?if BOKEH_PASS == (\w+)\n\n((?://\d+\n)*)void main\(\)$", _glsl_head),
+        (
+            r"^#(?:el)?if BOKEH_PASS == (\w+)\n\n((?://\d+\n)*)void main\(\)$",
+            lambda head: f"\n\n{head[2]}ENTRY {_PASS_NAMES.get(head[1], head[1])}()",
+        ),
         (r"\n#endif\n#endif\n\Z", "\n"),
         (r"\bBokehUV\b", "uv"),
         (r"\bBokehResult = (?=[^;]*;\n\})", "return "),
@@ -201,13 +200,15 @@ def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list
 
 def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
     """What another language can say too; several blank lines are one."""
-    found: list[TextLine] = []
+    kept: list[TextLine] = []
     for line in lines:
         if other == "glsl":
             line = line._replace(common=re.sub(r",(?:sampler )?(?:\w+Sampler|BokehLinearClamp)\b", "", line.common))
-        if not (other == "wgsl" and line.common.startswith("#")) and (line.common or (found and found[-1].common)):
-            found.append(line)
-    return found if found and found[-1].common else found[:-1]
+        if other == "wgsl" and line.common.startswith("#"):
+            continue
+        if line.common or (kept and kept[-1].common):
+            kept.append(line)
+    return kept if kept and kept[-1].common else kept[:-1]
 
 
 @lru_cache(maxsize=64)
@@ -241,11 +242,11 @@ def _lines(language: str, text: str) -> tuple[TextLine, ...]:
 
 def _rewritten(text: str, rewrites: _Rewrites) -> str:
     """With as many lines as before."""
-
-    def same_height(new, found: re.Match) -> str:
-        changed = found.expand(new) if isinstance(new, str) else new(found)
-        return changed + "\n " * (found[0].count("\n") - changed.count("\n"))
-
     for pattern, new in rewrites:
-        text = re.sub(pattern, partial(same_height, new), text, flags=re.MULTILINE)
+
+        def same_height(match: re.Match, new: str | Callable = new) -> str:
+            changed = match.expand(new) if isinstance(new, str) else new(match)
+            return changed + "\n " * (match[0].count("\n") - changed.count("\n"))
+
+        text = re.sub(pattern, same_height, text, flags=re.MULTILINE)
     return text

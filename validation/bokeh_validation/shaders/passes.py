@@ -9,33 +9,20 @@ from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, ENTRIES, E
 from bokeh_validation.shaders.parameters import PARAMETERS
 
 # Texture slots in the order of their bindings.
-SLOTS = (
-    "ColorSamp",
-    "DepthSamp",
-    "ColorSampB",
-    "ColorSampC",
-    "ColorSampD",
-    "KernelSamp",
-    "ColorSampE",
-    "ColorSampF",
-)
+SLOTS = (*COLORS[:1], "DepthSamp", *COLORS[1:4], "KernelSamp", *COLORS[4:])
 # Set 0 in Vulkan and WebGPU: the parameters at binding 0, the linear sampler, the textures at what is left.
-FIRST_TEXTURE = 1
 FIRST_SAMPLER = 7
 BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 # Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
 SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
-
-
 # What Pass.scale may be
 SCALES = (1, 2, 4, 8)
 
 
 def is_linear(entry: str, slot: str) -> bool:
-    """Whether a pass samples a slot with the linear filter.
+    """Whether a pass samples a slot with the linear filter, as filter passes do with their colours.
 
-    Filter passes do with their colours. All else is fetched texel by texel, and needs a nearest filter in Direct3D 9
-    only; so is the colour that the first pass copies.
+    All else is fetched texel by texel, and needs a nearest filter in Direct3D 9 only.
     """
     return slot in COLORS and entry not in COPYING_ENTRIES
 

@@ -42,11 +42,8 @@ SWITCHES = {
         "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond ExactEdge LayerFill "
         "DecagonLayerFirst DecagonLayerSecond LayerEdge Layered",
     ),
-    "axial": (
-        {"BOKEH_CHARACTER": 2},
-        "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge",
-    ),
-}  # fmt: skip
+    "axial": ({"BOKEH_CHARACTER": 2}, "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge"),
+}
 # In shader model 3 only exact polygons with several targets have room for a cat's eye, and none for axial colour
 NO_ROOM = {"character": ("ExactEdge", "Layer"), "axial": ("",)}
 
@@ -132,9 +129,9 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
     main   through the main compilers only
     """
     programs = []
-    for language, profile, main_compilers, other_compilers in VARIANTS:
+    for language, profile, main_compilers, others in VARIANTS:
         base = language if language == profile else f"{language}-{profile}"
-        compilers = tuple(main_compilers.split() if main else (main_compilers + " " + other_compilers).split())
+        compilers = tuple((main_compilers if main else f"{main_compilers} {others}").split())
         for switch, entry, counts in _entries(profile, quick):
             variant, values = (f"{base}-{switch}", SWITCHES[switch][0]) if switch else (base, {})
             programs += [Program(variant, language, profile, entry, count, compilers, values) for count in counts]
@@ -144,13 +141,13 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
 def _entries(profile: str, quick: bool) -> list[tuple[str, str, tuple[int | None, ...]]]:
     """(switch or '', entry, sample counts) of a profile."""
     by_role = SAMPLES_SM3 if profile == "sm3" else SAMPLES
-    counts = {VERTEX: (None,)}
+    chosen: list[tuple[str, str, tuple[int | None, ...]]] = [("", VERTEX, (None,))]
     for entry in entries.ENTRIES.values():
-        counts[entry.name] = (None,) if entry.layers else by_role.get(entry.role, (None,))
-    if quick:
-        return [("", name, (PAPER_SAMPLES,) if PAPER_SAMPLES in some else some[:1]) for name, some in counts.items()]
-    chosen = [("", name, some) for name, some in counts.items()]
-    for switch, (_, names) in SWITCHES.items():
+        counts = (None,) if entry.layers else by_role.get(entry.role, (None,))
+        if quick:
+            counts = (PAPER_SAMPLES,) if PAPER_SAMPLES in counts else counts[:1]
+        chosen.append(("", entry.name, counts))
+    for switch, (_, names) in () if quick else SWITCHES.items():
         no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
         for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in names.split()):
             if not any(part in entry.name for part in no_room):

@@ -73,3 +73,17 @@ def test_command():
     assert rows["exact hexagon 576"]["ratios"]["against"]["low"] <= 0.5
     for key in ("naive 144", "paper hexagon 169", "exact hexagon 169", "exact octagon 169"):
         assert rows[key]["ratios"]["floor"]["low"] <= 1.3, key
+
+
+# Time over that of `paper`, hexagon with 13 samples, on market_7 at this size
+MOST_TIME, TIMED_SIZE = {"layered low": 1.3, "layered medium": 2.0}, (960, 540)
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("name", ("osmesa", "wgpu"))
+def test_time(name):
+    """Medians of rounds in which all are drawn, in CPU time."""
+    wanted = [row for row in bench.in_depth(TIMED_SIZE) if row.key in ("paper hexagon", *MOST_TIME)]
+    _, measured = bench.measured(load(name), wanted, TIMED_SIZE, 5)
+    ratios = {row["key"]: row["ratios"]["against"] for row in measured if row["key"] in MOST_TIME}
+    assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios

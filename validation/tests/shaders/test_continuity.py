@@ -16,6 +16,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import listings, precision
+from bokeh_validation.truth import ray_traced
 
 WIDE = methods.Camera(max_coc=1.0)
 SIZE = (72, 64)
@@ -76,6 +77,26 @@ def test_coc_sweep(driver, method):
     for pixels in sweeps:
         shares = worst(load(driver), case, (replace(base, coc=float(c) / SIZE[1]) for c in pixels))
         assert max(shares) <= 1.0, (pixels[int(np.argmax(shares))], max(shares))
+
+
+FOCUS = np.linspace(2.0, 30.0, 36)  # metres, 0.8 a frame
+
+
+def scene_crop(settings: methods.Settings) -> Case:
+    """A piece of a ray-traced scene with near and far objects."""
+    scene = ray_traced.scene_case(ray_traced.STREET, "paper", "hexagon")
+    return Case("", settings, scene.color[200:272, 280:376].copy(), scene.depth[200:272, 280:376].copy())
+
+
+@pytest.mark.parametrize("method", ["paper, spacing 1", "exact, spacing 1", "exact, 7 samples"])
+def test_rack_focus(method):
+    """Focus pulled through a scene, the CoC from depth: the same bound in every pass, the leakage test off."""
+    camera = methods.Camera(0.05, 0.05, 5.0, max_coc=0.15)
+    base = replace(METHODS[method], camera=camera, leak_fix=False)
+    case = scene_crop(base)
+    settings = (replace(base, camera=replace(camera, focus_distance=float(s))) for s in FOCUS)
+    shares = worst(load("egl"), case, settings)
+    assert max(shares) <= 1.0, (FOCUS[int(np.argmax(shares))], max(shares))
 
 
 def planes(settings: methods.Settings) -> Case:
