@@ -4,7 +4,6 @@ from functools import partial
 
 import numpy as np
 
-from bokeh_validation.frame import polygons
 from bokeh_validation.probes.highlight import Bokeh, block, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
 from bokeh_validation.probes.near_edges import CAMERA, SIZE, STEP, WHOLE, checker, edge_spread, metres, settings
@@ -45,9 +44,13 @@ def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
-    """Share of the light that a lens puts on each pixel: the mean of the polygons of its pixels, (H, W)."""
-    bokeh = light_bokeh(coc, pixels, size)
-    share = bokeh.coverage / bokeh.area
+    """Share of the light in the middle that a lens puts on each pixel, (H, W)."""
+    return mean_spread(light_bokeh(coc, pixels, size), pixels)
+
+
+def mean_spread(first: Bokeh, pixels: int) -> np.ndarray:
+    """The mean of the polygons of a light's pixels, (H, W); first: of the upper left one."""
+    share = first.coverage / first.area
     return sum(np.roll(share, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels)) / pixels**2
 
 
@@ -92,9 +95,7 @@ ROW = SIZE[1] // 2  # of the lights, which are three by three pixels
 
 def far_spread(column: int) -> np.ndarray:
     """Share of the light of the pixels around a column on each pixel, (H, W)."""
-    polygon = polygon_of("hexagon", 0.0, COC)
-    centers = [pixel_center(column + i, ROW + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    return sum(polygons.coverage(polygon, SIZE, c) for c in centers) / 9.0 / abs(polygons.signed_area(polygon))
+    return mean_spread(Bokeh.of(polygon_of("hexagon", 0.0, COC), SIZE, pixel_center(column - 1, ROW - 1)), 3)
 
 
 def silhouette_case() -> Case:
