@@ -60,8 +60,8 @@ def rotated(table: np.ndarray, rotation: float) -> np.ndarray:
 
 def lattice_kernel(cells: int, inside: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
     """Midpoints of a square lattice, `cells` of them across a CoC of 1, where `inside(x, y)` is true."""
-    half = cells  # enough for shapes that reach beyond the CoC
-    axis = (np.arange(-half, half) + 0.5) / cells if cells % 2 == 0 else np.arange(-half, half + 1) / cells
+    # twice as wide as the CoC: enough for shapes that reach beyond it
+    axis = (np.arange(-cells, cells) + 0.5) / cells if cells % 2 == 0 else np.arange(-cells, cells + 1) / cells
     y, x = np.meshgrid(axis, axis, indexing="ij")
     keep = inside(x, y)
     return np.stack([x[keep], y[keep]], axis=1)

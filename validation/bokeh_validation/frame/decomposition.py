@@ -54,13 +54,9 @@ class LinePass:
 
 @dataclass(frozen=True, eq=False)
 class Decomposition:
-    """The passes of a polygon.
+    """The passes of a polygon (n, 2), in order; `directions` of its sides, parallel ones counted once.
 
-    polygon     (n, 2), turned
-    directions  number of directions of its sides; parallel sides count once
-    passes      in order
-    light       what min leaves of the light of an isolated highlight
-    bound       light cannot be more, however many parallelograms there are
+    `light` is what min leaves of the light of an isolated highlight: `bound` at most, by however many parallelograms.
     """
 
     polygon: np.ndarray

@@ -104,11 +104,10 @@ class Plan:
 
 
 def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
-    parameters = settings.camera.parameters()
+    lens = settings.camera.parameters()
     if settings.coc is None:
-        return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
-    parameters["BokehConstantCoC"] = settings.coc
-    return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", parameters)
+        return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", lens)
+    return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", lens | {"BokehConstantCoC": settings.coc})
 
 
 def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, float]:
@@ -257,11 +256,8 @@ def naive(settings: Settings, size: tuple[int, int]) -> Plan:
 def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     """Section 3 over a samples x samples grid of the aperture's first parallelogram, offsets computed (Table 1)."""
     shape = apertures.PARALLELOGRAMS[settings.aperture][0]
-    parameters = {
-        **_filter_parameters(settings, size),
-        "BokehAngle": radians(shape.first + settings.rotation),
-        "BokehAngleB": radians(shape.second + settings.rotation),
-    }
+    angles = [radians(angle + settings.rotation) for angle in (shape.first, shape.second)]
+    parameters = _filter_parameters(settings, size) | dict(zip(("BokehAngle", "BokehAngleB"), angles, strict=True))
     gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.count)
     return Plan((_coc_pass(settings), gather), {})
 
@@ -272,9 +268,8 @@ def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int
     viewport  (x, y, width, height) of the image, texels; `full` was made for its width and height
     size      (width, height) of the textures and targets
     """
-    names = ("BokehViewportX", "BokehViewportY", "BokehImageWidth", "BokehImageHeight")
-    place = dict(zip(names, map(float, viewport), strict=True))
-    place |= {"BokehTextureWidth": float(size[0]), "BokehTextureHeight": float(size[1])}
+    names = ("ViewportX", "ViewportY", "ImageWidth", "ImageHeight", "TextureWidth", "TextureHeight")
+    place = {f"Bokeh{name}": float(value) for name, value in zip(names, (*viewport, *size), strict=True)}
     passes = (replace(item, viewport=viewport, parameters={**item.parameters, **place}) for item in full.passes)
     return replace(full, passes=tuple(passes))
 

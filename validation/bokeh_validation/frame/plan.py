@@ -142,15 +142,14 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
 
 def programs(method: str) -> dict[str, dict]:
     """Language -> files to put together in their order, the lines before them, and names of the entries."""
-    # WGSL has no #ifdef: its passes need the layers always
-    with_layers = {"glsl": method == "layered", "hlsl": method == "layered", "wgsl": True}
     before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
     return {
         language: {
             "files": [
                 f"{language}/{stem}.{language}"
                 for stem in ("bokeh", "bokeh_layers", "bokeh_passes")
-                if with_layers[language] or stem != "bokeh_layers"
+                # WGSL has no #ifdef: its passes need the layers always
+                if stem != "bokeh_layers" or method == "layered" or language == "wgsl"
             ],
             "before": before[language],
             "entry": "main" if language == "glsl" else "{entry}_PS",

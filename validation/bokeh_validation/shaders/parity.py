@@ -15,7 +15,6 @@ A statement that has to deviate ends in `// differs: reason`, and the reason sta
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 from functools import lru_cache
 from itertools import combinations
@@ -115,8 +114,7 @@ _LINE = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     """One thing that is not the same in the languages, or breaks a rule; `text`: what stands where."""
 
     where: str
