@@ -14,8 +14,10 @@ LONGEST = (
 
 
 def pytest_addoption(parser):
-    """validation/test --all: the slow engine samples too, whether their files changed or not."""
-    parser.addoption("--all", action="store_true", help="run the slow engine samples too (Bevy builds for minutes)")
+    """validation/test --all: every engine sample, whether its files changed or not, and every probe in each language."""
+    parser.addoption(
+        "--all", action="store_true", help="every sample (Bevy builds for minutes), every probe in each language"
+    )
 
 
 def pytest_collection_modifyitems(items):
