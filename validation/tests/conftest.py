@@ -14,10 +14,8 @@ LONGEST = (
 
 
 def pytest_addoption(parser):
-    """validation/test --all: every engine sample, whether its files changed or not, and every probe in each language."""
-    parser.addoption(
-        "--all", action="store_true", help="every sample (Bevy builds for minutes), every probe in each language"
-    )
+    """validation/test --all: engine samples whose files did not change, and every probe in each language, too."""
+    parser.addoption("--all", action="store_true", help="every sample (Bevy builds for minutes) and probe")
 
 
 def pytest_collection_modifyitems(items):
