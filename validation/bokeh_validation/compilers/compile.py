@@ -43,11 +43,6 @@ class Row:
     program: Program
     cells: dict[str, Cell]
 
-    @property
-    def ok(self) -> bool:
-        """Every compiler that applies is there and took it."""
-        return all(cell.status == OK for cell in self.cells.values())
-
 
 @dataclass(frozen=True)
 class Compilation:
@@ -81,7 +76,7 @@ class Compilation:
         return ", ".join(parts) + f", {self.seconds:.1f} s"
 
     def failures(self, lines: int = 3) -> list[str]:
-        """What failed or is missing, each compiler's own first lines; what rows have in common comes once.
+        """What failed or is missing: each compiler's own first lines, once for all programs that have them in common.
 
         Cells that only lack the output of a failed one are left out.
         """
@@ -89,15 +84,11 @@ class Compilation:
         for row in self.rows:
             for column, cell in row.cells.items():
                 if cell.status != OK and not cell.follows:
-                    # a missing compiler is missing for every variant
-                    variant = row.program.variant if cell.status == FAILED else ""
-                    names[column, variant, "\n".join(cell.message.splitlines()[:lines])].append(row.program.name)
-        texts = []
-        for (column, variant, message), programs in names.items():
-            rest = f" and {len(programs) - 1} more" if len(programs) > 1 else ""
-            what = f"{programs[0]}{rest}" if variant else f"missing, {len(programs)} programs not checked"
-            texts.append("\n    ".join([f"{column}: {what}", *message.splitlines()]))
-        return texts
+                    names[column, cell.status, cell.message].append(row.program.name)
+        return [
+            "\n    ".join([f"{column} {status}: {len(programs)}, {programs[0]}", *message.splitlines()[:lines]])
+            for (column, status, message), programs in names.items()
+        ]
 
     def table(self) -> Table:
         """A line for each variant: its compilers, how many programs each refused, and the most slots of any."""
@@ -110,15 +101,9 @@ class Compilation:
 
     def as_json(self) -> dict[str, object]:
         """All of it: lists, dicts, texts and numbers only."""
-        keys = ("name", "variant", "language", "profile", "entry", "samples")
-        rows = [
-            {key: getattr(row.program, key) for key in keys}
-            | {"ok": row.ok, "cells": {column: asdict(cell) for column, cell in row.cells.items()}}
-            for row in self.rows
-        ]
         versions = {compiler.name: _version(compiler) for compiler in COMPILERS if compiler.name in self.columns}
-        return {"ok": all(row.ok for row in self.rows), "counts": self.counts, "summary": self.summary,
-                "seconds": round(self.seconds, 2), "versions": versions, "rows": rows}  # fmt: skip
+        rows = [{"name": row.program.name, **asdict(row)} for row in self.rows]
+        return {"ok": self.passed, "summary": self.summary, "counts": self.counts, "versions": versions, "rows": rows}
 
 
 def _words(column: str, cells: Sequence[Cell]) -> str:

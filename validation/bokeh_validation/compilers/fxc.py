@@ -50,11 +50,10 @@ class Process:
         self._server.start()
         self._turn = threading.Lock()
 
-    def compile(self, source: str, profile: str, entry: str, flags: int = 0) -> CompileResult:
+    def compile(self, source: str, profile: str, entry: str) -> CompileResult:
         """One program, with facts. A hang or a crash of the compiler is a refusal that says so.
 
         profile  ps_ or vs_ and the shader model, such as ps_3_0
-        flags    D3DCOMPILE_*; 0 is fxc.exe without options
         """
         with self._turn:
             kept = {name: self._server.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
@@ -62,7 +61,7 @@ class Process:
                 file.write_bytes(b"")
             (self._server.folder / "fxc.source").write_bytes(source.encode("ascii"))
             try:
-                ok, answer = self._server.ask(f"{profile} {entry} {flags:x}", COMPILE_S)
+                ok, answer = self._server.ask(f"{profile} {entry} 0", COMPILE_S)  # no options, as fxc.exe
             except server.Ended as error:
                 return refused(str(error))
             said, bytecode, listing = (file.read_bytes() for file in kept.values())

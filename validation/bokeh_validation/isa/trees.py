@@ -7,6 +7,7 @@ run through their own loader, those of another processor through qemu, which is 
 import shutil
 import subprocess
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from bokeh_validation import locks, paths
@@ -25,24 +26,17 @@ TIMEOUT_S = 540
 
 def tree(architecture: str) -> Path:
     """Folder of the unpacked system of a processor, made on first use. Raises Unavailable."""
-    folder = paths.cache_folder() / f"isa-{RELEASE}" / architecture
-    with locks.held(f"isa-{architecture}"):
-        # what it was made of: with other packages it is made again
-        complete, packages = folder / "complete", " ".join(PACKAGES[architecture])
-        if not complete.exists() or complete.read_text() != packages:
-            _make(folder, architecture)
-            complete.write_text(packages)
-    return folder / "root"
+    unpack = partial(_unpack, architecture)
+    return locks.built_once(f"isa-{RELEASE}/{architecture}", PACKAGES[architecture], unpack) / "root"
 
 
-def _make(folder: Path, architecture: str) -> None:
+def _unpack(architecture: str, folder: Path) -> None:
     if shutil.which("apt-get") is None or shutil.which("dpkg") is None:
         raise Unavailable("unpacks packages of Debian: needs apt-get and dpkg")
     mirror = _output(["apt-get", "indextargets", "--format", "$(REPO_URI)", "Identifier: Packages"]).splitlines()
     mirror = [line for line in mirror if line.rstrip("/").endswith("/debian")]
     if not mirror:
         raise Unavailable("unpacks packages of Debian: none of the machine's package sources is Debian's")
-    shutil.rmtree(folder, ignore_errors=True)
     for part in ("apt/lists/partial", "apt/cache/archives/partial", "root"):
         paths.ensured(folder / part)
     (folder / "apt/status").touch()

@@ -149,6 +149,6 @@ def test_nothing_installed(monkeypatch):
         monkeypatch.setattr(place, name, absent)
     result = compile_programs([program for program in SAMPLE if program.profile in ("450", "wgsl")])
     assert {cell.status for row in result.rows for cell in row.cells.values()} == {MISSING}
-    assert not result.as_json()["ok"] and set(result.as_json()["versions"].values()) == {""}
+    assert set(result.as_json()["versions"].values()) == {""}
     # glslang, mesa, naga, tint: the rest only waits for glslang
     assert len(result.failures()) == 4 and all("apt-get install -y" in text for text in result.failures())
