@@ -1,129 +1,80 @@
-"""The tests that are asked first, by the function that a mutant changes: the quickest that notice.
+"""What tells a broken shader from a whole one: each pass of some small frames must be where the reference has it.
 
-A test is FILE::TEST, or FILE::TEST[WORDS] for those of its parameters whose id holds every word. The run checks that
-each is there.
+A pass is drawn on its own, from what the whole shaders left in its inputs: so the reference's interval is that of this
+pass alone, and is computed once for all mutants.
 """
 
-PARITY = "test_parity.py::test_the_checkout_passes"
-HOSTILE = "test_drivers.py::test_first_pass_makes_hostile_pixels_safe[egl]"
-LIMITS = "test_inputs.py::test_camera_at_its_limits[egl]"
-TINY = "test_drivers.py::test_depth_of_a_tenth_of_a_millimetre[egl]"
-DEPTHS = "test_inputs.py::test_same_coc_from_every_convention[egl 32]"
-BAD_DEPTHS = "test_inputs.py::test_bad_depth_of_every_convention[egl]"
-DEPTH_ENDS = "test_inputs.py::test_ends_of_the_range[egl]"
-SIGNED = "test_survivors.py::test_signed_map[egl]"
-PAPER = "test_drivers.py::test_settings[egl paper]"
-STAR = "test_drivers.py::test_settings[egl paper star]"
-REJECTED = "test_drivers.py::test_every_sample_rejected[egl]"
-NEARLY_REJECTED = "test_drivers.py::test_nearly_rejected_samples_still_count[egl]"
-NAIVE = "test_drivers.py::test_settings[egl naive-{]"
-GRID = "test_drivers.py::test_settings[egl naive-grid]"
-# on Direct3D 9 alone is every sample nearer than NaN
-COUNTED = "test_hostile.py::test_bad_pixels_count_as_documented[d3d9]"
-EXACT = "test_drivers.py::test_settings[egl exact]"
-TARGETS = "test_drivers.py::test_several_targets[egl]"
-HEXAGON = "test_exact.py::test_exact_on_noise[egl hexagon]"
-DECAGON = "test_exact.py::test_exact_on_noise[egl decagon]"
-ADAPTIVE = "test_exact.py::test_adaptive_paper_on_noise[egl hexagon]"
-TRIANGLE = "test_exact.py::test_adaptive_paper_on_noise[egl triangle]"
-DENSE = "test_exact.py::test_jitter_leaves_dense_samples_alone"
-# few samples on a wide blur, where the noise counts
-JITTER = "test_survivors.py::test_jitter_of_the_exact_passes[egl hexagon]"
-EACH_PASS = "test_exact.py::test_every_frame_and_pass_has_its_own_noise[egl]"
-LEAKS = "test_viewport.py::test_nothing_leaks_in[egl]"
-COLUMN = "test_viewport.py::test_a_column[egl]"
-DEBUG = "test_drivers.py::test_debug_views[egl]"
-OUT_OF_RANGE = (
-    "test_hostile.py::test_parameters_out_of_range[egl BokehSides]",
-    "test_hostile.py::test_parameters_out_of_range[egl BokehEdge]",
-)
-# pass by pass within the reference's intervals; where both layers are full, then all settings
-LAYERED = (
-    "test_expected.py::test_every_pass",
-    "test_layers_mutants.py::test_within[egl half]",
-    "test_layers_mutants.py::test_within[egl both]",
-    "test_layers.py::test_settings[osmesa]",
-)
-CUT = (
-    "test_character.py::test_exact_on_noise[egl {} hexagon]",
-    "test_character.py::test_exact_on_noise[egl rotation decagon]",
-    "test_character.py::test_exact_on_noise[egl targets decagon]",
-    "test_character.py::test_exact_on_noise[egl 5.0 decagon]",
-)
-CUT_MADE = "test_character.py::test_made_for_a_cut"
-ROUND = (
-    "test_character.py::test_curved_blades[egl 0.5]",
-    "test_character.py::test_curved_blades[egl -1.0]",
-)
-LATERAL = (
-    "test_chromatic.py::test_lateral_on_noise[egl 5.0]",
-    "test_chromatic.py::test_lateral_in_a_viewport[egl]",
-)
-AXIAL = (
-    "test_chromatic.py::test_axial_on_noise[egl {} hexagon]",
-    "test_chromatic.py::test_axial_on_noise[egl targets decagon]",
-)
-CUT_LAYERS = (
-    "test_character.py::test_layered_on_noise[egl 0.9]",
-    "test_character.py::test_layered_on_noise[egl 17.0]",
-    "test_character.py::test_layered_on_noise[egl octagon]",
-    "test_character.py::test_layered_on_noise[egl decagon jitter]",
-    "test_character.py::test_layered_on_noise[egl decagon targets]",
-)
-LAYERED_TARGET = "test_layers.py::test_settings[osmesa targets]"
-LAYERED_PLACE = "test_layers_mutants.py::test_layers_of_a_viewport[egl]"
-LAYERED_LEAKS = "test_layers.py::test_viewport[egl]"
-LAYERED_INVERSE = "test_layers_mutants.py::test_within[inverse]"
-LAYERED_LEVELS = "test_layers_mutants.py::test_within[egl bright]"
-LAYERED_MADE = "test_layers_mutants.py::test_layers_without_jitter"
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bokeh_validation import metrics
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import UserError
+from bokeh_validation.mutants import frames
+from bokeh_validation.mutants.frames import Frame
+from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference.images import Image
+from bokeh_validation.shaders.passes import Pass
+
+# One texel of NaN, to fill with it whatever is around an image in its textures
+NOTHING = {"nan": np.full((1, 1, 4), np.nan, np.float16), "one": np.ones((1, 1), np.float32)}
+# What a frame tells is right but for float32 and a store: a step of half floats, and of the smallest of them
+TOLD, TINY = 2.0**-10, 2.0**-24
 
 
-def survivor(name: str) -> str:
-    """A test of test_survivors.py."""
-    return f"test_survivors.py::{name}[egl]"
+@dataclass(frozen=True)
+class Judge:
+    """A pass with everything that it reads, and the interval of each target in the part that it draws."""
+
+    frame: str
+    item: Pass
+    main: str
+    textures: Mapping[str, np.ndarray]
+    size: tuple[int, int]
+    storage: str
+    part: tuple[slice, slice]
+    wanted: Mapping[str, Image]
+
+    def objection(self, driver: Driver) -> str:
+        """What is wrong with what a driver draws, or nothing."""
+        item = self.item
+        if self.main:
+            item = replace(item, sources={"glsl": frames.program(self.main, item.defines)})
+        outputs = driver.run([item], self.textures, self.size, self.storage, keep=item.outputs)
+        for name, wanted in self.wanted.items():
+            outside = metrics.compare(outputs[name][self.part], wanted, False).outside
+            if outside:
+                return f"{item.entry}: {outside} of {wanted.value[..., 0].size} pixels are outside of their interval"
+        return ""
 
 
-def on_device(driver: str) -> tuple[str, ...]:
-    """Tests that show what a device makes of a language's porting, bindings and vertex shader."""
-    return (
-        f"test_drivers.py::test_first_pass_makes_hostile_pixels_safe[{driver}]",
-        f"test_drivers.py::test_sizes[{driver} (61, 37)]",
-        f"test_drivers.py::test_several_targets[{driver}]",
-    )
-
-
-# functions without 'Bokeh' -> killers; a name ends in * where more follow it
-FIRST = {
-    "CoC": (LIMITS, survivor("test_a_sensor_of_no_height")),
-    "SafeChannel SafeDepth PackCoC CoCMap": (HOSTILE, LIMITS, survivor("test_every_channel_is_made_safe")),
-    "LinearDepth DepthFrom*": (DEPTHS, BAD_DEPTHS, DEPTH_ENDS),
-    "SignedCoC*": (SIGNED,),
-    "LineEnd LeakageWeight DepthOfField Combine DepthOfFieldFinal": (PAPER,),
-    "MakeOffsets": ("test_survivors.py::test_a_line_of_one_sample", PAPER),
-    "DefaultFilter": (survivor("test_default_settings"),),
-    "FilterCoC": (survivor("test_half_a_pixel_is_in_focus"), ADAPTIVE, HEXAGON),
-    "Cells": (survivor("test_a_line_of_no_length"), JITTER, ADAPTIVE, HEXAGON),
-    "Noise": (survivor("test_noise_comes_again"), JITTER, ADAPTIVE, HEXAGON),
-    "Segment DepthOfFieldAdaptive AdaptiveLine": (ADAPTIVE, TRIANGLE, EACH_PASS),
-    "Resolve": (REJECTED, NEARLY_REJECTED, PAPER),
-    "NaiveGather": (NAIVE,),
-    "NaiveGrid": (GRID,),
-    "SignedLeakageWeight MakePolygon Rotated PolygonEdge ExactWeight": (EXACT, HEXAGON),
-    "ExactTarget ExactFirst ExactSecond ChannelFirst ChannelSecond": (TARGETS, EXACT, HEXAGON, DECAGON),
-    "LineSum": (JITTER, HEXAGON, EXACT, DENSE, survivor("test_squeezed_lines_have_means")),
-    "ExactEdge ChannelEdge": (DECAGON, *OUT_OF_RANGE, JITTER),
-    "Begin First Second Aperture": (JITTER, EXACT, HEXAGON, LEAKS),
-    "OctagonFirst DecagonFirst": (TARGETS,),
-    "UseViewport ToTexture SetViewport": (LEAKS, COLUMN),
-    "LateralColor": LATERAL,
-    "ChannelMask ChannelCoC": AXIAL,
-    "Debug*": (DEBUG, survivor("test_debug_views_of_a_pinhole"), survivor("test_debug_views_of_the_near_field")),
-}
-
-
-def first(within: str | None) -> tuple[str, ...]:
-    """For a function."""
-    for names, killers in FIRST.items():
-        if any(within == name or (name[-1] == "*" and within.startswith(name[:-1])) for name in names.split()):
-            return killers
-    return LAYERED
+def judges(driver: Driver, label: str, frame: Frame) -> list[Judge]:
+    """One for each pass of a frame. Raises UserError where the shaders as they are do not pass."""
+    around = [
+        Pass("BokehDebug", {"ColorSamp": "nan", "DepthSamp": "one"}, name, scale=item.scale)
+        for item in (frame.passes if frame.area else ())
+        for name in item.outputs
+    ]
+    names = [name for item in frame.passes for name in item.outputs]
+    size, textures, given = frame.size, frame.textures, {}
+    if not frame.main:
+        given = driver.run([*around, *frame.passes], {**textures, **NOTHING}, size, frame.storage, keep=names)
+    if frame.told:
+        decided = np.zeros(next(iter(frame.told.values())).shape[:2], bool)
+        wanted = {name: Image(value, TOLD * np.abs(value) + TINY, decided) for name, value in frame.told.items()}
+    else:
+        device = driver.precision, driver.rounding
+        wanted = Reference().images(frame.passes, textures, size, frame.storage, *device, given=given)
+    result = []
+    for item in frame.passes:
+        x, y, width, height = (-(-length // item.scale) for length in frame.area or (0, 0, *size))
+        part = slice(y, y + height), slice(x, x + width)
+        read = {name: given[name] if name in given else textures[name] for name in item.inputs.values()}
+        parts = {name: wanted[name].part(*part) for name in item.outputs if name in wanted}
+        judge = Judge(label, item, frame.main, read, size, frame.storage, part, parts)
+        if objection := judge.objection(driver):
+            raise UserError(f"mutants: {label} fails with the shaders as they are: {objection}. See validation/test.")
+        result.append(judge)
+    return result

@@ -9,14 +9,8 @@ import typer
 
 from bokeh_validation import paths, terminal
 from bokeh_validation.errors import UserError
-from bokeh_validation.mutants import hunt, outcomes
-from bokeh_validation.mutants.in_layers import IN_LAYERS
-from bokeh_validation.mutants.in_library import IN_LIBRARY
-from bokeh_validation.mutants.in_one_language import IN_ONE_LANGUAGE
-from bokeh_validation.mutants.in_passes import IN_PASSES
-from bokeh_validation.mutants.mutant import KINDS, Mutant
-
-MUTANTS: tuple[Mutant, ...] = (*IN_LIBRARY, *IN_PASSES, *IN_LAYERS, *IN_ONE_LANGUAGE)
+from bokeh_validation.mutants import by_hand, hunt, mutant, operators
+from bokeh_validation.mutants.mutant import Mutant
 
 
 def mutants(
@@ -25,34 +19,45 @@ def mutants(
     sample: Annotated[int | None, typer.Option(metavar="N", help="So many of each kind, always the same.")] = None,
     json_file: terminal.JsonFile = None,
 ) -> None:
-    """Break the shaders, one mistake at a time: the tests must catch each. A complete run goes into the report."""
-    some = chosen(only, kind, sample)
+    """Break the shaders, one mistake at a time: each must show. A complete run goes into the report."""
+    everything = all_mutants()
+    some = chosen(everything, only, kind, sample)
     terminal.check_writable(json_file)
     started = time.monotonic()
     with terminal.progress("mutants", len(some)) as step:
-        results = hunt.run(some, [killer for mutant in MUTANTS for killer in mutant.killers], step)
-    found = outcomes.as_json(results, time.monotonic() - started)
+        rows = hunt.run(some, step)
+    found = mutant.as_json(rows, time.monotonic() - started)
     terminal.write_json(json_file, found)
-    if len(some) == len(MUTANTS):
-        paths.ensured(outcomes.default_path().parent)
-        terminal.write_json(outcomes.default_path(), found)
-    terminal.tell(*outcomes.lines(results, found["seconds"]))
-    terminal.end(all(result.ok for result in results))
+    if len(some) == len(everything):
+        paths.ensured(mutant.default_path().parent)
+        terminal.write_json(mutant.default_path(), found)
+    terminal.tell(*mutant.lines(rows, found["seconds"]))
+    terminal.end(all(item["ok"] for item in rows))
 
 
-def chosen(only: Sequence[str] | None, kinds: Sequence[str] | None, sample: int | None) -> list[Mutant]:
+def all_mutants() -> list[Mutant]:
+    """Those of the operators, and those by hand."""
+    return [*operators.mutants(), *by_hand.mutants()]
+
+
+def chosen(
+    everything: Sequence[Mutant], only: Sequence[str] | None, kinds: Sequence[str] | None, sample: int | None
+) -> list[Mutant]:
     """Those of these names and kinds, `sample` of each kind. Raises UserError for a name that is none."""
-    for option, given, known in (("only", only, [mutant.name for mutant in MUTANTS]), ("kind", kinds, list(KINDS))):
-        for name in given or []:
-            if name not in known:
-                raise UserError(f"--{option} {name}: no such mutant or kind. There are: {', '.join(known)}.")
+    names, known = [item.name for item in everything], list(dict.fromkeys(item.kind for item in everything))
+    for name in only or []:
+        if name not in names:
+            raise UserError(f"--only {name}: no such mutant. Their names are in the file that --json writes.")
+    for name in kinds or []:
+        if name not in known:
+            raise UserError(f"--kind {name}: no such kind. There are: {', '.join(known)}.")
     if sample is not None and sample < 1:
         raise UserError(f"--sample {sample}: at least 1.")
-    found = [m for m in MUTANTS if (not only or m.name in only) and (not kinds or m.kind in kinds)]
-    if not found:
+    some = [item for item in everything if (not only or item.name in only) and (not kinds or item.kind in kinds)]
+    if not some:
         raise UserError(f"no mutant is called {', '.join(only or [])} and is of kind {', '.join(kinds or [])}.")
     if sample is None:
-        return found
-    of_kind = {kind: [mutant for mutant in found if mutant.kind == kind] for kind in KINDS}
+        return some
+    by_kind = [[item for item in some if item.kind == name] for name in known]
     seeded = random.Random(0)
-    return [one for some in of_kind.values() for one in seeded.sample(some, min(sample, len(some)))]
+    return [item for group in by_kind for item in seeded.sample(group, min(sample, len(group)))]
