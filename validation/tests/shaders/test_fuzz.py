@@ -1,6 +1,6 @@
 """Random parameters and images on every driver: finite, not negative, and within the interval of the reference.
 
-375 cases are drawn for one driver of each language. The slow drivers get a few each. Numbers from the seeds
+750 cases are drawn for one driver of each language. The slow drivers get a few each. Numbers from the seeds
 are the same everywhere; BOKEH_FUZZ_SEED=N draws others. A failure names the seed of its case.
 """
 
@@ -23,7 +23,7 @@ from bokeh_validation.reference.listings import MAX_COLOR
 
 SEED = int(os.environ.get("BOKEH_FUZZ_SEED", "2012"))
 # Cases of each method for each fast driver
-CASES = {"paper": 45, "exact": 50, "naive": 15, "naive-grid": 15}
+CASES = {"paper": 90, "exact": 95, "naive": 30, "naive-grid": 35}
 FAST = ("osmesa", "wgpu", "dxc")
 SLOW = ("egl", "webgl2", "webgpu", "d3d9", "d3d11")
 SLOW_CASES = 5
@@ -108,7 +108,7 @@ def agrees(driver: drivers.Driver, case: Case) -> dict[str, Image]:
 @pytest.mark.parametrize("name", FAST)
 @pytest.mark.parametrize("method", CASES)
 def test_fast_drivers(method, name):
-    """375 cases over all methods and drivers."""
+    """750 cases over all methods and drivers."""
     blurred, narrow = [], []
     for index in range(CASES[method]):
         wanted = agrees(load(name), draw(method, SAMPLES[method], SEED + 10_000 * FAST.index(name) + index))
