@@ -240,6 +240,8 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     yield "black and bright", frame
     passes = (replace(item, defines={**item.defines, "BOKEH_ADAPTIVE_SAMPLES": 0}) for item in frame.passes)
     yield "jitter of a fixed number", replace(frame, passes=tuple(passes))
+    # a CoC of 96 pixels spreads over 12 tiles
+    yield "large", of_settings(replace(LAYERED, **WIDEST), (128, 96))
     for size in ((1, 1), (96, 2)):
         yield f"layered {size}", of_settings(replace(LAYERED, **WIDE), size)
 

@@ -23,7 +23,7 @@ EACH = 2
 # Arguments with brackets in them; what stands between two operators; a name; a number
 CALL = r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)"
 TERM = rf"-?(?:[\w.]+(?:{CALL})?|{CALL})(?:\.[a-z]+)?"
-NAME = r"[A-Za-z]\w*(?:\.\w+)?"
+NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
 NUMBER = r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])"
 PAIRS = "min max, sin cos, floor ceil, BOKEH_MIN_DEPTH BOKEH_MAX_DEPTH, + -, * /, && ||, == !=, true false"
 SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx, .T2 .T3, .T4 .T5"
@@ -68,12 +68,15 @@ def _swapped(found: re.Match, scope: Scope) -> str:
 
 
 def _neighbour(found: re.Match, scope: Scope) -> str:
-    """The next parameter of the same type."""
-    kind, declared = scope.get(found[0]), found.string.partition(" = ")[0].split()[-1]
-    alike = [name for name in scope if scope[name] == kind and name[:5] == found[0][:5] and name != declared]
-    if found[0] not in alike:
-        return found[0]
-    return alike[(alike.index(found[0]) + 1) % len(alike)]
+    """The next parameter or variable of the same type; of the passes or of the function, as it is."""
+    name, declared = found[0], found.string.partition(" = ")[0].split()[-1]
+    alike = [other for other in scope if scope[other] == scope.get(name) and other != declared]
+    near = [
+        other
+        for other in alike
+        if other[:5] == name[:5] or (scope[other] == "sampler2D" and "Bokeh" not in other + name)
+    ]
+    return near[(near.index(name) + 1) % len(near)] if name in near else name
 
 
 # What a driver does by itself to a variable that nobody sets
@@ -87,7 +90,7 @@ OPERATORS: dict[str, tuple[str, Edit]] = {
     "constant": (NUMBER, _number),
     "condition": (r"(?<= )(?:[<>]=?|==|&&)(?= )|\b(?:true|false)\b", _other),
     "negated": (r"(?<![\w)] )-(?=[\w(])", _removed),
-    "operands": (rf"(?<!min\()(?<!max\()\b({NAME}), ({NAME})\b(?!\()", _swapped),
+    "operands": (rf"(?<!min\()(?<!max\()({NAME}), ({NAME})\b(?![.(])", _swapped),
     "neighbour": (r"(?<=[( ])[A-Za-z]\w+\b(?=[;,)])", _neighbour),
     "factor": (rf"(?<!= 1\.0) [*/] {TERM}(?=[;,) ])", _removed),
     "term": (rf" [+-] {TERM}(?=[;,) ])", _removed),
@@ -96,6 +99,10 @@ OPERATORS: dict[str, tuple[str, Edit]] = {
     "always": (r"(?<=if )\(.*\)\Z", lambda *_: "(true)"),
     "never": (r"(?<=if )\(.*\)\Z", lambda *_: "(false)"),
 }
+
+
+# Those that leave nothing of a statement
+WHOLE = ("dropped", "always", "never")
 
 
 class Function(NamedTuple):
@@ -167,7 +174,10 @@ def reached(name: str, constants: frozenset[tuple[str, int]] = frozenset()) -> f
 
 @cache
 def equivalents() -> dict[tuple[str, ...], str]:
-    """(place, operator, broken statement) -> why nothing can show it: the lines after one or more of them."""
+    """(place, operator, statement) -> why nothing can show it: the lines after one or more of them.
+
+    The statement is the broken one, or where the operator leaves nothing of it, the one that was there.
+    """
     found: dict[tuple[str, ...], str] = {}
     for group in EQUIVALENTS.read_text(encoding="utf-8").split("\n\n")[1:]:
         rows = group.strip("\n").split("\n")
@@ -193,7 +203,7 @@ def mutants() -> Iterator[Mutant]:
                 used[kind] += 1
                 title = f"{name}-{kind.replace(' ', '-')}-{used[kind]}"
                 texts = {function.key: whole[:start] + broken + whole[end:]}
-                argued = equivalents().get((name, kind, broken), "")
+                argued = equivalents().get((name, kind, text if kind in WHOLE else broken), "")
                 yield Mutant(title, kind, "glsl", name, (text, broken), texts, common=common, argued=argued)
 
 
