@@ -84,6 +84,6 @@ MOST_TIME, TIMED_SIZE = {"layered low": 1.3, "layered medium": 2.0}, (960, 540)
 def test_time(name):
     """Medians of rounds in which all are drawn, in CPU time."""
     wanted = [row for row in bench.in_depth(TIMED_SIZE) if row.key in ("paper hexagon", *MOST_TIME)]
-    _, measured = bench.measured(load(name), wanted, TIMED_SIZE, 5)
+    _, measured = bench.measured(load(name), wanted, TIMED_SIZE, 9)
     ratios = {row["key"]: row["ratios"]["against"] for row in measured if row["key"] in MOST_TIME}
     assert all(ratios[key]["median"] <= most for key, most in MOST_TIME.items()), ratios
