@@ -81,7 +81,7 @@ def compiled(step: Callable[[], CompileResult]) -> CompileResult:
 
 def disassembled(module: bytes) -> str:
     """The text of a SPIR-V module."""
-    disassembler = tool.Tool("spirv-dis", "spirv-tools", "--version", "^(.*)")
+    disassembler = tool.Tool("spirv-dis", "apt-get install -y spirv-tools", "--version", "^(.*)")
     return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).output
 
 

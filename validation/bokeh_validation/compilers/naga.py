@@ -5,10 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
+from bokeh_validation.compilers.tool import CompileResult, Tool, accepted, once, refused
 from bokeh_validation.drivers.webgpu import WGPU
 
 TARGET_FORMAT = "rgba16float"
+PROGRAM = Tool("naga", "cargo install naga-cli", "--version", "^(.*)")
 
 
 @dataclass(frozen=True)
@@ -63,3 +64,11 @@ def build(vertex: Stage, fragment: Stage) -> CompileResult:
 @lru_cache(maxsize=4)  # a WGSL module has all entry points, and the vertex stage of SPIR-V is always the same
 def _module(code: str | bytes):
     return driver().device.create_shader_module(code=code)
+
+
+def spirv(source: str, entry: str, constants: Mapping[str, int]) -> CompileResult:
+    """SPIR-V of an entry point of WGSL, with its override constants, by naga's own program. Raises Unavailable."""
+    values = [word for name, value in constants.items() for word in ("--override", f"{name}={value}")]
+    return PROGRAM.compile(
+        ["--entry-point", entry, *values, "in.wgsl", "out.spv"], {"in.wgsl": source.encode()}, "out.spv"
+    )

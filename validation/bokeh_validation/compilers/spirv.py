@@ -3,8 +3,8 @@
 from bokeh_validation.compilers.tool import CompileResult, Tool
 from bokeh_validation.shaders import passes
 
-VAL = Tool("spirv-val", "spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
-CROSS = Tool("spirv-cross", "spirv-cross", "--revision", r"^(.*)")
+VAL = Tool("spirv-val", "apt-get install -y spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
+CROSS = Tool("spirv-cross", "apt-get install -y spirv-cross", "--revision", r"^(.*)")
 
 # HLSL's registers on the bindings of the WGSL file, all in set 0
 REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {

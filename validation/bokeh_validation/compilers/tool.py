@@ -106,19 +106,14 @@ def _text(output: bytes, names: Sequence[str] | Mapping = ()) -> str:
 class Tool:
     """A compiler on the command line.
 
-    package  Debian's
+    install  the command that does
     option   makes it print its version, which `pattern` finds
     """
 
     name: str
-    package: str
+    install: str
     option: str
     pattern: str
-
-    @property
-    def install(self) -> str:
-        """The command that does."""
-        return f"apt-get install -y {self.package}"
 
     def run(self, *arguments) -> Finished:
         """See run(). Raises Unavailable."""

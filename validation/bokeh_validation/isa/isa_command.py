@@ -1,119 +1,92 @@
 """The command `validation/run isa`."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import astuple, dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from bokeh_validation import files, terminal
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.isa import compiled, estimate
-from bokeh_validation.isa.compiled import Method
-from bokeh_validation.isa.estimate import DEVICES
-from bokeh_validation.isa.targets import OTHERS, STOCK, TARGETS, Count
+from bokeh_validation.isa import compiled
+from bokeh_validation.isa.targets import SYSTEM, TARGETS, Count
 
-# heading -> field of Count
-COLUMNS = {"instructions": "instructions", "fetches": "texture"}
-COLUMNS |= {name: name for name in ("registers", "waves", "spills", "latency")}
-ESTIMATED = {device.target for device in DEVICES}
+# What makes SPIR-V of each language
+WAYS = {"glsl": "GLSL by glslang", "hlsl": "HLSL by DXC", "wgsl": "WGSL by naga"}
+COLUMNS = tuple(field.name for field in fields(Count))
 
 
 @dataclass
 class Counts:
-    """What the compilers made of the programs.
+    """What the compilers made of the passes.
 
-    found    (target, language) -> program -> count; the GLSL of ESTIMATED with its loops written out as well
+    found    (target, language) -> pass -> count
     mesa     target -> version
-    missing  target -> why there is none
+    missing  (target, language) -> why there is none
     """
 
     found: dict[tuple[str, str], dict[str, Count]]
     mesa: dict[str, str]
-    missing: dict[str, str]
+    missing: dict[tuple[str, str], str]
+
+    def languages(self, target: str) -> list[str]:
+        """Those that a target was given."""
+        return [language for name, language in self.found if name == target]
+
+    def rows(self, target: str) -> list[list[str]]:
+        """A row a pass: its name, and of each of COLUMNS the languages' numbers side by side."""
+        ways = [self.found[target, language] for language in self.languages(target)]
+        return [
+            [name, *(" / ".join(str(getattr(way[name], column)) for way in ways) for column in COLUMNS)]
+            for name in ways[0]
+        ]
 
 
 def isa(
     every: Annotated[
         bool,
         typer.Option(
-            "--all", help="Newer AMD, NVIDIA, Adreno, Mali and VideoCore too: 220 MB of packages, unpacked once."
+            "--all", help="Other AMD, NVIDIA, Adreno, Mali and VideoCore too: 220 MB of packages, unpacked once."
         ),
     ] = False,
-    table: Annotated[
-        Path | None, typer.Option(metavar="FILE.tsv", help="Write the counts here, as the tests compare them.")
-    ] = None,
+    table: Annotated[Path | None, typer.Option(metavar="FILE.tsv", help="Write the tables here as well.")] = None,
 ) -> None:
-    """Instructions, fetches and registers of every pass, by the compilers of real GPUs; none needs the GPU."""
+    """Instructions, registers and latency of every pass, by the compilers of real GPUs; none needs the GPU."""
     terminal.check_writable(table)
-    methods = compiled.all_methods()
-    counts = count(methods, [target.name for target in (*STOCK, *(OTHERS if every else ()))])
-    # a table in a file or a pipe needs a width of its own
-    wide = terminal.console if terminal.console.is_terminal else Console(width=130)
-    for name in counts.mesa:
-        wide.print(passes_table(name, counts))
-    for device in DEVICES:
-        if device.target in counts.mesa:
-            wide.print(methods_table(device, methods, counts.found[device.target, "glsl"]))
-    for name, reason in counts.missing.items():
-        terminal.console.print(f"{terminal.NOT_RUN} {name}: {reason}", highlight=False)
+    counts = count(TARGETS if every else [SYSTEM])
+    for target in counts.mesa:
+        ways = " / ".join(WAYS[language] for language in counts.languages(target))
+        shown = Table(title=f"{TARGETS[target].title} ({target}), Mesa {counts.mesa[target]}: {ways}")
+        for heading in ("pass", *COLUMNS):
+            shown.add_column(heading, justify="left" if heading == "pass" else "right")
+        for row in counts.rows(target):
+            shown.add_row(*row)
+        terminal.table_console(130).print(shown)
+    for (target, language), reason in counts.missing.items():
+        terminal.console.print(f"{terminal.NOT_RUN} {target}, {WAYS[language]}: {reason}", highlight=False)
     if table is not None:
-        files.whole(table, lambda partial: partial.write_text("".join(rows(counts)), encoding="ascii"))
+        lines = ["\t".join((target, *row)) + "\n" for target in counts.mesa for row in counts.rows(target)]
+        files.whole(table, lambda partial: partial.write_text("".join(lines), encoding="ascii"))
     if not counts.mesa:
         terminal.end(False)
 
 
-def count(methods: Iterable[Method], names: Iterable[str], languages: Iterable[str] = ("glsl", "hlsl")) -> Counts:
-    """The programs of methods on targets, of those of the languages that these take. Raises UserError."""
-    counts, codes = Counts({}, {}, {}), {}
-    names = list(names)
+def count(names: Iterable[str]) -> Counts:
+    """All passes on targets, of those of the languages that these take. Raises UserError."""
+    counts, codes, passes, names = Counts({}, {}, {}), {}, compiled.all_passes(), list(names)
     with terminal.progress("isa", len(names)) as step:
         for name in names:
             target = TARGETS[name]
-            try:
-                for language in [language for language in target.languages if language in languages]:
-                    kind = language, target.profile, name in ESTIMATED and language == "glsl"
+            for language in target.languages:
+                kind = language, target.profile
+                try:
                     if kind not in codes:
-                        codes[kind] = compiled.code(compiled.of_methods(methods, kind[2]), *kind[:2])
+                        codes[kind] = compiled.code(passes, *kind)
                     counts.mesa[name], counts.found[name, language] = target.counts(codes[kind])
-            except Unavailable as error:
-                counts.mesa.pop(name, None)
-                counts.missing[name] = str(error)
+                except Unavailable as error:
+                    counts.missing[name, language] = str(error)
+                    break
             step(name)
     return counts
-
-
-def passes_table(name: str, counts: Counts) -> Table:
-    """A row a program, as it is compiled: of GLSL, and of HLSL beside it."""
-    table = Table(title=f"{TARGETS[name].title} ({name}), Mesa {counts.mesa[name]}: GLSL / HLSL by DXC")
-    for heading in ("pass", *COLUMNS):
-        table.add_column(heading, justify="left" if heading == "pass" else "right")
-    programs = [counts.found[name, language] for language in TARGETS[name].languages]
-    for program in programs[0]:
-        if not program.endswith(compiled.PATH):
-            both = [by_name[program] for by_name in programs]
-            table.add_row(program, *(" / ".join(str(getattr(c, field)) for c in both) for field in COLUMNS.values()))
-    return table
-
-
-def methods_table(device: estimate.Device, methods: Iterable[Method], counts: Mapping[str, Count]) -> Table:
-    """A row a method: estimated milliseconds, and what it is bound by."""
-    table = Table(title=f"{device.title}, estimated milliseconds a frame")
-    for column in ("method", "fetches", "1920 x 1080", "bound by"):
-        table.add_column(column, justify="left" if column in ("method", "bound by") else "right")
-    for method in methods:
-        cost = estimate.cost(method, counts, device)
-        table.add_row(method.name, f"{method.fetches:.1f}", cost.text(compiled.SIZE), cost.bound)
-    return table
-
-
-def rows(counts: Counts) -> Iterator[str]:
-    """Lines of --table: target, version of Mesa, language, program, then the fields of its count."""
-    for (target, language), programs in counts.found.items():
-        for name, numbers in programs.items():
-            if not name.endswith(compiled.PATH):
-                fields = (target, counts.mesa[target], language, name, *astuple(numbers))
-                yield "\t".join(map(str, fields)) + "\n"

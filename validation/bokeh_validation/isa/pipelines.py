@@ -2,8 +2,8 @@
 
 It runs in other Pythons too (an unpacked system's, an emulated one's), so it needs the package `vulkan` and nothing
 else of this project. Standard input: {"bindings": {NUMBER: KIND}, "vertex": [FILE, ENTRY], "fragments": [[NAME, FILE,
-ENTRY, TARGETS], ...]}, files of SPIR-V. Standard output: {"version": "22.3.6", "pipelines": {NAME: [{STATISTIC: VALUE},
-CODE]}}, the code as the driver writes it. Nothing is ever drawn.
+ENTRY, TARGETS], ...]}, files of SPIR-V. Standard output: {"version": "22.3.6", "pipelines": {NAME: {STATISTIC:
+VALUE}}}. Nothing is ever drawn.
 """
 
 import json
@@ -71,8 +71,7 @@ def pipeline(logical, vertex, fragment, targets, of_pipeline):
         pNext=vk.VkPipelineRenderingCreateInfo(
             colorAttachmentCount=targets, pColorAttachmentFormats=[FORMAT] * targets
         ),
-        flags=vk.VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR
-        | vk.VK_PIPELINE_CREATE_CAPTURE_INTERNAL_REPRESENTATIONS_BIT_KHR,
+        flags=vk.VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR,
         pStages=stages,
         pVertexInputState=vk.VkPipelineVertexInputStateCreateInfo(),
         pInputAssemblyState=vk.VkPipelineInputAssemblyStateCreateInfo(topology=vk.VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST),
@@ -93,32 +92,14 @@ def pipeline(logical, vertex, fragment, targets, of_pipeline):
 
 
 def counted(logical, compiled):
-    """({statistic: number}, code) of the fragment stage of a pipeline."""
+    """{statistic: number} of the fragment stage of a pipeline."""
     executables = vk.vkGetDeviceProcAddr(logical, "vkGetPipelineExecutablePropertiesKHR")
     statistics = vk.vkGetDeviceProcAddr(logical, "vkGetPipelineExecutableStatisticsKHR")
     for index, executable in enumerate(executables(logical, vk.VkPipelineInfoKHR(pipeline=compiled))):
         if executable.stages & FRAGMENT:
             asked = vk.VkPipelineExecutableInfoKHR(pipeline=compiled, executableIndex=index)
-            numbers = {text(item.name): getattr(item.value, VALUES[item.format]) for item in statistics(logical, asked)}
-            return numbers, code(logical, asked)
+            return {text(item.name): getattr(item.value, VALUES[item.format]) for item in statistics(logical, asked)}
     sys.exit("the driver says nothing of the fragment stage")
-
-
-def code(logical, asked):
-    """The machine code as text: the last of the driver's representations, which the package's own call leaves out."""
-    name, ffi = "vkGetPipelineExecutableInternalRepresentationsKHR", vk.ffi
-    representations = ffi.cast("PFN_" + name, vk.lib.vkGetDeviceProcAddr(logical, name.encode()))
-    asked, count = ffi.addressof(asked), ffi.new("uint32_t *")
-    representations(logical, asked, count, ffi.NULL)
-    items = ffi.new("VkPipelineExecutableInternalRepresentationKHR[]", count[0])
-    for item in items:
-        item.sType = vk.VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INTERNAL_REPRESENTATION_KHR
-    # the first call gives the sizes, the second one fills the text in
-    representations(logical, asked, count, items)
-    last = items[count[0] - 1]
-    last.pData = space = ffi.new("char[]", last.dataSize + 1)
-    representations(logical, asked, count, items)
-    return ffi.string(space).decode("utf-8", "replace")
 
 
 def text(name):

@@ -1,4 +1,4 @@
-"""The GPUs that `validation/run isa` compiles for: how their compilers are run, and how their code is counted."""
+"""The GPUs that `validation/run isa` compiles for: how their compilers are run, and what these say."""
 
 import json
 import os
@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 
@@ -19,104 +19,59 @@ from bokeh_validation.isa.compiled import Code
 PIPELINES, GLES_PROGRAMS = (Path(__file__).with_name(name) for name in ("pipelines.py", "gles_programs.py"))
 TIMEOUT_S = 300
 STOCK_ICD = Path("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json")
-
-
-@dataclass(frozen=True)
-class Family:
-    """What the compilers of one vendor say.
-
-    statistics  field of Count -> the driver's name of it; 'waves' and 'latency' may be missing
-    texture     pattern of a line of code that fetches from a texture
-    slow        pattern of a line of the special functions: square roots, sines, logarithms. Their unit works beside the
-                others and takes `slow_slots` of their issue slots for one
-    slots       pattern of a line that takes one issue slot
-    """
-
-    statistics: Mapping[str, str]
-    texture: re.Pattern
-    slow: re.Pattern
-    slots: re.Pattern
-    slow_slots: int
-
-
-# Scalar instructions are issued beside the vector ones. Special functions: a quarter of the rate.
-AMD = Family(
-    {
-        "instructions": "Instructions",
-        "registers": "VGPRs",
-        "waves": "Subgroups per SIMD",
-        "spills": "Spilled VGPRs",
-        "latency": "Latency",
-    },
-    re.compile(r"^\timage_"),
-    re.compile(r"^\tv_(rcp|rsq|sqrt|sin|cos|exp|log)_"),
-    re.compile(r"^\tv_"),
-    4,
-)
-# An SM of Ampere issues four warps of 32 a cycle; its special functions and conversions: 16 lanes a cycle.
-NVIDIA = Family(
-    {"instructions": "Instruction count", "registers": "Number of GPRs", "spills": "SLM Size"},
-    re.compile(r"= (tex|tld|tld4|txd)\b"),
-    re.compile(r"= (mufu|f2i|i2f|f2f)\b"),
-    re.compile(r"delay="),
-    8,
-)
-# A line stands for as many repetitions as (rptN) says; other waves run while one waits, so nop is free. What comes
-# before `shpe` is executed once a draw.
-ADRENO = Family(
-    {
-        "instructions": "Instruction Count",
-        "registers": "Registers used",
-        "waves": "Max Waves Per Core",
-        "spills": "STP Count",
-    },
-    re.compile(r"^(?:\([^)]*\)\s*)*(sam|isam|gather4)"),
-    re.compile(r"^(?:\([^)]*\)\s*)*(rcp|rsq|sqrt|sin|cos|exp2|log2|hrsq|hlog2|hexp2)\b"),
-    re.compile(r"^(?!;|@|\s*$|(\([^)]*\)\s*)*nop)"),
-    4,
-)
+# Field of Count -> the name that a vendor's drivers give it
+AMD = {
+    "instructions": "Instructions",
+    "registers": "VGPRs",
+    "waves": "Subgroups per SIMD",
+    "spills": "Spilled VGPRs",
+    "latency": "Latency",
+}
+NVIDIA = {"instructions": "Instruction count", "registers": "Number of GPRs", "spills": "SLM Size"}
+ADRENO = {
+    "instructions": "Instruction Count",
+    "registers": "Registers used",
+    "waves": "Max Waves Per Core",
+    "spills": "STP Count",
+}
 
 
 @dataclass(frozen=True)
 class Count:
-    """A program on one GPU, a loop counted once.
+    """A pass on one GPU, as its compiler says; it counts a loop once. 0 is what it does not say.
 
-    texture  instructions that fetch
-    slots    issue slots of a pixel: of its vector instructions, or of its special functions where those take longer
-    waves    that a unit holds at a time, 0 where the compiler does not say
-    latency  cycles of a wave by AMD's compiler, which takes a loop as eight iterations; 0 of others
+    waves    that a unit holds at a time
+    latency  cycles of a wave; AMD's takes a loop as eight iterations
     """
 
     instructions: int
-    texture: int
-    slots: int
     registers: int
     waves: int
     spills: int
-    latency: int = 0
+    latency: int
 
 
 @dataclass(frozen=True)
 class Target:
     """A GPU.
 
-    run       the input of PIPELINES or GLES_PROGRAMS -> its finished process; raises Unavailable
-    profile   of the GLSL that its compiler takes: 450 as SPIR-V, or 300es
+    statistics  field of Count -> the driver's name of it; None where the driver writes lines instead
+    run         the input of PIPELINES or GLES_PROGRAMS -> its finished process; raises Unavailable
+    profile     of the GLSL that its compiler takes: 450 as SPIR-V, or 300es
     """
 
-    name: str
     title: str
-    family: Family | None
+    statistics: Mapping[str, str] | None
     run: Callable[[str], subprocess.CompletedProcess]
     profile: str = "450"
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """Those that its compiler takes."""
-        return ("glsl", "hlsl") if self.profile == "450" else ("glsl",)
+        """Those that its compiler takes, HLSL and WGSL as SPIR-V."""
+        return ("glsl", "hlsl", "wgsl") if self.profile == "450" else ("glsl",)
 
     def counts(self, code: Code) -> tuple[str, dict[str, Count]]:
-        """(version of Mesa, what its compiler makes of programs by their names). Raises Unavailable."""
+        """(version of Mesa, name of a pass -> what its compiler makes of it). Raises Unavailable."""
         with tempfile.TemporaryDirectory(prefix="bokeh-isa-") as folder:
 
             def file(index: int, content: bytes) -> str:
@@ -139,18 +94,15 @@ class Target:
         except ValueError:
             last = done.stderr.strip().splitlines()[-1:]
             raise Unavailable(f"its compiler said nothing of a program: {''.join(last) or 'no message'}") from None
-        return answer["version"], {name: self._count(*counted) for name, counted in answer["pipelines"].items()}
+        counts = {
+            name: _filled({field: said[key] for field, key in self.statistics.items()})
+            for name, said in answer["pipelines"].items()
+        }
+        return answer["version"], counts
 
-    def _count(self, statistics: Mapping[str, float], code: str) -> Count:
-        numbers = {key: int(statistics[name]) for key, name in self.family.statistics.items()}
-        texture = slots = slow = 0
-        for line in code.rpartition("shpe\n")[2].splitlines():
-            repeated = re.search(r"\(rpt(\d)\)", line)
-            times = 1 + (int(repeated[1]) if repeated else 0)
-            texture += bool(self.family.texture.search(line))
-            slow += times * bool(self.family.slow.search(line))
-            slots += times * bool(self.family.slots.search(line))
-        return Count(texture=texture, slots=max(slots, slow * self.family.slow_slots), **{"waves": 0, **numbers})
+
+def _filled(numbers: Mapping[str, float]) -> Count:
+    return Count(**{field.name: int(numbers.get(field.name, 0)) for field in fields(Count)})
 
 
 def _of_lines(text: str) -> dict[str, Count]:
@@ -168,14 +120,12 @@ def _of_lines(text: str) -> dict[str, Count]:
 
 def _of_line(line: str) -> Count:
     """A line such as '637 inst, 4.75 t, 1 threads, 0 loops, 0:0 spills:fills'; what it does not say is 0."""
-    numbers = {name: float(number) for number, name in re.findall(r"([\d.]+) ([a-z][\w-]*)", line)}
     spills = re.search(r"(\d+):\d+ spills", line)
     if not spills:
         raise ValueError("nothing of a program")
-    # a fetch takes a quarter of a cycle on Valhall, half of one on Bifrost
-    fetches = round(4.0 * numbers.get("t", 0.0) + 2.0 * numbers.get("texture", 0.0))
-    registers, waves = int(numbers.get("max-temps", 0)), int(numbers["threads"])
-    return Count(int(numbers["inst"]), fetches, 0, registers, waves, int(spills[1]))
+    said = {name: float(number) for number, name in re.findall(r"([\d.]+) ([a-z][\w-]*)", line)}
+    names = {"instructions": "inst", "registers": "max-temps", "waves": "threads"}
+    return _filled({field: said.get(name, 0) for field, name in names.items()} | {"spills": int(spills[1])})
 
 
 def _run(command: Sequence[object], given: str, **variables: str) -> subprocess.CompletedProcess:
@@ -230,27 +180,25 @@ def _binding(root: Path) -> str:
 
 
 SHADERDB = {"PAN_MESA_DEBUG": "shaderdb", "BIFROST_MESA_DEBUG": "shaderdb", "V3D_DEBUG": "shaderdb"}
+RADV = partial(_unpacked, "radeon", "")
 NVK = partial(_unpacked, "nouveau", "nouveau")
 TURNIP = partial(_emulated, "freedreno", PIPELINES)
 PANFROST = partial(_emulated, "panfrost", GLES_PROGRAMS, **SHADERDB)
 V3D = partial(_emulated, "v3d", GLES_PROGRAMS, **SHADERDB)
-# Part of every run: these three take a few seconds
-STOCK = (
-    Target("polaris10", "AMD GCN 4, Radeon RX 480", AMD, partial(_stock, "polaris10")),
-    Target("vega10", "AMD GCN 5, Radeon RX Vega", AMD, partial(_stock, "vega10")),
-    Target("navi21", "AMD RDNA 2, Radeon RX 6800 XT", AMD, partial(_stock, "navi21")),
-)
+SYSTEM = "navi21"  # the one whose compiler comes with the system's Mesa, and takes a second
 # Not to be had this way: NVIDIA Ada, whose driver of Mesa 25.0.7 does not start without the hardware, and Intel, for
 # which Debian ships no stand-in for the kernel's driver
-OTHERS = (
-    Target("navi31", "AMD RDNA 3, Radeon RX 7900", AMD, partial(_unpacked, "radeon", "", RADV_FORCE_FAMILY="navi31")),
-    Target("gfx1201", "AMD RDNA 4, Radeon RX 9070", AMD, partial(_unpacked, "radeon", "", RADV_FORCE_FAMILY="gfx1201")),
-    Target("tu106", "NVIDIA Turing, RTX 2070", NVIDIA, partial(NVK, NOUVEAU_CHIPSET="166")),
-    Target("ga102", "NVIDIA Ampere, RTX 3080", NVIDIA, partial(NVK, NOUVEAU_CHIPSET="172")),
-    Target("a660", "Adreno 660", ADRENO, partial(TURNIP, FD_GPU_ID="660")),
-    Target("a740", "Adreno 740", ADRENO, partial(TURNIP, FD_GPU_ID="740")),
-    Target("g52", "Mali G52", None, partial(PANFROST, PAN_GPU_ID="0x7212"), "300es"),
-    Target("g610", "Mali G610", None, partial(PANFROST, PAN_GPU_ID="0xa867"), "300es"),
-    Target("vc6", "VideoCore VI", None, V3D, "300es"),
-)
-TARGETS = {target.name: target for target in (*STOCK, *OTHERS)}
+TARGETS = {
+    SYSTEM: Target("AMD RDNA 2, Radeon RX 6800 XT", AMD, partial(_stock, SYSTEM)),
+    "polaris10": Target("AMD GCN 4, Radeon RX 480", AMD, partial(_stock, "polaris10")),
+    "vega10": Target("AMD GCN 5, Radeon RX Vega", AMD, partial(_stock, "vega10")),
+    "navi31": Target("AMD RDNA 3, Radeon RX 7900", AMD, partial(RADV, RADV_FORCE_FAMILY="navi31")),
+    "gfx1201": Target("AMD RDNA 4, Radeon RX 9070", AMD, partial(RADV, RADV_FORCE_FAMILY="gfx1201")),
+    "tu106": Target("NVIDIA Turing, RTX 2070", NVIDIA, partial(NVK, NOUVEAU_CHIPSET="166")),
+    "ga102": Target("NVIDIA Ampere, RTX 3080", NVIDIA, partial(NVK, NOUVEAU_CHIPSET="172")),
+    "a660": Target("Adreno 660", ADRENO, partial(TURNIP, FD_GPU_ID="660")),
+    "a740": Target("Adreno 740", ADRENO, partial(TURNIP, FD_GPU_ID="740")),
+    "g52": Target("Mali G52", None, partial(PANFROST, PAN_GPU_ID="0x7212"), "300es"),
+    "g610": Target("Mali G610", None, partial(PANFROST, PAN_GPU_ID="0xa867"), "300es"),
+    "vc6": Target("VideoCore VI", None, V3D, "300es"),
+}

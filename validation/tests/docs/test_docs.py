@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from bokeh_validation import paths
-from bokeh_validation.frame import methods
+from bokeh_validation import paths, shaders
+from bokeh_validation.frame import fetches, methods
 
 
 def prose(document: Path) -> str:
@@ -37,19 +37,18 @@ def test_links_exist():
                 assert not anchor or anchor in anchors(file), f"{document.name}: {target}#{anchor}"
 
 
-def test_costs_of_the_readme():
-    """The README's fetches and times are those of docs/performance.md, which test_isa.py holds to the compilers."""
+def test_fetches_of_the_readme():
+    """Those of a hexagon at 1920 x 1080 by `exact` and `layered`, with each preset of the library."""
     readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    page = (paths.ROOT / "docs/performance.md").read_text(encoding="utf-8")
-    presets = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (.*) \|$", readme, re.MULTILINE)
-    assert [name.lower() for name, _ in presets] == list(methods.PRESETS)
-    for name, cells in presets:
-        wanted = []
-        for method in ("exact", "layered"):
-            row = rf"^\| {method} hexagon {name} \| \d+ \| (\d+) \| [^|]* \| ([\d.]+) [^|]* \| ([\d.]+) "
-            fetches, *times = re.search(row, page, re.MULTILINE).groups()
-            wanted += [fetches, *(f"{time} ms" for time in times)]
-        assert cells.split(" | ") == wanted, name
+    known = shaders.presets(paths.library("glsl").read_text(encoding="ascii"))
+    shown = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (\d+) \| (\d+) \|$", readme, re.MULTILINE)
+    assert [name.lower() for name, *_ in shown] == list(methods.PRESETS)
+    for name, *numbers in shown:
+        samples, spacing = map(float, known[name].values())
+        exact = methods.Settings("exact", samples=int(samples), spacing=spacing)
+        for number, settings in zip(numbers, (exact, methods.Settings("layered", preset=name.lower())), strict=True):
+            counts = fetches.of_frame(methods.plan(settings, (1920, 1080)).passes)
+            assert int(number) == round(counts["color"] + counts["depth"]), (name, settings.method)
 
 
 def test_pitfalls_name_tests():
