@@ -45,11 +45,6 @@ def call_cargo(folder: Path, *command: str) -> str:
     return process.run([_cargo(), *command], BUILD_S, folder, building)
 
 
-def locked() -> Path:
-    """Cargo.lock of the last build, if there was one: what else is built with it finds its crates built."""
-    return _home() / "source" / SAMPLE.relative_to(paths.ROOT) / "Cargo.lock"
-
-
 def changed() -> bool:
     """Whether the sample or a file of wgsl/ is another than in the last run that was within the reference's interval.
 

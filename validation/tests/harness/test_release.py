@@ -1,108 +1,62 @@
-"""validation/run release: archives that are complete, the same each time, and of one version."""
+"""validation/run release: archives that are complete and of one version."""
 
-import io
 import json
 import posixpath
 import re
-import tarfile
+import shutil
 import tomllib
-import zipfile
 
 import pytest
 from support import called, refused
 
 from bokeh_validation import __version__, paths
-from bokeh_validation.release import archives, forms
 
 INTEGRATION = paths.ROOT / "integration"
 NAMES = (
-    "bokeh-babylonjs-{}.tgz", "bokeh-bevy-{}.crate", "bokeh-playcanvas-{}.tgz", "bokeh-threejs-{}.tgz",
-    "bokeh_panda3d-{}-py3-none-any.whl", "com.polygonal-bokeh.urp-{}.tgz", "polygonal-bokeh-shaders-{}.zip",
-    "unreal-BokehDepthOfField-{}.zip",
+    "bokeh-babylonjs-{}.tgz", "bokeh-playcanvas-{}.tgz", "bokeh-threejs-{}.tgz", "com.polygonal-bokeh.urp-{}.tgz",
+    "godot-polygon_bokeh-{}.zip", "polygonal-bokeh-shaders-{}.zip", "unreal-BokehDepthOfField-{}.zip",
 )  # fmt: skip
-ADDONS = [f"godot-{path.name}-{{}}.zip" for path in INTEGRATION.glob("godot/addons/*")]
 
 
 @pytest.fixture(scope="module")
 def released(tmp_path_factory):
-    """What the command leaves."""
-    folder = tmp_path_factory.mktemp("release") / "made"
-    done = called("release", "-o", folder)
+    """Name of an archive that the command leaves -> path -> content."""
+    folder = tmp_path_factory.mktemp("release")
+    done = called("release", "-o", folder / "made")
     assert done.returncode == 0, done.stderr
-    assert all(path.name in done.stdout for path in folder.iterdir())
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
-def unpacked(name: str, archive: bytes) -> dict[str, bytes]:
-    """Path -> content of an archive."""
-    if name.endswith((".zip", ".whl")):
-        with zipfile.ZipFile(io.BytesIO(archive)) as reader:
-            return {path: reader.read(path) for path in reader.namelist()}
-    with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as reader:
-        return {member.name: reader.extractfile(member).read() for member in reader}
-
-
-def contents(released) -> dict[str, dict[str, bytes]]:
-    return {name: unpacked(name, archive) for name, archive in released.items()}
+    found = {}
+    for archive in (folder / "made").iterdir():
+        assert archive.name in done.stdout
+        shutil.unpack_archive(archive, folder / archive.stem, "zip" if archive.suffix == ".zip" else "gztar")
+        files = [path for path in (folder / archive.stem).rglob("*") if path.is_file()]
+        found[archive.name] = {path.relative_to(folder / archive.stem).as_posix(): path.read_bytes() for path in files}
+    return found
 
 
 def test_names(released):
     """One archive for each form."""
-    assert sorted(released) == sorted(name.format(__version__) for name in (*NAMES, *ADDONS))
+    assert sorted(released) == [name.format(__version__) for name in NAMES]
 
 
-def test_reproducible(released, monkeypatch):
-    """At another time, with the files in another order: the same to the byte."""
-    monkeypatch.setattr("time.time", lambda: 2e9)
-    for name, files in forms.archives().items():
-        shuffled = dict(reversed(files.items()))
-        assert archives.packed(name, shuffled) == released[name], name
-
-
-def test_shaders_and_licence(released):
-    """Every archive has the licence, and its shaders are those of the repository; Godot's have a test of their own."""
-    licence = (paths.ROOT / "LICENSE").read_bytes()
-    for name, files in contents(released).items():
-        assert licence in files.values(), name
-        found = {posixpath.basename(path): content for path, content in files.items()}
-        shaders = {
-            base: content for base, content in found.items() if re.fullmatch(r"bokeh\w*\.(hlsl|glsl|wgsl|ush)", base)
-        }
-        for base, content in shaders.items():
-            stem, _, suffix = base.partition(".")
-            language = suffix.replace("ush", "hlsl")
-            assert content == (paths.ROOT / language / f"{stem}.{language}").read_bytes(), f"{name}: {base}"
-        assert shaders or found.keys() & {"glsl.js", "bokeh.gdshaderinc"}, name
-
-
-def test_nothing_else_is_changed(released):
-    """All other files are the sample's, but for a guide's links, the crate's paths, and what only a package has."""
+def test_files_are_the_repositorys(released):
+    """Every archive has the licence and the library. Its files are the repository's, but for those that are made."""
     folders = [paths.ROOT / name for name in ("integration", "docs", *paths.LANGUAGES)]
     sources = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
-    own = {path.read_bytes() for path in [*sources, paths.ROOT / "LICENSE"]}
-    made = r"glsl\.js|wgsl\.js|.*\.md|.*\.meta|METADATA|WHEEL|RECORD|lib\.rs"
-    for name, files in contents(released).items():
-        new = [path for path, content in files.items() if content not in own]
-        assert all(re.fullmatch(made, posixpath.basename(path)) for path in new), (name, new)
-    crate = contents(released)[f"bokeh-bevy-{__version__}.crate"][f"bokeh-bevy-{__version__}/src/lib.rs"].decode()
-    sample = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
-    assert crate.replace('"../wgsl/', '"../../../wgsl/') == sample and crate.count('"../wgsl/') == 3
-
-
-def test_links(released):
-    """Links of the documents lead to files of the archive."""
-    for name, files in contents(released).items():
-        for path, content in files.items():
-            if path.endswith(".md"):
-                text = re.sub(r"^ *```.*?^ *```", "", content.decode(), flags=re.MULTILINE | re.DOTALL)
-                for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
-                    there = posixpath.normpath(posixpath.join(posixpath.dirname(path), target))
-                    assert ":" in target or there in files, f"{name}: {path}: {target}"
+    own = {path.read_bytes() for path in [*sources, *paths.ROOT.glob("*.md"), paths.ROOT / "LICENSE"]}
+    libraries = {paths.library(language).read_bytes() for language in paths.LANGUAGES}
+    for name, files in released.items():
+        assert (paths.ROOT / "LICENSE").read_bytes() in files.values(), name
+        made = {posixpath.basename(path) for path, content in files.items() if content not in own}
+        assert all(base in ("glsl.js", "wgsl.js") or base.endswith(".meta") for base in made), (name, made)
+        has_library = (
+            libraries & set(files.values()) or "glsl.js" in made or any("gdshaderinc" in path for path in files)
+        )
+        assert has_library, name
 
 
 def test_unity_metas(released):
     """A .meta for every file and folder of the UPM package, no GUID twice; else Unity leaves the file out."""
-    files = contents(released)[f"com.polygonal-bokeh.urp-{__version__}.tgz"]
+    files = released[f"com.polygonal-bokeh.urp-{__version__}.tgz"]
     assets = {path for path in files if not path.endswith(".meta")}
     assets |= {posixpath.dirname(path) for path in assets} - {"package"}
     assert {path.removesuffix(".meta") for path in files if path.endswith(".meta")} == assets
