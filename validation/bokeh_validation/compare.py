@@ -59,11 +59,6 @@ def to_srgb(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
 
 
-def from_srgb(encoded: np.ndarray) -> np.ndarray:
-    """What it was encoded from."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4)
-
-
 def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
     """All that make sense of some settings; near, far: the camera's planes, metres."""
     flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/pitfalls.md)."
@@ -71,17 +66,13 @@ def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
     linear = "Blur linear light, before tone mapping, and write the EXR from the target as it is."
     yield Mistake("the result is sRGB, not linear", linear, settings, result=to_srgb)
     yield Mistake("the colour that was blurred is sRGB, not linear", linear, settings, color=to_srgb)
-    yield Mistake("sRGB was blurred, and decoded afterwards", linear, settings, color=to_srgb, result=from_srgb)
-    yield Mistake("colour was decoded from sRGB twice", linear, settings, color=from_srgb)
     if settings.rotation:
         turned = replace(settings, rotation=-settings.rotation)
         yield Mistake("the rotation's sign is the other one", "Angles go from +x towards +y, which is down.", turned)
     yield from _presets(settings)
     if settings.coc is None:
         yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
-        if settings.method in options.POLYGON_METHODS:
-            yield from _signs(settings)
-        yield from _depth_kinds(settings, near, far)
+        yield from _depths(settings, near, far)
 
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
@@ -89,32 +80,29 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
     constants = shaders.presets(paths.library("glsl").read_text(encoding="ascii"))
     for name in methods.PRESETS if settings.method != "naive" else ():
         samples, spacing = (constants[name.upper()][f"BOKEH_PRESET_{word}"] for word in ("SAMPLES", "SPACING"))
-        other, given = replace(settings, preset=name), f"--preset {name}"
-        if settings.method != "layered":
-            other = replace(settings, samples=int(samples), spacing=float(spacing))
-            given = f"--samples {samples} --spacing {spacing}"
+        other, given = replace(settings, samples=int(samples), spacing=float(spacing)), f"--samples {samples} --spacing"
+        if settings.method == "layered":
+            other, given, spacing = replace(settings, preset=name), "--preset", name
         if other != settings:
-            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given}.", other)
+            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given} {spacing}.", other)
 
 
-def _signs(settings: Settings) -> Iterator[Mistake]:
-    """The depths whose CoC has the other sign: 1 / S1 is midway between 1 / S2 and that of the other."""
+def _depths(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
+    """Depth of another sign about the focus, or of another kind."""
     focus = settings.camera.focus_distance
 
     def mirrored(depth: np.ndarray) -> np.ndarray:
-        # farther than infinity: at infinity
+        # whose CoC has the other sign: 1 / S1 is midway between 1 / S2 and its own; farther than infinity: at infinity
         return focus / np.maximum(2.0 - focus / np.maximum(depth, 1e-6), 1e-9)
 
-    signed = "It is negative before the focus, and positive after it (docs/inputs.md)."
-    yield Mistake("the CoC's sign is the other one", signed, settings, depth=mirrored)
-    yield Mistake("the CoC has no sign", signed, settings, depth=lambda z: np.where(z < focus, mirrored(z), z))
-
-
-def _depth_kinds(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
     def misread(held: int, read: int, depth: np.ndarray) -> np.ndarray:
         inside = np.clip(depth.astype(np.float64), near, far)
         return linear_depth(stored_depth(inside, held, near, far), read, near, far)
 
+    if settings.method in options.POLYGON_METHODS:
+        signed = "It is negative before the focus, and positive after it (docs/inputs.md)."
+        yield Mistake("the CoC's sign is the other one", signed, settings, depth=mirrored)
+        yield Mistake("the CoC has no sign", signed, settings, depth=lambda z: np.where(z < focus, mirrored(z), z))
     for held, read in ((held, read) for held in KINDS[:4] for read in KINDS if held != read):
         kinds = DEPTH_KINDS[held], DEPTH_KINDS[read]
         name = f"the depth is {held} and was read as {read}"

@@ -36,14 +36,12 @@ def _adapter(driver: str) -> str:
 
 def adapters() -> Iterator[tuple[str, str]]:
     """(driver, adapter name) for --adapter. Where there is none, the driver's own line says why."""
-    with suppress(Exception):
-        from bokeh_validation.drivers import gl
+    from bokeh_validation.drivers import gl, webgpu
 
+    with suppress(Exception):
         yield from [("egl", name) for name in gl.egl_adapters()]
     with suppress(Exception):
-        from bokeh_validation.drivers import webgpu
-
-        yield from [(name, a.info["device"]) for a in webgpu.wgpu_adapters() for name in ("wgpu", "dxc")]
+        yield from [("wgpu, dxc", adapter.info["device"]) for adapter in webgpu.wgpu_adapters()]
 
 
 def environment() -> dict[str, str]:

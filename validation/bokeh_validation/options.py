@@ -56,17 +56,14 @@ class Option:
         """What the settings have for it."""
         owner, _, part = self.field.partition(".")
         whole = getattr(settings, owner)
-        if part.isdigit():
-            return whole[int(part)]
-        return getattr(whole, part) if part else whole
+        return whole if not part else whole[int(part)] if part.isdigit() else getattr(whole, part)
 
     def put(self, settings: Settings, value: object) -> Settings:
         """The settings with another value for it."""
         owner, _, part = self.field.partition(".")
         whole = getattr(settings, owner)
         if part.isdigit():
-            index = int(part)
-            value = (*whole[:index], value, *whole[index + 1 :])
+            value = tuple(value if index == int(part) else other for index, other in enumerate(whole))
         elif part:
             value = replace(whole, **{part: value})
         return replace(settings, **{owner: value})
@@ -158,50 +155,30 @@ def with_settings(command: Callable) -> Callable:
 def check(settings: Settings, given: Iterable[Option] = ()) -> None:
     """Refuse settings that mean nothing, and options that were given and have no effect. Raises UserError."""
     for option in TABLE:
-        _check_value(option, settings)
+        value, told = option.value(settings), option.told(settings)
+        if option.kind is str and value not in option.allowed:
+            raise UserError(f"{told}: unknown. Give one of {', '.join(option.allowed)}.")
+        if option.kind in (int, float) and value is not None:
+            low, high, text = option.allowed
+            if not math.isfinite(value) or not low <= value <= high:
+                raise UserError(f"{told}: not allowed. Give {text}.")
     for option in given:
-        _check_effect(option, settings)
-    method, camera, coc = settings.method, settings.camera, settings.coc
-    if method in POLYGON_METHODS and settings.aperture not in methods.EXACT:
+        told, others = option.told(settings), " or ".join(option.methods)
+        if settings.method not in option.methods:
+            raise UserError(f"{told}: no effect on {settings.method}. Give --method {others}, or leave it out.")
+        for has_effect, why, advice in option.needs:
+            if not has_effect(settings):
+                raise UserError(f"{told}: no effect {why}. {advice}.")
+    method, aperture, count = settings.method, settings.aperture, settings.count
+    camera, coc = settings.camera, settings.coc
+    if method in POLYGON_METHODS and aperture not in methods.EXACT:
         names = ", ".join(methods.EXACT)
-        raise UserError(f"--aperture {settings.aperture}: {method} makes {names} only. Give --method paper.")
-    if camera.focus_distance <= camera.focal_length:
-        raise UserError(
-            f"--focus-distance {camera.focus_distance:g} m: a lens of focal length {camera.focal_length:g} m cannot "
-            f"focus there. Give more than {camera.focal_length:g}."
-        )
+        raise UserError(f"--aperture {aperture}: {method} makes {names} only. Give --method paper.")
+    focal, distance = camera.focal_length, camera.focus_distance
+    if distance <= focal:
+        raise UserError(f"--focus-distance {distance:g}: not allowed with focal length {focal:g}. Give more than that.")
     if coc is not None and coc > camera.max_coc:
-        raise UserError(
-            f"--coc {coc:g}: more than --max-coc {camera.max_coc:g}, which would clamp it. Raise --max-coc as well."
-        )
-    # the square's table has the most offsets for a sample count, so it bounds the others before they are made
-    if (
-        method == "naive"
-        and settings.count**2 > MAX_KERNEL
-        and len(apertures.kernel(settings.aperture, min(settings.count, 128))) > MAX_KERNEL
-    ):
-        raise UserError(
-            f"--samples {settings.count}: a naive {settings.aperture} of that many is more than {MAX_KERNEL} offsets. "
-            "Give fewer, or --method paper."
-        )
-
-
-def _check_value(option: Option, settings: Settings) -> None:
-    value = option.value(settings)
-    if option.kind is str and value not in option.allowed:
-        raise UserError(f"{option.told(settings)}: unknown. Give one of {', '.join(option.allowed)}.")
-    if option.kind in (int, float) and value is not None:
-        low, high, text = option.allowed
-        if not math.isfinite(value) or not low <= value <= high:
-            raise UserError(f"{option.told(settings)}: not allowed. Give {text}.")
-
-
-def _check_effect(option: Option, settings: Settings) -> None:
-    if settings.method not in option.methods:
-        others = " or ".join(option.methods)
-        raise UserError(
-            f"{option.told(settings)}: no effect on {settings.method}. Give --method {others}, or leave it out."
-        )
-    for has_effect, why, advice in option.needs:
-        if not has_effect(settings):
-            raise UserError(f"{option.told(settings)}: no effect {why}. {advice}.")
+        raise UserError(f"--coc {coc:g}: --max-coc {camera.max_coc:g} would clamp it. Raise --max-coc as well.")
+    # 128 of the shape with the fewest offsets are more than enough
+    if method == "naive" and len(apertures.kernel(aperture, min(count, 128))) > MAX_KERNEL:
+        raise UserError(f"--samples {count}: a naive {aperture} has more than {MAX_KERNEL} offsets. Give fewer.")

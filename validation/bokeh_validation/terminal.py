@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import Progress
 
 from bokeh_validation import files
 from bokeh_validation.errors import Unavailable, UserError
@@ -18,7 +18,6 @@ from bokeh_validation.errors import Unavailable, UserError
 if TYPE_CHECKING:
     from bokeh_validation.drivers.base import Driver
 
-EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[yellow]not run[/]"
 # Tried in this order when no driver is named: the fastest to start first.
 AUTO = ("egl", "osmesa", "wgpu", "dxc")
@@ -29,26 +28,7 @@ SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVE
 Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
 
 console = Console(soft_wrap=True)
-# What stands for standard output where a file is asked for
-STANDARD_OUTPUT = Path("-")
-
-
-def json_target(context: typer.Context, path: Path | None) -> Path | None:
-    """The file of an option for JSON. Where that is '-', all other text of the command goes to standard error."""
-    if path == STANDARD_OUTPUT:
-        console.stderr = True
-        context.call_on_close(lambda: setattr(console, "stderr", False))
-    return path
-
-
-JsonFile = Annotated[
-    Path | None, typer.Option("--json", callback=json_target, help="Write everything here as well; -: standard output.")
-]
-
-
-def table_console(width: int) -> Console:
-    """The terminal; for a file or a pipe, which have no width of their own, a console of `width` characters."""
-    return console if console.is_terminal else Console(width=width, stderr=console.stderr)
+JsonFile = Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")]
 
 
 def tell(*lines: str) -> None:
@@ -59,21 +39,13 @@ def tell(*lines: str) -> None:
 
 def end(ok: bool) -> None:
     """End the command by its exit code."""
-    raise typer.Exit(0 if ok else EXIT_FAILED)
+    raise typer.Exit(0 if ok else 1)
 
 
 @contextmanager
 def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
     """A progress bar on standard error, gone when done; yields what is to be called after each step, with its name."""
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-        disable=not sys.stderr.isatty(),
-    )
+    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
     task = bar.add_task(description, total=total)
     with bar:
         yield lambda text: bar.update(task, advance=1, description=f"{description} {text}")
@@ -82,11 +54,9 @@ def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
 def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
     """(width, height) of --size '1920x1080'. Raises UserError."""
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
-    if match is None:
-        raise UserError(f"--size {text}: not a size. Give width x height in pixels, for example 1920x1080.")
-    size = int(match[1]), int(match[2])
+    size = (int(match[1]), int(match[2])) if match else (0, 0)
     if not all(least <= side <= most for side in size):
-        raise UserError(f"--size {text}: not allowed. Give {least} to {most} pixels a side.")
+        raise UserError(f"--size {text}: not allowed. Give {least} to {most} pixels a side, such as 1920x1080.")
     return size
 
 
@@ -102,19 +72,14 @@ def chosen(
 
 def check_writable(*targets: Path | None) -> None:
     """Refuse, before any work is done, files that cannot be written. Raises UserError."""
-    for path in targets:
-        if path not in (None, STANDARD_OUTPUT):
-            files.check_writable(path)
+    for path in filter(None, targets):
+        files.check_writable(path)
 
 
 def write_json(path: Path | None, data: object) -> None:
-    """Write a file as a whole, or to standard output, if it was asked for."""
-    if path is None:
-        return
-    text = json.dumps(data, indent=1) + "\n"
-    if path == STANDARD_OUTPUT:
-        sys.stdout.write(text)
-    else:
+    """Write a file as a whole, if it was asked for."""
+    if path is not None:
+        text = json.dumps(data, indent=1) + "\n"
         files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 
@@ -122,18 +87,13 @@ def pick_driver(name: str | None, adapter: str | None) -> "Driver":
     """The driver named, or the first that this machine has. Raises UserError."""
     from bokeh_validation import drivers
 
-    if name is not None:
-        check_driver(name)
-        try:
-            return drivers.load(name, adapter)
-        except Unavailable as error:
-            raise UserError(f"--driver {name}: not on this machine ({error}). See validation/run doctor.") from error
-    for candidate in AUTO:
+    for candidate in AUTO if name is None else ():
         try:
             return drivers.load(candidate, adapter)
         except Unavailable:
             continue
-    raise UserError("no driver works on this machine. See validation/run doctor, or give --driver reference.")
+    (found,), _ = pick_drivers([name or AUTO[0]], adapter)
+    return found
 
 
 def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Driver"], dict[str, str]]:

@@ -5,12 +5,15 @@ Angles are in radians, 0 along +u (to the right) and 90 degrees along +v (toward
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, pi, radians, sin
+from functools import partial
+from math import cos, radians, sin
 
 import numpy as np
 
+from bokeh_validation.frame import polygons
+
 APERTURES = ("square", "diamond", "hexagon", "octagon", "star")
-# Regular polygons that decomposition.py makes: number of sides, inscribed in the CoC, first corner straight up
+# Regular polygons that aperture.py makes: number of sides, inscribed in the CoC, first corner straight up
 POLYGONS = {"triangle": 3, "pentagon": 5, "heptagon": 7, "decagon": 10}
 NAMES = (*APERTURES, *POLYGONS)
 METHODS = ("paper", "naive", "exact", "layered")
@@ -83,9 +86,15 @@ def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
     `samples` = 13 gives the 127-sample hexagon and the 120-sample octagon of Figure 4.
     """
     cells = max(2, samples - 1)
-    if aperture in ("square", "diamond"):
-        shape = PARALLELOGRAMS[aperture][0]
-        u, v = (make_offsets(radians(angle), 1.0, samples) for angle in (shape.first, shape.second))
+    if aperture in POLYGONS:
+        # a little larger, so that rounding leaves out no place on a side
+        corners = regular_polygon(POLYGONS[aperture]) * (1.0 + 1e-12)
+        table = lattice_kernel(cells, partial(polygons.inside, corners))
+        # mirrored: a pixel finds a highlight on the other side of itself; the mean is 0, or the picture would move
+        return rotated(table.mean(axis=0) - table, rotation)
+    shapes = PARALLELOGRAMS[aperture]
+    if len(shapes) == 1:
+        u, v = (make_offsets(radians(angle), 1.0, samples) for angle in (shapes[0].first, shapes[0].second))
         table = (v[:, None, :] + u[None, :, :]).reshape(-1, 2)
     elif aperture == "hexagon":
         # triangles in n rings about the centre, 3 n (n + 1) + 1 places; the outermost corners are on the circle
@@ -93,21 +102,8 @@ def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
         a, b = direction(radians(90)) * 0.5 / n, direction(radians(30)) * 0.5 / n
         steps = range(-n, n + 1)
         table = np.array([i * a + j * b for j in steps for i in steps if abs(i + j) <= n])
-    elif aperture in ("octagon", "star"):
-        # what both squares of side CoC have, the upright and the turned one; what either of them has
-        both = np.minimum if aperture in USES_MAX else np.maximum
-        table = lattice_kernel(
-            cells, lambda x, y: both(np.maximum(abs(x), abs(y)), (abs(x) + abs(y)) / np.sqrt(2.0)) <= 0.5
-        )
-    elif aperture in POLYGONS:
-        # mirrored: a pixel finds a highlight on the other side of itself; the mean is 0, or the picture would move
-        # within every side: 0.5 cos(pi / sides) from the middle, along the normals, which are between the corners
-        sides = POLYGONS[aperture]
-        normals = [direction(radians(360.0 * (k + 0.5) / sides - 90.0)) for k in range(sides)]
-        table = lattice_kernel(
-            cells, lambda x, y: np.max([x * a + y * b for a, b in normals], axis=0) <= 0.5 * cos(pi / sides) + 1e-12
-        )
-        table = table.mean(axis=0) - table
     else:
-        raise ValueError(f"unknown aperture {aperture!r}: one of {', '.join(NAMES)}")
+        # what both squares of side CoC have, the upright and the turned one; what either of them has
+        both = np.logical_or if aperture in USES_MAX else np.logical_and
+        table = lattice_kernel(cells, lambda x, y: both(*(polygons.inside(s.corners(), x, y) for s in shapes)))
     return rotated(table, rotation)

@@ -7,7 +7,7 @@ from math import radians
 import numpy as np
 
 from bokeh_validation.frame import apertures
-from bokeh_validation.frame.decomposition import LinePass, decompose
+from bokeh_validation.frame.aperture import LinePass, decompose
 from bokeh_validation.shaders.entries import COLORS, EXACT
 from bokeh_validation.shaders.passes import Pass
 

@@ -3,8 +3,8 @@
 It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
 """
 
+import json
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated
 
@@ -50,7 +50,7 @@ NOTES = (
     "texel; only shader model 3 needs a filter of that kind.",
     "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
     "those that your engine must give.",
-    "Pass 0 makes metres of the depth buffer. Leave it out where `depth` holds metres along the view axis already.",
+    "BokehLinearDepth makes metres of the depth buffer. Leave it out where your depth is in metres already.",
     "Constants that are not listed have the library's default; BOKEH_ADAPTIVE_SAMPLES 1 lets BokehSpacing and "
     "BokehJitter act. A constant beats a preset without a word: where BOKEH_PRESET_.. is defined, define none of those "
     "that it stands for.",
@@ -74,29 +74,28 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
     if viewport:
         plan = methods.in_viewport(plan, viewport, size)
-    first = 0 if plan.passes[0].entry == LINEAR_DEPTH.entry else 1
     same, changes = _parameters(plan.passes)
-    preset = dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True))
-    define = f"BOKEH_PRESET_{settings.preset.upper()}"
-    textures = _textures(plan, size, first)
+    preset = {
+        "name": settings.preset,
+        "define": f"BOKEH_PRESET_{settings.preset.upper()}",
+        "stands_for": dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True)),
+    }
+    textures = _textures(plan, size)
     targets = [texture for texture in textures if texture["written"] is not None]
-    steps = [
-        _step(number, item, changed, size, textures)
-        for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True), start=first)
-    ]
     return {
         "version": __version__,
         "method": settings.method,
         "aperture": settings.aperture,
-        "preset": {"name": settings.preset, "define": define, "stands_for": preset}
-        if settings.method == "layered"
-        else None,
+        "preset": preset if settings.method == "layered" else None,
         "several_targets": settings.targets,
         "size": list(size),
         "notes": list(NOTES),
         "programs": programs(settings.method),
         "vertex": VERTEX,
-        "passes": steps,
+        "passes": [
+            _step(number, item, changed, size, textures)
+            for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True))
+        ],
         "parameters": same,
         "overwrite": OVERWRITE,
         "block": {"floats": BLOCK_FLOATS, "order": list(PARAMETERS)},
@@ -186,30 +185,23 @@ def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[s
     return same, changes
 
 
-def _textures(plan: methods.Plan, size: tuple[int, int], first: int) -> list[dict]:
-    """What the passes read and write, in the order of their first use; `written` is null where it is handed in.
-
-    first  number of the first pass
-    """
-    read: dict[str, list[int]] = {}
+def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
+    """What the passes read and write, in the order of their first use; `written` is null where it is handed in."""
     textures: dict[str, dict] = {}
-    for number, item in enumerate(plan.passes, start=first):
+    for number, item in enumerate(plan.passes):
         for name in item.inputs.values():
-            read.setdefault(name, []).append(number)
-            if name not in textures:
-                full = plan.tables[name].shape[1::-1] if name in plan.tables else size
-                textures[name] = {"name": name, "written": None, "size": list(full), "format": None, "bytes": None}
+            full = plan.tables[name].shape[1::-1] if name in plan.tables else size
+            given = {"name": name, "written": None, "size": list(full), "format": None, "bytes": None, "read": []}
+            textures.setdefault(name, given)["read"].append(number)
         wide, high = target_size(item.scale, size)
         kind, texel = FORMATS.get(item.spec.role, USUAL_FORMAT)
         for name in item.outputs:
             place = {"size": [wide, high], "format": kind, "bytes": texel * wide * high}
-            textures[name] = {"name": name, "written": number, **place}
-    for name, texture in textures.items():
-        texture["read"] = read.get(name, [])
-        texture["last_read"] = None if name == plan.result else texture["read"][-1]
+            textures[name] = {"name": name, "written": number, **place, "read": []}
     # a target takes the memory of one of its size and format that nobody reads any more
     taken: list[dict] = []
-    for texture in textures.values():
+    for name, texture in textures.items():
+        texture["last_read"] = None if name == plan.result else texture["read"][-1]
         texture["memory"] = None
         if texture["written"] is not None:
             free = (number for number, other in enumerate(taken) if _is_free(other, texture))
@@ -219,71 +211,9 @@ def _textures(plan: methods.Plan, size: tuple[int, int], first: int) -> list[dic
 
 
 def _is_free(other: dict, texture: dict) -> bool:
-    """Whether a texture may take another's memory."""
+    """Whether a texture may take the memory of another, which is not the result."""
     alike = (other["size"], other["format"]) == (texture["size"], texture["format"])
     return alike and other["last_read"] is not None and other["last_read"] < texture["written"]
-
-
-# ---------------------------------------------------------------------------------------------------------------- text
-
-WORDS = {"color": "colour", "depth": "depth", "table": "the table"}
-
-
-def lines(planned: dict) -> Iterator[str]:
-    """A frame as text."""
-    wide, high = planned["size"]
-    preset = f" {planned['preset']['name']}" if planned["preset"] else ""
-    targets = "several targets" if planned["several_targets"] else "one target"
-    yield f"{planned['method']}{preset} {planned['aperture']}, {wide} x {high}, {targets} a pass"
-    given = {name: value for name, value in planned["parameters"].items() if value != PARAMETERS[name]}
-    yield f"in every pass: {values(given)}; what is not named has its default"
-    yield f"constants: {values(all_constants(planned)) or 'as the library has them'}"
-    yield "linear: linear filter, clamp; nearest: fetched texel by texel, in shader model 3 by a nearest filter"
-    for step in planned["passes"]:
-        yield ""
-        yield f"{step['pass']:2}  {step['entry']}  ({step['define']})"
-        for source in step["inputs"]:
-            yield f"      {source['slot']} <- {source['texture']}  ({source['filter']})"
-        scale = "" if step["scale"] == 1 else f", 1/{step['scale']}"
-        yield f"      writes {', '.join(step['targets'])}  ({size_text(step['size'])} {step['format']}{scale})"
-        if step["viewport"]:
-            x, y, *area = step["viewport"]
-            yield f"      viewport {size_text(area)} at {x}, {y}"
-        if step["changes"]:
-            yield f"      sets {values(step['changes'])}"
-        yield f"      fetches a texel, at most: {_counts(step['fetches'])}"
-        if step["free"]:
-            yield f"      not read any more: {', '.join(step['free'])}"
-    yield ""
-    yield f"fetches a pixel of the full size, at most: {_counts(planned['fetches'])}"
-    yield f"targets: {megabytes(planned['bytes'])} MB, {megabytes(planned['bytes_shared'])} MB where they share memory"
-
-
-def all_constants(planned: dict) -> dict[str, int]:
-    """What the programs of a frame are compiled with, those of the preset too."""
-    together = dict(planned["preset"]["stands_for"]) if planned["preset"] else {}
-    for step in planned["passes"]:
-        together |= step["constants"]
-    return together
-
-
-def values(named: dict) -> str:
-    """'BokehAxis 1, BokehLayer 0'."""
-    return ", ".join(f"{name} {value:g}" for name, value in named.items())
-
-
-def size_text(size: list[int]) -> str:
-    """'1920 x 1080'."""
-    return f"{size[0]} x {size[1]}"
-
-
-def megabytes(count: int) -> str:
-    """Of bytes, without a fraction."""
-    return f"{count / 1e6:.0f}"
-
-
-def _counts(counts: dict) -> str:
-    return ", ".join(f"{round(count, 1):g} of {WORDS[kind]}" for kind, count in counts.items() if count)
 
 
 @options.with_settings
@@ -293,13 +223,11 @@ def plan(
     viewport: Annotated[
         str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
     ] = None,
-    json_file: terminal.JsonFile = None,
 ) -> None:
-    """Every pass of a method in order: entry, inputs, targets, sizes, formats, filters, parameters."""
+    """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
     whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
     planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
-    terminal.write_json(json_file, planned)
-    terminal.tell(*lines(planned))
+    typer.echo(json.dumps(planned, indent=1))
 
 
 def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -310,7 +238,7 @@ def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
     # the smallest targets have 1/8 of the size
     if not fits or x % 8 or y % 8:
         raise UserError(
-            f"--viewport {text}: no part of {size_text(size)}. Give width x height + x + y in pixels, x and y "
+            f"--viewport {text}: no part of {size[0]} x {size[1]}. Give width x height + x + y in pixels, x and y "
             f"multiples of 8, for example 1280x720+64+32."
         )
     return x, y, wide, high

@@ -197,7 +197,7 @@ def passes_page() -> Iterator[str]:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
     shared = "every target's memory is used again as soon as it is free."
-    yield from (f"At {plan.size_text(PAGE_SIZE)}, linear depth, CoC map and result included; *shared*: {shared}", "")
+    yield from (f"At 1920 x 1080, linear depth, CoC map and result included; *shared*: {shared}", "")
     heads = ("method, shape", "passes", "targets at once, at most", "colour fetches a pixel, at most", "MB", "shared")
     yield from (_cells(*heads, "one target a pass"), "|---|---|---|---|---|---|---|")
     for method, aperture in COUNTED:
@@ -206,32 +206,33 @@ def passes_page() -> Iterator[str]:
         )
         most = max(len(step["targets"]) for step in several["passes"])
         fewer = f"{len(single['passes'])} passes, {single['fetches']['color']:.0f} fetches" if most > 1 else "the same"
-        megabytes = (plan.megabytes(several[key]) for key in ("bytes", "bytes_shared"))
+        megabytes = (f"{several[key] / 1e6:.0f}" for key in ("bytes", "bytes_shared"))
         fetches = f"{several['fetches']['color']:.0f}"
         yield _cells(f"{method}, {aperture}", len(several["passes"]), most, fetches, *megabytes, fewer)
 
 
 def _section(planned: dict) -> Iterator[str]:
-    preset = f", preset {planned['preset']['name'].upper()}" if planned["preset"] else ""
-    yield from (f"## {planned['method']}, {planned['aperture']}{preset}", "")
-    yield from (f"Constants: {plan.values(plan.all_constants(planned))}.", "")
+    """The passes of a frame. A texture has its slot beside it where that is not the slot after the one before."""
+    preset, passes = planned["preset"], planned["passes"]
+    constants = dict(preset["stands_for"]) if preset else {}
+    for step in passes:
+        constants |= step["constants"]
+    title = f", preset {preset['name'].upper()}" if preset else ""
+    yield from (f"## {planned['method']}, {planned['aperture']}{title}", "", f"Constants: {_values(constants)}.", "")
     yield from ("| | entry | reads | writes | size | sets | fetches |", "|---|---|---|---|---|---|---|")
-    for step in planned["passes"]:
-        counts = [f"{kind} {count}" for kind, count in step["fetches"].items() if count]
+    for step in passes:
+        inputs = zip(step["inputs"], COLORS, strict=False)
+        reads = [s["texture"] if s["slot"] == slot else f"{s['texture']} ({s['slot']})" for s, slot in inputs]
         size = "full" if step["scale"] == 1 else f"1/{step['scale']}"
-        reads, writes = ", ".join(_sources(step["inputs"])), ", ".join(step["targets"])
-        fetches = ", ".join(counts).removeprefix("color ")
-        yield _cells(step["pass"], step["entry"], reads, writes, size, plan.values(step["changes"]), fetches)
+        fetches = [f"{count} {kind}".removesuffix(" color") for kind, count in step["fetches"].items() if count]
+        texts = (", ".join(names) for names in (reads, step["targets"]))
+        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), ", ".join(fetches))
     yield ""
 
 
-def _sources(inputs: list[dict]) -> Iterator[str]:
-    """Textures; each with its slot where that is not the next colour slot, and its filter where it is not linear."""
-    expected = iter(COLORS)
-    for source in inputs:
-        is_next = source["slot"] in COLORS and source["slot"] == next(expected)
-        notes = [source["slot"]] * (not is_next) + [source["filter"]] * (source["filter"] != "linear")
-        yield f"{source['texture']} ({', '.join(notes)})" if notes else source["texture"]
+def _values(named: dict) -> str:
+    """'BokehAxis 1, BokehLayer 0'."""
+    return ", ".join(f"{name} {value:g}" for name, value in named.items())
 
 
 def _cells(*cells: object) -> str:

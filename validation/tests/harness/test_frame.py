@@ -140,16 +140,11 @@ def test_every_frame_is_whole(method, targets):
         assert planned["bytes_shared"] < planned["bytes"] or method == "naive"
 
 
-def test_the_command(tmp_path):
-    """`validation/run plan`: every pass in order with its textures, sizes and filters; the JSON is that of frame()."""
-    target = tmp_path / "a frame.json"
-    done = called("plan", "--method", "layered", "--size", "1921x1081", "--json", target)
-    assert done.returncode == 0, done.stderr
+def test_the_command():
+    """`validation/run plan` prints frame() as JSON."""
+    done = called("plan", "--method", "layered", "--size", "1921x1081")
     planned = frame.frame(methods.Settings("layered", "hexagon"), (1921, 1081))
-    assert json.loads(target.read_text()) == json.loads(json.dumps(planned))
-    assert done.stdout.splitlines() == list(frame.lines(planned))
-    assert "writes tiles  (241 x 136 RGBA16F, 1/8)" in done.stdout
-    assert "ColorSampE <- middle  (linear)" in done.stdout and "DepthSamp <- depth  (nearest)" in done.stdout
+    assert done.returncode == 0 and json.loads(done.stdout) == json.loads(json.dumps(planned)), done.stderr
 
 
 def test_nothing_is_out_of_date():

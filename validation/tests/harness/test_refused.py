@@ -54,20 +54,15 @@ bench --driver nvidia | --driver nvidia; osmesa
 bench --driver d3d9 | --driver d3d9; osmesa
 bench --driver osmesa --adapter nothing | none of the drivers; osmesa
 bench --json /nowhere/b.json | /nowhere/b.json; no folder
-aperture | --sides; --vertices
 aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
-aperture --sides 2 | --sides 2; 3 to 12
-aperture --vertices '0,0 1,0 half' | --vertices: corner 3; 'half'
-aperture --vertices '' | 0 different corners
-aperture --vertices '0,0 0.1,0 nan,0.2' | corner 3 is nan
-aperture --vertices '0,0 120,0 60,90' | corner 2 is 120,0; up to 2
+aperture --sides 2 | --sides 2; 3 to 24
+aperture --sides 17 | 17; at most 12
+aperture --vertices '0,0 0.1,0 half' | --vertices; half; x,y
+aperture --vertices '0,0 0.1,0 nan,0.2' | corners; up to 2
 aperture --vertices '0.1,0.1 0.1,0.1 0.1,0.1' | 1 different corners; three
-aperture --vertices '0,0 0.1,0 0.2,0' | thinner than 0.01
-aperture --vertices '0,0 0.4,0 0.1,0.1 0,0.4' | not convex; from corner 2
+aperture --vertices '0,0 0.1,0 0.2,0' | thin; 0.01
+aperture --vertices '0,0 0.4,0 0.1,0.1 0,0.4' | not convex
 aperture --vertices '0,-0.5 0.294,0.405 -0.476,-0.155 0.476,-0.155 -0.294,0.405' | not convex
-aperture --sides 3 --rotation nan | --rotation nan
-aperture --sides 3 --squeeze 0 | --squeeze 0; at most 16
-aperture --sides 3 --json /no/such/folder/x.json | /no/such/folder
 release | --output
 release --output /no/such/folder/x | /no/such/folder; Make it first
 truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, layered.

@@ -1,4 +1,4 @@
-"""The rule of decomposition.py: parallelograms, passes, light, orientation; the command and the document about it."""
+"""The rule of aperture.py: parallelograms, passes, light, orientation; the command and the document about it."""
 
 import json
 from functools import reduce
@@ -8,9 +8,8 @@ import pytest
 from support import called, in_each_language
 
 from bokeh_validation import paths
-from bokeh_validation.frame import apertures, decomposition, methods, polygons
-from bokeh_validation.frame.aperture import parsed
-from bokeh_validation.frame.decomposition import Decomposition, decompose
+from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame.aperture import TOLERANCE, Decomposition, decompose, parsed
 from bokeh_validation.probes import highlight, impulse
 from bokeh_validation.probes.model import depth_of, pixel_center
 from bokeh_validation.reference.device import Reference
@@ -74,10 +73,10 @@ def test_every_polygon(name):
     polygon = POLYGONS[name]
     shape = decompose(polygon, tolerance=0.0)
     assert_in_common(shape, polygon, 1e-6)
-    assert_in_common(decompose(polygon), polygon, 2 * decomposition.TOLERANCE)
+    assert_in_common(decompose(polygon), polygon, 2 * TOLERANCE)
     count = shape.directions
     assert count <= len(shape.passes) <= count + count % 2
-    assert (count + 1) // 2 <= shape.parallelograms < count
+    assert (count + 1) // 2 <= len(drawn_by(shape)) < count
     area = abs(polygons.signed_area(polygon))
     largest = max(abs(polygons.signed_area(corners)) for corners in drawn_by(shape))
     assert shape.light == pytest.approx(area / largest) and shape.light <= shape.bound + 1e-9
@@ -113,7 +112,7 @@ def test_regular(n):
     halved = np.stack([0.5 * (polygon + np.roll(polygon, 1, axis=0)), polygon], axis=1).reshape(-1, 2)
     for corners in (rounded, halved, halved[::-1]):
         assert len(decompose(corners).passes) == len(shape.passes)
-        assert_in_common(decompose(corners), corners, 2 * decomposition.TOLERANCE)
+        assert_in_common(decompose(corners), corners, 2 * TOLERANCE)
 
 
 # The octagon is turned by 22.5 degrees and larger, since its squares have the CoC as their side
@@ -178,16 +177,13 @@ def test_highlight_on_a_driver(aperture, rotation, squeeze, driver):
     assert_drawn(driver, methods.plan(chosen, impulse.SIZE), shape, squeeze)
 
 
-def test_command(tmp_path):
-    """The table is the one that the document shows; the file has the same passes, turned and squeezed."""
-    done = called("aperture", "--sides", "3")
-    assert done.returncode == 0 and f"```\n{done.stdout}```" in DOCUMENT
-    options = ["--vertices", PENTAGON, "--rotation", "20", "--squeeze", "0.75"]
-    done = called("aperture", *options, "--json", tmp_path / "pass es.json")
-    shape, data = decompose(parsed(PENTAGON), 20.0), json.loads((tmp_path / "pass es.json").read_text())
-    _, _, *rows, last = done.stdout.splitlines()
-    assert last == "in every pass: BokehSqueeze 0.75, BokehUseMax 0" and data["light"] == shape.light
-    for row, item, line in zip(rows, data["passes"], shape.passes, strict=True):
-        np.testing.assert_allclose([float(word) for word in row.split()[3:7]], [*line.parameters().values()], atol=1e-6)
-        assert item["parameters"] == {**line.parameters(), "BokehSqueeze": 0.75}
-        assert item["reads"] == (None if line.reads is None else line.reads + 1)
+def test_command():
+    """What the document shows of the triangle; any polygon's passes as they are drawn."""
+    shape, data = decompose(parsed(PENTAGON)), json.loads(called("aperture", "--vertices", PENTAGON).stdout)
+    assert [item["parameters"] for item in data["passes"]] == [line.parameters() for line in shape.passes]
+    assert data["light"] == shape.light
+    for item in json.loads(called("aperture", "--sides", 3).stdout)["passes"]:
+        numbers = " | ".join(f"{value:.6f}" for value in item["parameters"].values())
+        read, other = (f"pass {item[key]}" if item[key] else "" for key in ("reads", "combines"))
+        row = f"| {item['pass']} | {item['entry']} | {numbers} | {read or 'CoC map'} | {other}"
+        assert f"{row.rstrip()} |\n" in DOCUMENT

@@ -83,7 +83,7 @@ def peers(
     json_file: terminal.JsonFile = None,
     search: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", callback=terminal.json_target, help="Search parameters; write them as JSON."),
+        typer.Option(metavar="FILE", help="Search parameters; write them as JSON."),
     ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
