@@ -1,11 +1,7 @@
 """OpenEXR in and out: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
 
 import contextlib
-import io
-import math
 import os
-import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +11,8 @@ import OpenEXR
 from bokeh_validation import files
 from bokeh_validation.errors import UserError
 
-# The largest texture of common devices, and four channels of that size: the library unpacks every channel of the file.
-MAX_PIXELS = 16384 * 16384
-MAX_VALUES = 4 * MAX_PIXELS
+# Four channels of the largest texture of common devices: the library unpacks every channel of the file.
+MAX_VALUES = 4 * 16384 * 16384
 
 
 @dataclass(frozen=True)
@@ -52,76 +47,47 @@ def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) 
         return _scene(path, depth_channel, layer)
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
-    except (MemoryError, UnicodeError) as error:
-        # more pixels than there is room for; a channel's name that is no text
-        reason = f"{type(error).__name__}: {_printable(str(error))}"
-        raise UserError(f"{path}: cannot be read ({reason}). Scale it, or save it again as OpenEXR.") from error
+    except Exception as error:
+        # what the library throws, more pixels than there is room for, a channel's name that is no text
+        reason = _printable(f"{type(error).__name__}: {error}".replace(f"{path}: ", ""))
+        raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again as OpenEXR.") from error
 
 
 def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
+    # a pipe would wait for its writer
     if not os.path.isfile(path):
-        # a pipe would wait for its writer
-        problem = "is a folder" if os.path.isdir(path) else "no such file, or a pipe or device"
-        raise UserError(f"{problem}. Name an EXR file.")
-    headers = _parts(path)
-    _check_headers(headers)
+        raise UserError("no such file, or a folder, a pipe or a device. Name an EXR file.")
+    headers = _parts(path, header_only=True)
+    for part in headers:
+        low, high = part.header["dataWindow"]
+        width, height = (int(last) - int(first) + 1 for first, last in zip(low, high, strict=True))
+        if min(width, height) <= 0 or width * height * len(part.header["channels"]) > MAX_VALUES:
+            raise UserError(f"{width} x {height} pixels are none, or too many with all channels. Crop or scale it.")
+        if part.header["type"] in (OpenEXR.deepscanline, OpenEXR.deeptile):
+            raise UserError("is a deep image, with many samples in a pixel. Save it flattened.")
     prefix = f"{layer}." if layer else ""
     places = [_place(headers, prefix + letter, "channel", "Name its layer or part with --layer.") for letter in "RGB"]
     if depth_channel is not None:
         places.append(_place(headers, depth_channel, "depth channel", "Name one with --depth-channel, or give --coc."))
-    parts = _parts(path, len(headers))
+    parts = _parts(path, header_only=False)
+    # the library leaves out parts that it cannot decode
+    if len(parts) != len(headers):
+        raise ValueError("not all of its pixels can be decoded")
     planes = [_plane(parts[index], name, is_depth=k == 3) for k, (index, name) in enumerate(places)]
     color = np.stack([*planes[:3], np.ones_like(planes[0])], axis=-1)
     return Scene(color, planes[3].astype(np.float32) if depth_channel is not None else None)
 
 
-def _parts(path: Path, count: int | None = None) -> list[OpenEXR.Part]:
-    """The headers of all parts; with their `count`, their pixels as well."""
-    said: list[str] = []
-    try:
-        with _overheard(said):
-            parts = OpenEXR.File(str(path), separate_channels=True, header_only=count is None).parts
-        # the library leaves out parts that it cannot decode
-        if count is not None and len(parts) != count:
-            raise ValueError("not all of its pixels can be decoded")
-        return parts
-    except Exception as error:
-        # what the library printed names the cause
-        reason = _printable([*said, str(error)][0].removeprefix(f"{path}: "))
-        raise UserError(f"cannot be read as OpenEXR ({reason}). Save it again as OpenEXR.") from error
-
-
-@contextlib.contextmanager
-def _overheard(said: list[str]) -> Iterator[None]:
-    """Collect the lines that the library prints, in C to descriptor 2 and through Python: a refusal is one line."""
-    with tempfile.TemporaryFile() as errors, contextlib.redirect_stdout(io.StringIO()) as printed:
-        kept = os.dup(2)
-        os.dup2(errors.fileno(), 2)
+def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
+    """All parts. What the library prints, in C to descriptor 2 and through Python, is kept back: an error says it too."""
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+        os.dup2(nowhere.fileno(), 2)
         try:
-            yield
+            return OpenEXR.File(str(path), separate_channels=True, header_only=header_only).parts
         finally:
             os.dup2(kept, 2)
             os.close(kept)
-            errors.seek(0)
-            said += errors.read().decode(errors="replace").splitlines() + printed.getvalue().splitlines()
-
-
-def _check_headers(parts: list[OpenEXR.Part]) -> None:
-    """Refuse deep and empty images, and such as would take too much memory for their pixels."""
-    values = 0
-    for part in parts:
-        if part.header["type"] in (OpenEXR.deepscanline, OpenEXR.deeptile):
-            raise UserError("is a deep image, with many samples in a pixel. Save it flattened.")
-        low, high = part.header["dataWindow"]
-        width, height = (int(last) - int(first) + 1 for first, last in zip(low, high, strict=True))
-        if width <= 0 or height <= 0 or width * height > MAX_PIXELS:
-            raise UserError(f"{width} x {height} pixels are none, or more than {MAX_PIXELS}. Crop or scale it.")
-        # the library makes room for whole tiles
-        across, down = (tile.xSize, tile.ySize) if (tile := part.header.get("tiles")) else (1, 1)
-        pixels = math.ceil(width / across) * across * math.ceil(height / down) * down
-        values += pixels * len(part.header["channels"])
-    if values > MAX_VALUES:
-        raise UserError(f"its channels have {values} values, more than {MAX_VALUES}. Save only R G B and depth.")
 
 
 def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tuple[int, str]:

@@ -155,13 +155,13 @@ def with_settings(command: Callable) -> Callable:
 def check(settings: Settings, given: Iterable[Option] = ()) -> None:
     """Refuse settings that mean nothing, and options that were given and have no effect. Raises UserError."""
     for option in TABLE:
-        value, told = option.value(settings), option.told(settings)
+        value = option.value(settings)
         if option.kind is str and value not in option.allowed:
-            raise UserError(f"{told}: unknown. Give one of {', '.join(option.allowed)}.")
+            raise UserError(f"{option.told(settings)}: unknown. Give one of {', '.join(option.allowed)}.")
         if option.kind in (int, float) and value is not None:
             low, high, text = option.allowed
             if not math.isfinite(value) or not low <= value <= high:
-                raise UserError(f"{told}: not allowed. Give {text}.")
+                raise UserError(f"{option.told(settings)}: not allowed. Give {text}.")
     for option in given:
         told, others = option.told(settings), " or ".join(option.methods)
         if settings.method not in option.methods:

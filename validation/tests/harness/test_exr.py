@@ -19,10 +19,10 @@ KINDS = {"scan lines": OpenEXR.scanlineimage, "tiles": OpenEXR.tiledimage}
 SIZE = 70, 41  # fills no block, tile or chunk of any compression
 
 
-def scene(dtype=np.float16) -> dict[str, np.ndarray]:
+def scene() -> dict[str, np.ndarray]:
     """R G B and Z with another value in each pixel; Z and half floats keep theirs in every lossless compression."""
     random = np.random.default_rng(5)
-    planes = {name: (random.integers(0, 2048, SIZE) / 256).astype(dtype) for name in "RGB"}
+    planes = {name: (random.integers(0, 2048, SIZE) / 256).astype(np.float16) for name in "RGB"}
     return {**planes, "Z": random.integers(1, 200, SIZE).astype(np.float32)}
 
 
@@ -33,21 +33,6 @@ def save(path: Path, channels: dict, **header) -> Path:
         header["tiles"] = OpenEXR.TileDescription()
         header["tiles"].xSize, header["tiles"].ySize = 32, 16
     OpenEXR.File(header, dict(channels)).write(str(path))
-    return path
-
-
-def save_parts(path: Path, parts: dict[str, dict[str, np.ndarray]]) -> Path:
-    """Several parts by name, scan lines."""
-    kind = OpenEXR.scanlineimage
-    OpenEXR.File([OpenEXR.Part({"type": kind}, dict(c), name) for name, c in parts.items()]).write(str(path))
-    return path
-
-
-def patched(path: Path, attribute: bytes, layout: str, *values: int) -> Path:
-    """The file with other numbers at the beginning of an attribute, b"name\0type\0"."""
-    data = path.read_bytes()
-    at = data.index(attribute) + len(attribute) + 4
-    path.write_bytes(data[:at] + struct.pack(layout, *values) + data[at + struct.calcsize(layout) :])
     return path
 
 
@@ -102,12 +87,10 @@ def test_kinds(tmp_path):
     assert got.storage == "half"
     assert_same(got, channels)
     mixed = {**channels, "G": channels["G"].astype(np.float32) / 3}
-    got = exr.read(save(tmp_path / "mixed.exr", mixed, lineOrder=OpenEXR.DECREASING_Y))
+    got = exr.read(save(tmp_path / "mixed.exr", mixed))
     assert got.storage == "float"
     assert_same(got, mixed)
-    assert_refused(save(tmp_path / "uint.exr", {**channels, "G": ids}), "channel 'G'", "whole numbers")
-    assert_refused(save(tmp_path / "uintz.exr", {**channels, "Z": ids}), "channel 'Z'", "whole numbers")
-    assert exr.read(tmp_path / "uintz.exr", None).depth is None
+    assert_refused(save(tmp_path / "uint.exr", {**channels, "Z": ids}), "channel 'Z'", "whole numbers")
 
 
 def test_layers_and_parts(tmp_path):
@@ -117,57 +100,37 @@ def test_layers_and_parts(tmp_path):
     got = exr.read(save(path, channels), "V.Depth.Z", "V.Combined")
     assert_same(got, channels, *blender.split()[:4])
     assert_refused(path, "no channel 'R' (it has", "V.Combined.R", "--layer")
-    assert_refused(path, "no depth channel 'Z'", "V.Depth.Z", "--depth-channel", "--coc", layer="V.Combined")
+    render.render(path, tmp_path / "out.exr", layer="V.Combined", depth_channel="V.Depth.Z", driver="reference")
+    np.testing.assert_allclose(exr.read(tmp_path / "out.exr", None).color[..., 0], channels["V.Combined.R"], rtol=1e-6)
     picture, other = numbered("R G B"), {name: plane + 7 for name, plane in numbered("R G B").items()}
     far, near = {"Z": np.full((3, 4), 50, np.float32)}, {"Z": np.full((3, 4), 2, np.float32)}
-    assert_same(exr.read(save_parts(path, {"beauty": picture, "far": far})), picture | far)
-    save_parts(path, {"extra": other, "beauty": picture, "far": far, "near": near})
+    parts = {"extra": other, "beauty": picture, "far": far, "near": near}.items()
+    OpenEXR.File([OpenEXR.Part({"type": KINDS["scan lines"]}, dict(c), n) for n, c in parts]).write(str(path))
     assert_refused(path, "several parts have channel 'R'", "beauty.R", "--layer")
     assert_refused(path, "several parts have depth channel 'Z'", "far.Z", "near.Z", layer="beauty")
     assert_same(exr.read(path, "near.Z", "beauty"), picture | near)
     assert_refused(path, "no depth channel 'Z\\n\\x1b'", depth_channel="Z\n\x1b", layer="beauty")
 
 
-def test_render_takes_a_layer(tmp_path):
-    """A channel that is the same everywhere stays so."""
-    channels = numbered("A.R A.G A.B B.R B.G B.B B.Z")
-    source, target = save(tmp_path / "in.exr", channels), tmp_path / "out.exr"
-    render.render(source, target, layer="B", depth_channel="B.Z", driver="reference")
-    np.testing.assert_allclose(exr.read(target, None).color[..., 0], channels["B.R"][0, 0], rtol=1e-6)
-
-
 @pytest.mark.timeout(20)
 def test_no_image_to_blur(tmp_path):
-    """Pipes and devices without waiting for them; deep, cropped and subsampled images; names that are no text."""
+    """Pipes without waiting for them; deep and cropped images; names that are no text; more than there is room for."""
     os.mkfifo(tmp_path / "pipe.exr")
-    assert_refused(tmp_path / "pipe.exr", "no such file, or a pipe")
-    assert_refused(Path("/dev/zero"), "no such file, or a pipe")
+    assert_refused(tmp_path / "pipe.exr", "no such file", "a pipe")
     samples = np.empty((3, 4), object)
     samples[...] = [[np.ones(2, np.float32)] * 4] * 3
     deep = {name: samples.copy() for name in "RGBZ"}
     save(tmp_path / "deep.exr", deep, type=OpenEXR.deepscanline, compression=OpenEXR.ZIPS_COMPRESSION)
     assert_refused(tmp_path / "deep.exr", "is a deep image", "Save it flattened")
-    cropped = save(tmp_path / "cropped.exr", scene(), displayWindow=((0, 0), (99, 99)))
-    assert_refused(cropped, "channel 'R'", "[99, 99]", "the whole picture")
-    # one row of four pixels: the last of its 4 x 16 bytes are Z, which now has every second pixel
-    planes = dict.fromkeys("RGBZ", np.ones((1, 4), np.float32))
-    row = save(tmp_path / "row.exr", planes, compression=OpenEXR.NO_COMPRESSION)
-    data = patched(row, b"Z\0", "<iii", 0, 2, 1).read_bytes()
-    row.write_bytes(data[:-68] + struct.pack("<i", 56) + data[-64:-8])
-    assert_refused(row, "channel 'Z'", "2 x 1 pixels", "subsampling")
-    path = save(tmp_path / "name.exr", numbered("R G B name"))
+    path = save(tmp_path / "in.exr", scene(), displayWindow=((0, 0), (99, 99)))
+    assert_refused(path, "channel 'R'", "[99, 99]", "the whole picture")
+    save(path, numbered("R G B name"))
     path.write_bytes(path.read_bytes().replace(b"name\0", b"\xff\n\xff\xff\0"))
     assert_refused(path, "UnicodeDecodeError")
-
-
-def test_more_than_there_is_room_for(tmp_path):
-    """What a header promises is refused before there is memory for it."""
-    path, window = tmp_path / "in.exr", b"dataWindow\0box2i\0"
-    assert_refused(patched(save(path, scene()), window, "<iiii", 0, 0, 40000, 40000), "40001 x 40001 pixels", "scale")
-    many = {f"c{number}": np.zeros((3, 4), np.float16) for number in range(9)}
-    assert_refused(patched(save(path, many), window, "<iiii", 0, 0, 16383, 16383), "2415919104 values", "Save only")
-    save(path, scene(), type=OpenEXR.tiledimage)
-    assert_refused(patched(path, b"tiles\0tiledesc\0", "<II", 65536, 65536), "17179869184 values")
+    window = b"dataWindow\0box2i\0\x10\0\0\0"
+    before, after = save(path, scene()).read_bytes().split(window)
+    path.write_bytes(before + window + struct.pack("<iiii", 0, 0, 40000, 40000) + after[16:])
+    assert_refused(path, "40001 x 40001 pixels", "scale")
 
 
 READ_ALL = """
@@ -190,12 +153,11 @@ print(json.dumps(lines))
 def test_cut_off_and_flipped_bytes(tmp_path):
     """Damaged files are refused in a line or, some with other bytes, read; nothing else is printed, within 2 GiB.
 
-    Each is cut off after k sixteenths of its bytes, k = 0 .. 15, and before its last. 300 have 1 to 11 bytes changed,
-    in the header or anywhere; the number in their names is the seed that made it.
+    Each is cut off after k sixteenths of its bytes, and before its last. 300 have 1 to 11 bytes changed, in the header
+    or anywhere; the number in their names is the seed that made it.
     """
     folder, good = tmp_path / "damaged", {name: path.read_bytes() for name, path in written(tmp_path).items()}
     folder.mkdir()
-    good["parts"] = save_parts(tmp_path / "x", {"a": numbered("R G B"), "b": numbered("Z")}).read_bytes()
     for name, data in good.items():
         for length in (*(len(data) * k // 16 for k in range(16)), len(data) - 1):
             (folder / f"cut-{name}-{length}.exr").write_bytes(data[:length])
