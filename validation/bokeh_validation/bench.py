@@ -14,6 +14,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from bokeh_validation import __version__, doctor, paths, shaders, terminal
@@ -93,11 +94,6 @@ def _wgsl(body: str, targets: int) -> str:
 
 # Samples on a line for the effective counts of Table 1, 16, 64, 144, 256, 400 and 576, and the default count
 SIDES = (4, 8, 12, methods.PAPER_SAMPLES, 16, 20, 24)
-# Table 1 of the paper: frames a second over naive's, where it has both, with the engine's own work
-PAPER_RATIOS = {
-    "paper hexagon": {"16": 105 / 106, "64": 80 / 47, "144": 62 / 24},
-    "paper octagon": {"16": 93 / 106, "64": 65 / 47, "144": 51 / 24},
-}
 SCENE = ray_traced.MARKET  # much of it is out of focus, near and far
 # Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
 COC = 0.1
@@ -115,7 +111,6 @@ class Row:
     """
 
     key: str
-    settings: methods.Settings
     passes: tuple[Pass, ...]
     naive: str | None = None
     against: str | None = None
@@ -124,12 +119,12 @@ class Row:
 
 def table_one(size: tuple[int, int], sides: Sequence[int] = SIDES) -> list[Row]:
     """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
-    rows, constant = [], {"camera": methods.Camera(max_coc=1.0), "coc": COC}
+    rows = []
 
     def add(key: str, method: str, aperture: str, samples: int, **others) -> None:
-        settings = methods.Settings(method, aperture, samples, **constant)
+        settings = methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=COC)
         passes = methods.plan(settings, size).passes
-        rows.append(Row(key, settings, passes, floor=tuple(map(floor, passes)), **others))
+        rows.append(Row(key, passes, floor=tuple(map(floor, passes)), **others))
 
     for side in sides:
         naive = f"naive {side**2}"
@@ -146,12 +141,11 @@ def table_one(size: tuple[int, int], sides: Sequence[int] = SIDES) -> list[Row]:
 def in_depth(size: tuple[int, int]) -> list[Row]:
     """`exact` and `layered` against the paper's hexagon, all with the CoC from depth; and both in focus."""
     paper = methods.Settings("paper", "hexagon", camera=SCENE.camera)
-    exact = replace(paper, method="exact", spacing=1.5, samples=9)
+    exact, layered = replace(paper, method="exact", spacing=1.5, samples=9), replace(paper, method="layered")
     every = {"paper hexagon": paper, "exact hexagon": exact, "exact octagon": replace(exact, aperture="octagon")}
-    layered = replace(paper, method="layered")
     every |= {f"layered {preset}": replace(layered, preset=preset) for preset in methods.PRESETS}
     every |= {"exact in focus": replace(exact, coc=0.0), "layered in focus": replace(layered, coc=0.0)}
-    return [Row(k, one, methods.plan(one, size).passes, against="paper hexagon") for k, one in every.items()]
+    return [Row(key, methods.plan(one, size).passes, against="paper hexagon") for key, one in every.items()]
 
 
 def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
@@ -241,32 +235,24 @@ DRIVERS = ("osmesa", "egl", "wgpu", "dxc")
 SIZE, SOFTWARE_SIZE = (960, 540), (400, 225)
 SHOWN = "layered medium"
 LEGEND = """fetches: colour + depth per pixel, at most; bytes: written per pixel; ±: half of what 8 rounds in 10 span
-naive/it: naive's time to its own, with as many samples, in brackets the paper's; it/paper's: to the paper's method"""
+naive/it: naive's time to its own, with as many samples; it/paper's: its time to that of the paper's method"""
 
 
-def tables(rows: list[dict]) -> list[Table]:
-    """For the terminal: all frames, and the single passes of one."""
-    frames, passes = Table(box=None, pad_edge=False), Table(box=None, pad_edge=False)
-    for head in ("method", "passes", "fetches", "bytes", "ms", "naive/it", "it/paper's", "it/floor"):
-        frames.add_column(head, justify="left" if head == "method" else "right")
-    for head in (f"pass of {SHOWN}", "ms"):
-        passes.add_column(head, justify="right" if head == "ms" else "left")
+def table(rows: list[dict]) -> Table:
+    """All frames, and the single passes of one, for the terminal."""
+    shown = Table("method", "passes", "fetches", "bytes", "ms", "naive/it", "it/paper's", "it/floor", box=None)
     for row in rows:
-        ratios = {name: _cell(values) for name, values in row["ratios"].items()}
-        name, _, count = row["key"].rpartition(" ")
-        if count in PAPER_RATIOS.get(name, {}):
-            ratios["naive"] += f" ({PAPER_RATIOS[name][count]:.2f})"
         cost = str(len(row["passes"])), "{color:.4g} + {depth:.4g}".format(**row["fetches"]), f"{row['bytes']:.4g}"
-        shown = (ratios.get(name, "") for name in ("naive", "against", "floor"))
-        frames.add_row(row["key"], *cost, f"{1e3 * row['seconds']['median']:.3g}", *shown)
+        ratios = (_cell(row["ratios"].get(name)) for name in ("naive", "against", "floor"))
+        shown.add_row(row["key"], *cost, _cell(row["seconds"], 1e3), *ratios)
         for item in row["passes"] if row["key"] == SHOWN else ():
-            passes.add_row(item["entry"], _cell(item["seconds"], 1e3))
-    return [frames, passes]
+            shown.add_row(f"  {item['entry']}", "", "", "", _cell(item["seconds"], 1e3))
+    return shown
 
 
-def _cell(values: dict, unit: float = 1.0) -> str:
+def _cell(values: dict | None, unit: float = 1.0) -> str:
     """Median and half the distance between the tenth and the ninetieth percentile."""
-    return f"{unit * values['median']:.3g} ±{unit * (values['high'] - values['low']) / 2:.2g}"
+    return f"{unit * values['median']:.3g} ±{unit * (values['high'] - values['low']) / 2:.2g}" if values else ""
 
 
 def bench(
@@ -283,7 +269,7 @@ def bench(
     given = terminal.parsed_size(size, 16, 8192) if size else None
     terminal.check_writable(json_file)
     present, missing = terminal.pick_drivers(names, adapter)
-    results, console = [], terminal.table_console(120)
+    results = []
     for timed in present:
         software = bool(software_device(timed.adapter))
         pixels = given or (SOFTWARE_SIZE if software else SIZE)
@@ -292,8 +278,8 @@ def bench(
         results.append({**device, "size": pixels, "rounds": rounds, "rows": rows})
         where = f"{SCENE.name} at {pixels[0]} x {pixels[1]}, {rounds} rounds, clock: {clock}"
         terminal.tell(f"{timed.name}: {timed.adapter}", where, LEGEND)
-        for table in tables(rows):
-            console.print(table)
+        # a pipe has no width of its own
+        Console(width=None if terminal.console.is_terminal else 120).print(table(rows))
     for name, reason in missing.items():
         terminal.console.print(f"{terminal.NOT_RUN} {name}: {reason}")
     found = {"version": __version__, "date": datetime.now(UTC).isoformat(timespec="seconds"), "missing": missing}

@@ -9,13 +9,10 @@ from bokeh_validation.shaders.passes import Pass
 KINDS = ("color", "depth", "table")
 
 
-def of_pass(item: Pass, in_focus: bool = False) -> dict[str, int]:
-    """KINDS -> fetches for a texel of a pass's targets where it takes all of its samples.
-
-    in_focus  of the layers: where nothing around is out of focus
-    """
+def of_pass(item: Pass) -> dict[str, int]:
+    """KINDS -> fetches for a texel of a pass's targets where it takes all of its samples."""
     if item.spec.layers:
-        return {"color": _of_layers(item, in_focus), "depth": 0, "table": 0}
+        return {"color": _of_layers(item), "depth": 0, "table": 0}
     # the other parallelogram of a final pass, whose depth is not looked at
     others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
     samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
@@ -49,18 +46,15 @@ def tiles_along(item: Pass) -> int:
     return min(2 * (int(np.ceil(largest / np.float32(16.0))) + 2) + 1, 255)
 
 
-def _of_layers(item: Pass, in_focus: bool) -> int:
+def _of_layers(item: Pass) -> int:
     """As the loops of bokeh_layers.* count."""
     values = item.values()
     sides = round(values["BokehSides"])
     rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "CELLS", "CUBIC"))
     along = tiles_along(item)
 
-    if in_focus:
-        cells = 0
-
     def ring_samples(count: int) -> int:
-        return 0 if in_focus else sum(sides * max(int(6 * ring / sides + 0.5), 1) for ring in range(1, count + 1))
+        return sum(sides * max(int(6 * ring / sides + 0.5), 1) for ring in range(1, count + 1))
 
     if item.spec.role in (FIRST, SECOND, EDGE):
         edges = round(values["BokehEdge"]) - 1 if item.spec.role == EDGE else sides // 2 - 1
@@ -68,11 +62,11 @@ def _of_layers(item: Pass, in_focus: bool) -> int:
     return {
         "LayerTiles": 8 * 8,
         "LayerReach": along,
-        "LayerSplit": 1 + 2 * 2 + (0 if in_focus else 4 * 4 + 2 * 2),
+        "LayerSplit": 1 + 2 * 2 + 4 * 4 + 2 * 2,
         "LayerKernels": 2 * 4 * 4,
         "LayerSpread": 1 + 2 * along,
         "LayerSizes": 2 + 2 * along,
         "LayerHoles": 1 + 4 * 4,
         "LayerFill": 1 + 3 * (1 + ring_samples(2)),
-        "Layered": 2 + (0 if in_focus else 2 * (5 if cubic else 1) + ring_samples(rings) + 2),
+        "Layered": 2 + 2 * (5 if cubic else 1) + ring_samples(rings) + 2,
     }[(item.spec.whole or item.entry).removeprefix("Bokeh")]

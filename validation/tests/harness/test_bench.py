@@ -59,16 +59,16 @@ def test_a_timer_is_believed_only_where_it_agrees(share, software, clock):
 
 
 @pytest.mark.alone
-def test_command():
+def test_command(tmp_path):
     """A small run. Ratios are of the same round; bounds are broken where eight in ten rounds are beyond them."""
-    done = called("bench", "--driver", "osmesa", "--size", "192x192", "--rounds", "3", "--json", "-")
-    assert done.returncode == 0 and "layered medium" in done.stderr and "BokehLayerSplit" in done.stderr
-    (result,) = json.loads(done.stdout)["drivers"]
+    file = tmp_path / "times.json"
+    done = called("bench", "--driver", "osmesa", "--size", "192x192", "--rounds", "3", "--json", file)
+    assert done.returncode == 0 and "layered medium" in done.stdout and "BokehLayerSplit" in done.stdout
+    (result,) = json.loads(file.read_text())["drivers"]
     rows = {row["key"]: row for row in result["rows"]}
     assert result["software"] and result["clock"] == "cpu" and len(rows["layered medium"]["passes"]) == 15
     own, paper = (np.array(rows[key]["seconds"]["rounds"]) for key in ("exact hexagon 144", "paper hexagon 144"))
-    ratio = rows["exact hexagon 144"]["ratios"]["against"]
-    assert ratio["rounds"] == pytest.approx(own / paper) and ratio["median"] == pytest.approx(np.median(own / paper))
+    assert rows["exact hexagon 144"]["ratios"]["against"]["rounds"] == pytest.approx(own / paper)
     assert rows["paper hexagon 144"]["ratios"]["naive"]["high"] >= 62 / 24, "as in the paper's Table 1"
     assert rows["exact hexagon 576"]["ratios"]["against"]["low"] <= 0.5
     for key in ("naive 144", "paper hexagon 169", "exact hexagon 169", "exact octagon 169"):
