@@ -79,7 +79,7 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
 
 
 def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
-    """All parts. What the library prints, in C to descriptor 2 and through Python, is kept back: an error says it too."""
+    """All parts. What the library prints, in C to descriptor 2 and through Python, is dropped: an error says it too."""
     kept = os.dup(2)
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         os.dup2(nowhere.fileno(), 2)
