@@ -25,11 +25,7 @@ BLOCK = {
     "BokehMaxCoC": Parameter(0.1, "fraction of the image height, 0 .. 1", "CoCMap, ConstantCoC, Debug, layered"),
     "BokehConstantCoC": Parameter(0.0, "fraction of the image height", "ConstantCoC"),
     "BokehAspectRatio": Parameter(1.0, "width / height of the image", "filters but layered"),
-    "BokehAngle": Parameter(
-        0.0,
-        "radians: this pass's line; in exact and layered the rotation of the polygon",
-        "line passes, NaiveGrid, exact, layered",
-    ),
+    "BokehAngle": Parameter(0.0, "radians: the pass's line; in exact, layered the polygon", "filters but NaiveGather"),
     "BokehAngleB": Parameter(0.0, "radians, the grid's other side", "NaiveGrid"),
     "BokehBleedingBias": Parameter(0.02, "CoC difference let pass, 0.02; 1: no leakage test", "filters but layered"),
     "BokehBleedingMult": Parameter(30.0, "weight for each unit of CoC, 30", "filters but layered"),
@@ -40,21 +36,13 @@ BLOCK = {
     "BokehLineCenterX": Parameter(0.0, "middle of the line, to the right, units of the CoC, 0", "Adaptive"),
     "BokehLineCenterY": Parameter(0.0, "the same, towards the last row, 0", "Adaptive"),
     "BokehSqueeze": Parameter(1.0, "width of the bokeh / its height, 1", "filters"),
-    "BokehSpacing": Parameter(
-        0.0,
-        "pixels between samples, 1 is right for most; 0: always BOKEH_NUM_SAMPLES",
-        "Adaptive, exact",
-    ),
+    "BokehSpacing": Parameter(0.0, "pixels between samples, 1 is right for most; 0: a fixed number", "Adaptive, exact"),
     "BokehImageWidth": Parameter(1.0, "pixels", "Adaptive, exact, layered; all with BOKEH_VIEWPORT 1"),
     "BokehImageHeight": Parameter(1.0, "pixels", "the same; all with BOKEH_VIEWPORT 1"),
     "BokehJitter": Parameter(0.0, "amount of noise on the samples' places, 0 .. 1", "Adaptive, exact, layered"),
     "BokehFrame": Parameter(0.0, "number of the frame ([jitter](#jitter))", "the same"),
     "BokehSides": Parameter(6.0, "4, 6, 8 or 10", "ExactEdge, LayerFill, LayerEdge, Layered"),
-    "BokehEdge": Parameter(
-        1.0,
-        "2 ..: k of the target Tk that this pass makes",
-        "ExactEdge, LayerEdge, LayerSplitOne and all that end in One",
-    ),
+    "BokehEdge": Parameter(1.0, "2 ..: k of the target Tk that it makes", "ExactEdge, LayerEdge, all that end in One"),
     "BokehDepthKind": Parameter(
         0.0,
         "what the depth buffer holds: 0 metres, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic, "
@@ -69,24 +57,11 @@ BLOCK = {
     "BokehTextureHeight": Parameter(1.0, "pixels", "the same"),
     "BokehPassIndex": Parameter(0.0, "0, 1 ..: number of the pass ([jitter](#jitter))", "Adaptive"),
     "BokehAxis": Parameter(0.0, "0: along rows, 1: along columns", "LayerReach"),
-    "BokehLayer": Parameter(
-        0.0,
-        "0: the near layer, 1: the far one",
-        "SquareLayerFirst to DecagonLayerSecond, LayerEdge",
-    ),
-    "BokehCatsEye": Parameter(
-        0.0,
-        "share of the bokeh's width that is cut off in the corners of the image, 0 .. 0.9 "
-        "([character.md](character.md))",
-        "exact, LayerFill and the passes after it; with BOKEH_CHARACTER 1",
-    ),
+    "BokehLayer": Parameter(0.0, "0: the near layer, 1: the far one", "all with LayerFirst or LayerSecond, LayerEdge"),
+    "BokehCatsEye": Parameter(0.0, "BOKEH_CHARACTER 1: share cut off in corners, 0 .. 0.9", "exact, LayerFill and on"),
     "BokehRoundness": Parameter(1.0, "of octagons: 0 a square, 1 regular", "the same"),
     "BokehLateral": Parameter(0.0, "how much larger red is than green, and blue smaller, -0.1 .. 0.1", "LateralColor"),
-    "BokehAxialRed": Parameter(
-        0.0,
-        "signed CoC that red has more than green, fraction of the image height",
-        "exact; with BOKEH_CHARACTER 2",
-    ),
+    "BokehAxialRed": Parameter(0.0, "BOKEH_CHARACTER 2: by how much red's signed CoC is larger", "exact"),
     "BokehAxialBlue": Parameter(0.0, "the same of blue", "the same"),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}

@@ -72,9 +72,7 @@ _EVERYWHERE: _Rewrites = (
 )
 _CODE: Mapping[str, _Rewrites] = {
     "hlsl": (
-        (r"^(?=float\d? \w+ =)", "?"),  # without `static` it were a uniform
         (r"^static ", ""),
-        (r"(?<!BOKEH_LOOP )\bfor\b", "?for"),
         (r"\bBOKEH_LOOP for\b", "for"),
         (r"\bBOKEH_TEXTURE\((\w+)\)", r"Texture2D \1, sampler \1Sampler"),
         (r"\bBOKEH_TEXELS\((\w+)\)", r"Texture2D \1"),
@@ -115,22 +113,21 @@ _LINE = re.compile(
 
 
 class Difference(NamedTuple):
-    """One thing that is not the same in the languages, or breaks a rule; `text`: what stands where."""
+    """One thing that is not the same in the languages, or breaks a rule; `lines`: what stands where."""
 
     where: str
     what: str
-    text: tuple[tuple[str, str], ...] = ()
+    lines: tuple[str, ...]
 
     def __str__(self) -> str:
-        return "\n".join([f"{self.where}: {self.what}", *(f"    {place}  {text}" for place, text in self.text)])
+        return "\n    ".join([f"{self.where}: {self.what}", *self.lines])
 
 
 class TextLine(NamedTuple):
-    """What _LINE finds, in common words, with a NUL before it where it is marked; `where`: function or section."""
+    """What _LINE finds, in common words, with a NUL before it where it is marked; number and text of its line."""
 
     common: str
     number: int
-    where: str
     source: str
 
 
@@ -140,17 +137,14 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
     `texts`: path from the top of the checkout ('hlsl/bokeh.hlsl', ..., 'docs/paper.md') -> text that stands in for
     that file; files not named are read from the checkout.
     """
-    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values(), PAPER)}
-    if unknown := sorted(set(texts or ()) - set(files)):
-        raise UserError(f"{unknown[0]}: not a file of the parity check. It knows {', '.join(files)}.")
-    files |= texts or {}
+    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values(), PAPER)} | (texts or {})
     found: list[Difference] = []
     for keys in (LIBRARY, LAYERS, PASSES):
         for language, key in keys.items():
             found += _ruled(language, key, files[key])
             for reason in re.findall(r"^ *(?! |//).*// differs:(.*)$", files[key], re.MULTILINE):
                 if not reason.strip() or " ".join(reason.split()) not in " ".join(files[PAPER].split()):
-                    found.append(Difference(key, f"a deviation of which {PAPER} has no reason", ((key, reason),)))
+                    found.append(Difference(key, f"a deviation of which {PAPER} has no reason", (reason,)))
         for pair in combinations(keys, 2):
             found += _compared(pair, tuple((keys[language], files[keys[language]]) for language in pair))
     return found
@@ -163,10 +157,11 @@ def parity() -> None:
     terminal.end(not differences)
 
 
+# The mutants and the tests change one file a thousand times over: what was found in the others is kept.
 @lru_cache(maxsize=64)
 def _ruled(language: str, key: str, text: str) -> list[Difference]:
     found = rules.findings(text, language, key != PASSES[language])
-    return [Difference(f"{key}:{number}", what, ((language, row),)) for number, what, row in found]
+    return [Difference(f"{key}:{number}", what, (row,)) for number, what, row in found]
 
 
 def _read(key: str) -> str:
@@ -178,7 +173,6 @@ def _read(key: str) -> str:
         raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
 
 
-# The tests change one file a thousand times over: what was found in the others is kept.
 @lru_cache(maxsize=64)
 def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list[Difference]:
     """Two languages' files, each a path and a text. A marked statement may differ from the one that it faces."""
@@ -188,11 +182,11 @@ def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list
     for tag, i, j, k, m in SequenceMatcher(None, one, other, autojunk=False).get_opcodes() if one != other else ():
         if tag == "equal" or (j - i == m - k == 1 and "\0" in one[i] + other[k]):
             continue
-        text = [
-            (f"{path}:{part[0].number}", " ".join(line.source for line in part[:4])) if part else (path, "(nothing)")
+        places = [
+            f"{path}:{part[0].number}  {' '.join(line.source for line in part[:4])}" if part else f"{path}  (nothing)"
             for (path, _), part in zip(files, (sides[0][i:j], sides[1][k:m]), strict=True)
         ]
-        found.append(Difference((sides[0][i:j] or sides[1][k:m])[0].where, "not the same", tuple(text)))
+        found.append(Difference(" and ".join(pair), "not the same", tuple(places)))
     return found
 
 
@@ -224,17 +218,14 @@ def _lines(language: str, text: str) -> tuple[TextLine, ...]:
     numbers = iter(range(len(comments)))
     words = tuple((rf"\b{own}(?!\w)", word) for own, word in zip(_TYPES[language], _WORDS, strict=True))
     text = _rewritten(shaders.COMMENT.sub(lambda _: f"//{next(numbers)}", text), (*_CODE[language], *words[::-1]))
-    where, found = "header", []
+    found = []
     for one in _LINE.finditer(text):
         if one[0].startswith("//"):
             common = " ".join(comments[int(one[0][2:])].split())
         else:
             common = re.sub(r"\s*([^\w\s])\s*", r"\1", " ".join(one[0].split()))
         line = text.count("\n", 0, one.start())
-        if sources[line][:1].strip() and (name := re.match(r"// (\[\d+\])|\0?[\w<>]+[ >](\w+)", common)):
-            where = name[1] or name[2]
-        source = " ".join(" ".join(sources[line : line + 1 + one[0].rstrip().count("\n")]).split())
-        found.append(TextLine(common, line + 1, where, source or "(empty)"))
+        found.append(TextLine(common, line + 1, sources[line].strip() or "(empty)"))
     return tuple(found)
 
 

@@ -20,9 +20,7 @@ SAMPLING = (
 )
 # Of a line, and of the code in a line of the common text
 LINE = {
-    "a character that is not ASCII": r"[^\t\r\n -~]",
-    "a tab": r"\t",
-    "a carriage return": r"\r",
+    "a tab, a carriage return or a character that is not ASCII": r"[^\n -~]",
     "a backslash at the end of a line: GLSL would join the next one to it": r"\\[ \t\r]*$",
     TOO_LONG: r".{101}",
     "a block comment: use //": r"/\*|\*/",

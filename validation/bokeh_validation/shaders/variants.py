@@ -1,6 +1,6 @@
 """The shader programs that are compiled, and the compilers that each goes through."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from bokeh_validation import shaders
@@ -15,17 +15,12 @@ SAMPLES: dict[str, tuple[int, ...]] = {
     entries.LINE: (2, PAPER_SAMPLES),
     # and the most that a wide blur takes, with counts that follow the blur
     entries.ADAPTIVE: (2, PAPER_SAMPLES, 64),
-    **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7,)),
-    # offsets in the kernel: as above, the hexagon of the paper's Figure 4, and the largest of its Table 1
-    entries.TABLE: (2, 13, 127, 576),
+    **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7, 33)),
+    # offsets in the kernel: as above, the hexagon of the paper's Figure 4, more than shader model 3 counts to, and the
+    # largest of the paper's Table 1
+    entries.TABLE: (2, PAPER_SAMPLES, 127, 256, 576),
     # along a side of the grid: 24 is the largest of Table 1, 576 samples
-    entries.GRID: (2, 13, 24),
-}
-# Shader model 3, where the count may decide whether a loop is unrolled: all of Table 1 beside the usual ones
-SAMPLES_SM3 = SAMPLES | {
-    **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7, 2, 33)),
-    entries.TABLE: (2, 13, 16, 64, 127, 144, 256, 400, 576),
-    entries.GRID: (2, 4, 8, 12, 13, 16, 20, 24),
+    entries.GRID: (2, PAPER_SAMPLES, 24),
 }
 
 # Switches of the library -> a few entries that have code under them, one of each kind
@@ -71,7 +66,6 @@ class Program:
     """A shader in one configuration.
 
     variant    such as 'glsl-330' or 'wgsl-viewport': what it is compiled for
-    language   'hlsl', 'glsl' or 'wgsl'
     profile    such as '330' or 'sm6'
     entry      an entry's name or VERTEX
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
@@ -100,7 +94,7 @@ class Program:
     @property
     def targets(self) -> int:
         """How many render targets it writes; of a vertex shader, what it is linked with does."""
-        return entries.ENTRIES[self.entry].targets if self.entry in entries.ENTRIES else 1
+        return 1 if self.entry == VERTEX else entries.ENTRIES[self.entry].targets
 
     @property
     def function(self) -> str:
@@ -132,24 +126,22 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
     for language, profile, main_compilers, others in VARIANTS:
         base = language if language == profile else f"{language}-{profile}"
         compilers = tuple((main_compilers if main else f"{main_compilers} {others}").split())
-        for switch, entry, counts in _entries(profile, quick):
+        for switch, entry, count in _entries(profile, quick):
             variant, values = (f"{base}-{switch}", SWITCHES[switch][0]) if switch else (base, {})
-            programs += [Program(variant, language, profile, entry, count, compilers, values) for count in counts]
+            programs.append(Program(variant, language, profile, entry, count, compilers, values))
     return programs
 
 
-def _entries(profile: str, quick: bool) -> list[tuple[str, str, tuple[int | None, ...]]]:
-    """(switch or '', entry, sample counts) of a profile."""
-    by_role = SAMPLES_SM3 if profile == "sm3" else SAMPLES
-    chosen: list[tuple[str, str, tuple[int | None, ...]]] = [("", VERTEX, (None,))]
+def _entries(profile: str, quick: bool) -> Iterator[tuple[str, str, int | None]]:
+    """(switch or '', entry, sample count) of a profile."""
+    yield "", VERTEX, None
     for entry in entries.ENTRIES.values():
-        counts = (None,) if entry.layers else by_role.get(entry.role, (None,))
+        counts = (None,) if entry.layers else SAMPLES.get(entry.role, (None,))
         if quick:
             counts = (PAPER_SAMPLES,) if PAPER_SAMPLES in counts else counts[:1]
-        chosen.append(("", entry.name, counts))
+        yield from (("", entry.name, count) for count in counts)
     for switch, (_, names) in () if quick else SWITCHES.items():
         no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
         for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in names.split()):
             if not any(part in entry.name for part in no_room):
-                chosen.append((switch, entry.name, (None if entry.layers else 7,)))
-    return chosen
+                yield switch, entry.name, None if entry.layers else 7
