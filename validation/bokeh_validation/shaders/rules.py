@@ -73,21 +73,6 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
             yield function.start("head"), f"{function['name']} has no tag line '// Listing n: what it is'"
         if function["head"].count(",") >= MAX_PARAMETERS[language]:
             yield function.start("head"), f"more than {MAX_PARAMETERS[language]} parameters"
-    if language != "wgsl":
-        yield from _tables(text, language)
-
-
-def _tables(text: str, language: str) -> Iterator[tuple[int, str]]:
-    """The tables in the comment of the configuration say what the code does."""
-    configuration = next(iter(shaders.sections(text).values()), "").partition("// Layers: ")[0]
-    rows = [row.split() for row in re.findall(r"^//   (BOKEH_\w+ .*)", configuration, re.MULTILINE)]
-    presets = {f"BOKEH_PRESET_{name}": values for name, values in shaders.presets(text).items()}
-    default = presets.pop("BOKEH_PRESET_", {})
-    presets |= {row[0]: default for row in rows if row[-2:] == ["the", "default"]}
-    code = {(name, *values.values()) for name, values in presets.items()} | {*shaders.settings(language, text).items()}
-    table = {tuple(row[: 1 + (len(default) if "_PRESET_" in row[0] else 1)]) for row in rows}
-    for odd in sorted(code ^ table):
-        yield 0, f"{' '.join(odd)}: {'not in the table' if odd in code else 'not in the code'}"
 
 
 def _interface(text: str, language: str) -> Iterator[tuple[int, str]]:

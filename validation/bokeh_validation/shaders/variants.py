@@ -23,22 +23,13 @@ SAMPLES: dict[str, tuple[int, ...]] = {
     entries.GRID: (2, PAPER_SAMPLES, 24),
 }
 
-# Switches of the library -> a few entries that have code under them, one of each kind
-SWITCHES = {
-    # images that are a part of their textures; the longest program of shader model 3 is among them
-    "viewport": (
-        {"BOKEH_VIEWPORT": 1},
-        "LinearDepth CoCMap DepthOfFieldFinal AdaptiveFinal NaiveGather HexagonFirst DecagonFirst DecagonSecond "
-        "LateralColor LayerReach LayerSplit LayerFill DecagonLayerSecond Layered",
-    ),
-    # a cat's eye and curved blades
-    "character": (
-        {"BOKEH_CHARACTER": 1},
-        "SquareSecond HexagonFirst OctagonFirst OctagonSecond DecagonFirst DecagonSecond ExactEdge LayerFill "
-        "DecagonLayerFirst DecagonLayerSecond LayerEdge Layered",
-    ),
-    "axial": ({"BOKEH_CHARACTER": 2}, "HexagonFirst HexagonSecond OctagonSecond DecagonFirst DecagonSecond ExactEdge"),
-}
+# Switches of the library: images that are a part of their textures; a cat's eye and curved blades; axial colour too
+SWITCHES = {"viewport": {"BOKEH_VIEWPORT": 1}, "character": {"BOKEH_CHARACTER": 1}, "axial": {"BOKEH_CHARACTER": 2}}
+# The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
+SWITCHED = (
+    "CoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor LayerReach "
+    "LayerSplit LayerFill DecagonLayerSecond Layered"
+)
 # In shader model 3 only exact polygons with several targets have room for a cat's eye, and none for axial colour
 NO_ROOM = {"character": ("ExactEdge", "Layer"), "axial": ("",)}
 
@@ -127,7 +118,7 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
         base = language if language == profile else f"{language}-{profile}"
         compilers = tuple((main_compilers if main else f"{main_compilers} {others}").split())
         for switch, entry, count in _entries(profile, quick):
-            variant, values = (f"{base}-{switch}", SWITCHES[switch][0]) if switch else (base, {})
+            variant, values = (f"{base}-{switch}", SWITCHES[switch]) if switch else (base, {})
             programs.append(Program(variant, language, profile, entry, count, compilers, values))
     return programs
 
@@ -140,8 +131,8 @@ def _entries(profile: str, quick: bool) -> Iterator[tuple[str, str, int | None]]
         if quick:
             counts = (PAPER_SAMPLES,) if PAPER_SAMPLES in counts else counts[:1]
         yield from (("", entry.name, count) for count in counts)
-    for switch, (_, names) in () if quick else SWITCHES.items():
+    for switch in () if quick else SWITCHES:
         no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
-        for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in names.split()):
+        for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
             if not any(part in entry.name for part in no_room):
                 yield switch, entry.name, None if entry.layers else 7

@@ -32,6 +32,8 @@ def test_defaults():
         text = paths.library(language).read_text(encoding="ascii")
         found = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
         assert found == {name: np.float32(value) for name, value in wanted.items()}, language
+        table = dict(re.findall(r"^//   (BOKEH_(?!PRESET)\w+) +(-?[\d.]+) ", text, re.MULTILINE))
+        assert {name: np.float32(value) for name, value in table.items()} == found, language
     assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
     assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
     assert passes.PARAMETERS["BokehBleedingBias"] == settings.bleeding_bias

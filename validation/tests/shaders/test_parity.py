@@ -5,7 +5,6 @@ import re
 import pytest
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.errors import UserError
 from bokeh_validation.shaders import parity
 
 # the passes from their entries on, and the whole of them
@@ -50,13 +49,9 @@ HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float 
 # What a change is -> the change as mutated() takes it
 LIBRARY = {
     "the spelling of a literal": "([[0.5=>.5]] * cos(angle)",
-    "a comment in a body": "        totalWeight += weight;[[=> // counts]]",
     "a swizzle assigned": "        [[=>color.rgb += weight; ]]totalWeight += weight;",
     "a tag line": "// Listing [[2=>3]]: the end of a line",
-    "a doc comment": "//   MaxCoC        [[largest=>smallest]] CoC allowed",
-    "the contract": "CoC   circle of confusion: a [[DIAMETER=>RADIUS]]",
     "a default in the table": "//   BOKEH_MAX_COC           [[0.1=>0.2]] ",
-    "a tab": "[[    =>\t]]return lineEnd * t;",
     "a character that is not ASCII": "Listing 1: CoC of a thin lens[[=> \u00e9]]",
     "a backslash at the end of a line": "length 1 centred on this pixel[[=>\\]]\n",
     "no licence line": "[[// SPDX-License-Identifier: MIT\n=>]]",
@@ -66,16 +61,7 @@ LIBRARY = {
     "a mark with nothing on its line": "    [[return lineEnd *=>// differs: because\n    return lineEnd +]] t;",
     "a mark that no paper tells of": "    return lineEnd [[* t;=>+ t; // differs: no such reason]]",
     "a derivative": "    return lineEnd * t[[=> + dFdx(t)]];",
-    "a macro": "[[=>#define BOKEH_MORE 1\n\n]]// Debug: linear depth",
-    "a condition in a body": "[[=>#if 0\n]]    return lineEnd * t;",
-    "a fetch of the other texture": "SafeDepth(BokehFetchNearest([[DepthSamp=>ColorSamp]], uv)",
     "a default": ("BOKEH_MAX_COC [[0.1=>0.2]]\n", "BOKEH_MAX_COC: f32 = [[0.1=>0.2]]"),
-    "the name of a setting": ("#ifndef BOKEH_[[MAX_COC=>MAXCOC]]\n", "const BOKEH_[[MAX_COC=>MAXCOC]]:"),
-    "an extra setting": (
-        "[[=>#ifndef BOKEH_X\n#define BOKEH_X 1\n#endif\n]]#if BOKEH_NUM_SAMPLES < 2",
-        "[[=>const BOKEH_X: i32 = 1;\n]]const BOKEH_MAX_COC:",
-    ),
-    "a check of a setting, or its type": ("NUM_SAMPLES < [[2=>1]]", "override BOKEH_NUM_SAMPLES: [[i32=>f32]]"),
     "a type of a parameter": "int i, [[int=>float]] numSamples)",
     "a type of another language": ("[[float4=>vec4]] color =", "[[vec4=>float4]] color =", "color: [[vec4f=>float4]]"),
     "the sampler of another texture": (
@@ -84,7 +70,6 @@ LIBRARY = {
         "T3Samp, [[T2=>T3]]Samp",
     ),
     "sampling past BokehFetch": "SafeDepth([[BokehFetchNearest=>texture]](DepthSamp, uv)",
-    "a member of a struct": "    float [[spacing=>jitter]];\n",
     "a value of a preset": ("#define BOKEH_PRESET_SAMPLES [[9=>8]]", "//   BOKEH_PRESET_MEDIUM     [[9=>8]] "),
     "a helper without the prefix": tuple(
         f"[[=>// Debug: x\n{one.format('saturated')}]]// Debug: lin" for one in HELPER
@@ -93,12 +78,10 @@ LIBRARY = {
 }
 LAYERS = {
     "the first comment": "// Layers: where [[the=>an]] image lies",
-    "a default in the table": "//   BOKEH_LAYER_CELLS       1[[2=>3]] ",
     "a row of the presets": "//   BOKEH_PRESET_LOW        [[2=>1]] ",
     "the configuration": ("#define BOKEH_PRESET_CELLS [[8=>9]]", "override BOKEH_LAYER_CELLS: i32 = [[12=>13]];"),
 }
 PASSES = {
-    "the index of a pass": "BokehBegin(uv, [[1=>0]].0)",
     "the sides": ("uv, [[8=>6]])", "BokehUV, [[8=>6]])", "uv, [[8=>6]])"),
     "a parameter of the block": "Bokeh[[BlurCoC=>UseMax]] > 0.5",
     "an entry point renamed": (
@@ -113,7 +96,6 @@ PARAMETERS = [f"BOKEH_PARAMETER(float, BokehAngleB{one})\n" for one in (", 8", "
 BINDINGS = {
     "a row of the table": "a grid[[ of samples=>]]",
     "a parameter dropped": tuple(f"[[{row}=>]]" for row in PARAMETERS),
-    "a parameter renamed": tuple(f"[[{row}=>{row.replace('AngleB', 'AngleC')}]]" for row in PARAMETERS),
     "a parameter of another type": tuple(f"[[{row}=>{re.sub('float|f32', 'int', row)}]]" for row in PARAMETERS),
     "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[21=>6]]\n", "BokehAngle[[B=>A]]: f32"),
     "a global without the prefix": (
@@ -152,27 +134,20 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
 
 
 @pytest.mark.parametrize("language", paths.LANGUAGES)
-def test_line_breaks_and_spaces_do_not_matter(language):
+def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
     change = "BokehSafeChannel([[color.r), BokehSafeChannel(color.g=> color.r ),\n        BokehSafeChannel(color.g]]),"
     assert not parity.check(mutated("library", language, change))
-
-
-@pytest.mark.parametrize("language", paths.LANGUAGES)
-def test_a_function_dropped_moved_or_repeated_is_found(language):
     key = parity.LIBRARY[language]
     (function,) = (one[0] for one in shaders.FUNCTION.finditer(TEXTS[key]) if one["name"] == "BokehDebugCoC")
-    without = TEXTS[key].replace(function + "\n\n", "")
-    before = "// Debug: linear depth"
-    assert parity.check({key: without})
-    assert parity.check({key: without.replace(before, f"{function}\n\n{before}")})
-    assert parity.check({key: TEXTS[key].replace(before, f"{function}\n\n{before}")})
+    without, before = TEXTS[key].replace(function + "\n\n", ""), "// Debug: linear depth"
+    for text in (without, without.replace(before, f"{function}\n\n{before}")):
+        assert parity.check({key: text})
 
 
 @pytest.mark.parametrize("language", ["hlsl", "glsl"])
-@pytest.mark.parametrize("change", ["[[#ifdef BOKEH_LAYERS\n=>]]", "#ifdef BOKEH_LAYER[[S=>]]\n"])
-def test_the_layers_of_the_passes_can_be_left_out(change, language):
+def test_the_layers_of_the_passes_can_be_left_out(language):
     """Their helpers are in an #ifdef, which WGSL has not."""
-    assert parity.check(mutated("passes", language, change))
+    assert parity.check(mutated("passes", language, "[[#ifdef BOKEH_LAYERS\n=>]]"))
 
 
 # One change to all three languages, where only the rules are left
@@ -208,8 +183,3 @@ def test_a_mark_exempts_its_statement_and_no_more(language):
     assert parity.check({**mutated("library", language, MARKED.replace("=>", "=>t *= 2.0; ")), **PAPER})
     other = next(one for one in paths.LANGUAGES if one != language)
     assert parity.check({**marked, **mutated("library", other, "return lineEnd [[*=>-]] t;"), **PAPER})
-
-
-def test_an_unknown_file_is_a_user_error():
-    with pytest.raises(UserError, match="glsl/boke.glsl"):
-        parity.check({"glsl/boke.glsl": ""})
