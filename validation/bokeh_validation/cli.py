@@ -26,7 +26,6 @@ COMMANDS = {
     "compare": ("compare", "compare"),
     "plan": ("frame.plan", "plan"),
     "aperture": ("frame.aperture", "aperture"),
-    "shapes": ("probes.shapes", "shapes"),
     "truth": ("truth", "truth"),
     "gallery": ("truth.gallery", "gallery"),
     "peers": ("truth.peers", "peers"),

@@ -84,12 +84,11 @@ def of_capture(name: str, capture: Capture) -> Section:
     """An engine's own colour, and beside each result what the reference makes of the same."""
     panels = []
     for shot in capture.shots:
-        images = (shot.case.color, shot.expected.value, shot.result)
-        source, expected, result = (pictures.display(image, tone_map=True) for image in images)
+        source, expected = (pictures.display(image, tone_map=True) for image in (shot.case.color, shot.expected.value))
         if not panels:
             panels = [Panel("the engine's colour", pictures.jpeg_uri(source))]
             panels += [Panel(f"reference, {shot.name}", pictures.jpeg_uri(expected))]
-        panels.append(panel(shot.name, result, shot.result, shot.expected.value, shot.comparison, small=None))
+        panels.append(panel(shot.name, shot.result, shot.expected.value, shot.comparison))
     compared = {", ".join([shot.name, *shot.outside]): shot.comparison for shot in capture.shots}
     shots = Check("shots", len(capture.shots), 1, np.inf, "a capture without any shows nothing")
     return Section(name, capture.engine, capture.device, [Run(name, compared, [shots])], {"": panels})

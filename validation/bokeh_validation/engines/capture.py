@@ -101,7 +101,7 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     depth = _pixels(folder / shot["depth"], np.float32, shape[:2])
     chosen = {key: value for key, value in shot.items() if key in _SETTINGS}
     settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
-    case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth, tone_map=True)
+    case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth)
     result = _pixels(folder / shot["result"], np.float16, shape)
     outputs = _written(folder / shot["written"], case) if settings.method == "layered" else {}
     outputs["result"] = result

@@ -40,14 +40,6 @@ def perimeter(polygon: np.ndarray) -> float:
     return float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
 
 
-def corner_angles(polygon: np.ndarray) -> np.ndarray:
-    """Interior angle at each corner, radians, of a convex polygon."""
-    before = np.roll(polygon, 1, axis=0) - polygon
-    after = np.roll(polygon, -1, axis=0) - polygon
-    cosine = np.sum(before * after, axis=1) / np.linalg.norm(before, axis=1) / np.linalg.norm(after, axis=1)
-    return np.arccos(np.clip(cosine, -1.0, 1.0))
-
-
 def inside(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Which places are in a convex polygon or on its edge, bool in the shape of x and y."""
     within = np.ones(np.broadcast(x, y).shape, bool)

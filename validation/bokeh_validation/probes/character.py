@@ -1,5 +1,5 @@
-"""The character of a lens, by one light: cat's eye, curved blades, and red and blue at other places than green
-(lateral) or of other sizes (axial).
+"""The character of a lens, by one light: cat's eye, and red and blue at other places than green (lateral) or of other
+sizes (axial).
 """
 
 from dataclasses import replace
@@ -7,30 +7,29 @@ from functools import lru_cache
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, polygons
+from bokeh_validation.frame import polygons
 from bokeh_validation.probes import exact, near_edges
-from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, ROUNDED, Bokeh, block, polygon_of
-from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
+from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, ROUNDED, Bokeh, polygon_of
+from bokeh_validation.probes.model import Case, Check, Outputs, Probe, overlap, pixel_center
 
 SIZE, PLACE = (280, 208), (222, 46)  # of the image; of the light, towards a corner
 COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
-def polygon_at(aperture: str, coc: float = COC) -> np.ndarray:
-    """Corners of the polygon of exact at ROTATION, scaled to a CoC, (N, 2) in pixels."""
-    return coc * polygon_of(aperture, ROTATION, exact.COC) / exact.COC
-
-
 def whole(aperture: str, coc: float = COC) -> Bokeh:
     """Of the light through a lens without character."""
-    return Bokeh.of(polygon_at(aperture, coc), SIZE, pixel_center(*PLACE))
+    return Bokeh(polygon_of(aperture, ROTATION, coc), SIZE, pixel_center(*PLACE))
+
+
+def lit(label: str, aperture: str = "hexagon", depth: float = 10.0, **changes) -> Case:
+    """One bright pixel in the exact method, with changes to its settings; a sample a pixel."""
+    return whole(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes), depth)
 
 
 # ------------------------------------------------------------------------------------------------------------ cat's eye
 
 CATS_EYE = 0.7
-LAYERED_LIGHT, LAYERED_AMBIENT, LAYERED_PIXELS = 800.0, 0.125, 3
 # The first pass has the polygons of other pixels, up to half a CoC away and on average half of that, in which a side
 # moves by half of CATS_EYE of the width, times that distance over the half diagonal
 DRIFT = 0.5 * CATS_EYE * COC * (0.25 * COC) / (0.5 * np.hypot(*SIZE))
@@ -45,9 +44,9 @@ def rim(x: float, y: float, polygon: np.ndarray) -> np.ndarray:
 
 def cut(aperture: str, x: float, y: float) -> Bokeh:
     """As the lens barrel cuts it for a place in the image: what the polygon moved to both sides has in common."""
-    polygon = polygon_at(aperture)
+    polygon = polygon_of(aperture, ROTATION, COC)
     moved = rim(x, y, polygon)
-    return Bokeh.of(polygons.clip_convex(polygon + moved, polygon - moved), SIZE, (x, y))
+    return Bokeh(polygons.clip_convex(polygon + moved, polygon - moved), SIZE, (x, y))
 
 
 @lru_cache
@@ -56,7 +55,7 @@ def cut_share(aperture: str) -> np.ndarray:
 
     By the definition: a place is in a polygon moved to both sides where it is in both; no edges, no lengths.
     """
-    polygon, share = polygon_at(aperture), np.zeros(SIZE[::-1])
+    polygon, share = polygon_of(aperture, ROTATION, COC), np.zeros(SIZE[::-1])
     light, reach, steps = np.array(pixel_center(*PLACE)), COC // 2 + 1, (np.arange(8) + 0.5) / 8
     for row in range(PLACE[1] - reach, PLACE[1] + reach + 1):
         for column in range(PLACE[0] - reach, PLACE[0] + reach + 1):
@@ -68,98 +67,30 @@ def cut_share(aperture: str) -> np.ndarray:
     return share
 
 
-def cut_exact_case(aperture: str) -> Case:
-    """One bright pixel; a sample a pixel."""
-    settings = replace(exact.settings(aperture, ROTATION, SIZE, COC), cats_eye=CATS_EYE)
-    return cut(aperture, *pixel_center(*PLACE)).case(aperture, settings)
-
-
-def cut_layered_case(sign: int) -> Case:
-    """A blue light of LAYERED_PIXELS far behind or before a plane."""
-    image, light = flat(SIZE, 0.01), block(PLACE, LAYERED_PIXELS)
-    image[..., 2] = LAYERED_AMBIENT
-    image[(*light, slice(0, 3))] = 0.0, 0.0, LAYERED_LIGHT + LAYERED_AMBIENT
-    depth = depth_of(SIZE, near_edges.metres(COC, SIZE[1]) if sign > 0 else near_edges.CAMERA.focus_distance)
-    depth[light] = near_edges.metres(sign * COC, SIZE[1])
-    settings = near_edges.settings(preset="high", cats_eye=CATS_EYE, rotation=ROTATION)
-    exposure = cut("hexagon", *pixel_center(*PLACE)).exposure(LAYERED_LIGHT * LAYERED_PIXELS**2)
-    return Case("far" if sign > 0 else "near", settings, image, depth, exposure=exposure)
-
-
-def _cut_checks(label: str, aperture: str, value: np.ndarray, light: float, off: float) -> list[Check]:
-    """Light and shape of a light's bokeh, (H, W) without the surroundings; its outline may be off by `off` pixels."""
-    share, shape, plain = cut_share(aperture), cut(aperture, *pixel_center(*PLACE)), whole(aperture)
-    edge, least = shape.edge(off) / shape.area / 4, shape.least_overlap(off)
-    kept, seen = value.sum() / (light * share.sum()), overlap(value / light, share)
+def _judge_cut(outputs: dict[str, Outputs]) -> list[Check]:
+    """Light and shape of the bokeh, whose outline is known to half a pixel and DRIFT."""
+    checks, off = [], 0.5 + DRIFT
     why = f"outline known to {off:.2f} pixels: half a pixel, and the first pass has the polygons of other pixels"
-    uncut = overlap(share, plain.coverage / plain.area)
-    return [
-        Check(f"light, in units of the lens's, {label}", kept, 1 - edge, 1 + edge, why),
-        Check(f"overlap with the cut polygon, {label}", seen, least, 1.0, why),
-        Check(f"the whole polygon overlaps less, {label}", uncut, 0.0, least, "it shows"),
-    ]
-
-
-def _judge_cut_exact(outputs: dict[str, Outputs]) -> list[Check]:
-    checks = []
     for aperture, textures in outputs.items():
-        checks += _cut_checks(aperture, aperture, textures["result"][..., 1] - AMBIENT, PEAK, 0.5 + DRIFT)
+        share, plain = cut_share(aperture), whole(aperture)
+        shape, value = cut(aperture, *plain.middle), (textures["result"][..., 1] - AMBIENT) / PEAK
+        edge, least = shape.edge(off) / shape.area / 4, shape.least_overlap(off)
+        uncut = overlap(share, plain.coverage / plain.area)
+        kept = value.sum() / share.sum()
+        checks += [
+            Check(f"light, in units of the lens's, {aperture}", kept, 1 - edge, 1 + edge, why),
+            Check(f"overlap with the cut polygon, {aperture}", overlap(value, share), least, 1.0, why),
+            Check(f"the whole polygon overlaps less, {aperture}", uncut, 0.0, least, "it shows"),
+        ]
     return checks
 
 
-def _judge_cut_layered(outputs: dict[str, Outputs]) -> list[Check]:
-    checks = []
-    for label, textures in outputs.items():
-        covered = cut_share("hexagon") * LAYERED_PIXELS**2 * (label == "near")
-        value = textures["result"][..., 2] - LAYERED_AMBIENT * (1.0 - covered)
-        checks += _cut_checks(label, "hexagon", value, LAYERED_LIGHT * LAYERED_PIXELS**2, 1.0 + DRIFT)
-    return checks
-
-
-CUT = (
+CUT = Probe(
+    "cats-eye-exact",
     "A light towards a corner of the image is cut by the lens barrel",
     "The narrow side points to the middle of the image; edges are straight, and the brightness is even.",
-)
-# Shader model 3 has no room for the layers' programs with a cat's eye, nor for those of axial colour
-CUT_EXACT = Probe("cats-eye-exact", *CUT, tuple(map(cut_exact_case, APERTURES)), _judge_cut_exact)
-CUT_LAYERED = Probe("cats-eye-layered", *CUT, tuple(map(cut_layered_case, (1, -1))), _judge_cut_layered, but=("d3d9",))
-
-# -------------------------------------------------------------------------------------------------------- curved blades
-
-ROUNDNESSES = (0.1, 0.5)
-
-
-def rounded(roundness: float) -> np.ndarray:
-    """A square with its corners cut off, for a CoC of 1: on the circle a corner takes so much of an eighth, a side the
-    rest of its quarter.
-    """
-    half = 0.5 * (90.0 - 45.0 * roundness)
-    angles = [90.0 * quarter + side * half for quarter in range(4) for side in (-1, 1)]
-    return np.array([0.5 * apertures.direction(np.radians(angle + ROTATION)) for angle in angles])
-
-
-def _rounded_bokeh(roundness: float) -> Bokeh:
-    return Bokeh.of(exact.COC * rounded(roundness), exact.SIZE, pixel_center(*exact.CENTER))
-
-
-def _judge_rounded(outputs: dict[str, Outputs]) -> list[Check]:
-    checks = []
-    for roundness, (label, textures) in zip(ROUNDNESSES, outputs.items(), strict=True):
-        share = (textures["result"][..., 1] - AMBIENT) / PEAK
-        checks += _rounded_bokeh(roundness).checks(label, share, HALF_LIGHT, exact.OVERLAP["square"])
-    return checks
-
-
-ROUND = Probe(
-    "curved-blades",
-    "A square that curved blades make round",
-    "A square, and a square with its corners cut off, of the same light.",
-    tuple(
-        # by the passes of the octagon
-        _rounded_bokeh(amount).case(f"{amount:g}", replace(exact.settings("octagon", ROTATION), roundness=amount))
-        for amount in ROUNDNESSES
-    ),
-    _judge_rounded,
+    tuple(lit(aperture, aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
+    _judge_cut,
 )
 
 # --------------------------------------------------------------------------------------------------------------- colour
@@ -169,23 +100,18 @@ AXIAL = (-4, 6)  # pixels of CoC that red and blue have more, as through a plain
 CHANNELS = ("red", "green", "blue")
 
 
-def color_case(label: str, depth: float = 10.0, **changes) -> Case:
-    """One bright pixel in the exact method; a sample a pixel."""
-    return whole("hexagon").case(label, replace(exact.settings("hexagon", ROTATION, SIZE, COC), **changes), depth)
-
-
 def axial_case(label: str, sign: int) -> Case:
     """A plane with a light, out of focus and far or near."""
     lens = {"camera": near_edges.CAMERA, "coc": None, "axial": tuple(pixels / SIZE[1] for pixels in AXIAL)}
-    return color_case(label, near_edges.metres(sign * COC, SIZE[1]), **lens)
+    return lit(label, depth=near_edges.metres(sign * COC, SIZE[1]), **lens)
 
 
 def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
     """Light, place and outline, known to `off` pixels; share (H, W): what each pixel has of the light."""
     y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
     # the surroundings may be stored a step off: so many pixels of them, far from the light, would move the middle
-    lit = share - np.median(share)
-    moved = np.linalg.norm(np.array([(lit * x).sum(), (lit * y).sum()]) / lit.sum() - bokeh.middle)
+    light = share - np.median(share)
+    moved = np.linalg.norm(np.array([(light * x).sum(), (light * y).sum()]) / light.sum() - bokeh.middle)
     slip = HALF_LIGHT * np.linalg.norm(bokeh.corners, axis=1).max()
     seen, outline = overlap(share * bokeh.area, bokeh.coverage), f"known to {off} pixels"
     return [
@@ -203,7 +129,7 @@ def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
             name = f"{label}, {CHANNELS[channel]}"
             share = (outputs[label]["result"][..., channel] - AMBIENT) / (PEAK * scale**2)
             middle = image_middle + (np.array(plain.middle) - image_middle) * scale
-            bokeh = Bokeh.of(polygon_at("hexagon", COC * scale), SIZE, tuple(middle))
+            bokeh = Bokeh(polygon_of("hexagon", ROTATION, COC * scale), SIZE, tuple(middle))
             checks += _color_checks(name, share, bokeh, 0.5 + 0.5 * (scale != 1.0))
             if scale != 1.0:
                 unmoved, least = overlap(share * plain.area, plain.coverage), checks[-1].low
@@ -225,7 +151,7 @@ LATERAL_COLOR = Probe(
     "lateral-color",
     "Red and blue of a picture at other scales",
     "A red rim on one side of the bokeh and a blue one on the other, both on the line to the image's middle.",
-    tuple(color_case(label, lateral=amount) for label, amount in LATERAL.items()),
+    tuple(lit(label, lateral=amount) for label, amount in LATERAL.items()),
     _judge_lateral,
 )
 AXIAL_COLOR = Probe(
@@ -234,7 +160,7 @@ AXIAL_COLOR = Probe(
     "Far bokeh has a blue rim and near bokeh a red one; nothing moves.",
     (axial_case("far", 1), axial_case("near", -1)),
     _judge_axial,
-    but=("d3d9",),
+    but=("d3d9",),  # shader model 3 has no room for its programs
 )
 
-PROBES = (CUT_EXACT, CUT_LAYERED, ROUND, LATERAL_COLOR, AXIAL_COLOR)
+PROBES = (CUT, LATERAL_COLOR, AXIAL_COLOR)

@@ -13,8 +13,6 @@ from bokeh_validation.probes.model import Case, Check, depth_of, flat, overlap
 # count thousands of steps.
 AMBIENT = 0.5
 PEAK = 4096.0
-# Brightness of a bokeh in pictures: below half, so that two of them on top of each other can be seen
-PICTURE = 0.3
 # Two stores in half floats lose up to one step of 2^-10 each, where a device cuts off, and a step near AMBIENT, where
 # most of a thinly spread highlight is, is up to 2^-11 / plateau of it. Asked for: 0.01.
 HALF_LIGHT = 0.01
@@ -47,18 +45,16 @@ class Bokeh:
     corners  pixels around the light, (N, 2)
     size     of the image, (width, height)
     middle   place of the light, pixels from the image's corner
-    area     of the polygon, square pixels
     """
 
     corners: np.ndarray
     size: tuple[int, int]
     middle: tuple[float, float]
-    area: float
 
-    @classmethod
-    def of(cls, corners: np.ndarray, size: tuple[int, int], middle: tuple[float, float]) -> "Bokeh":
-        """With the area of the corners."""
-        return cls(corners, size, middle, abs(polygons.signed_area(corners)))
+    @cached_property
+    def area(self) -> float:
+        """Of the polygon, square pixels."""
+        return abs(polygons.signed_area(self.corners))
 
     @cached_property
     def coverage(self) -> np.ndarray:
@@ -73,14 +69,10 @@ class Bokeh:
         """With a shape whose outline is off by so many pixels."""
         return (self.area - self.edge(off)) / (self.area + self.edge(off))
 
-    def exposure(self, light: float = PEAK) -> float:
-        """Of a picture of a light, the sum over its pixels."""
-        return PICTURE * self.area / light
-
     def case(self, label: str, settings: methods.Settings, depth: float = 10.0) -> Case:
         """The bright pixel on a plane."""
         image = impulse_image([(int(self.middle[0]), int(self.middle[1]))], self.size)
-        return Case(label, settings, image, depth_of(self.size, depth), exposure=self.exposure())
+        return Case(label, settings, image, depth_of(self.size, depth))
 
     def checks(self, label: str, share: np.ndarray, light_off: float, overlap_least: float) -> list[Check]:
         """Light and overlap; share (H, W): what each pixel has of the light."""

@@ -24,7 +24,7 @@ LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
 def light_bokeh(coc: float, pixels: int, size: tuple[int, int]) -> Bokeh:
     """Of the upper left pixel of a light in the middle."""
     first = [(length - pixels) // 2 for length in size]
-    return Bokeh.of(polygon_of("hexagon", 0.0, coc), size, pixel_center(*first))
+    return Bokeh(polygon_of("hexagon", 0.0, coc), size, pixel_center(*first))
 
 
 def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
@@ -38,9 +38,8 @@ def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
     light = block(((size[0] - 1) // 2, (size[1] - 1) // 2), pixels)
     color[light][..., :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
     depth[light] = metres(coc, side)
-    exposure = light_bokeh(coc, pixels, size).exposure(LIGHT * pixels**2)
     label = f"{pixels} px at CoC {coc}" + (", 16 samples" if preset == "high" else "")
-    return Case(label, settings(preset=preset), color, depth, exposure=exposure)
+    return Case(label, settings(preset=preset), color, depth)
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
@@ -95,7 +94,7 @@ ROW = SIZE[1] // 2  # of the lights, which are three by three pixels
 
 def far_spread(column: int) -> np.ndarray:
     """Share of the light of the pixels around a column on each pixel, (H, W)."""
-    return mean_spread(Bokeh.of(polygon_of("hexagon", 0.0, COC), SIZE, pixel_center(column - 1, ROW - 1)), 3)
+    return mean_spread(Bokeh(polygon_of("hexagon", 0.0, COC), SIZE, pixel_center(column - 1, ROW - 1)), 3)
 
 
 def silhouette_case() -> Case:
@@ -106,7 +105,7 @@ def silhouette_case() -> Case:
     color[..., 1] = np.where(sharp, checker(SIZE), 0.0)
     color[block((EDGE + BESIDE, ROW), 3)][..., 2] = LIGHT
     depth[sharp] = CAMERA.focus_distance
-    return Case("silhouette", settings(), color, depth, exposure=0.3)
+    return Case("silhouette", settings(), color, depth)
 
 
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
@@ -144,7 +143,7 @@ def covered_case() -> Case:
     color[..., 2] = np.where(near, 0.0, AMBIENT)
     color[block((EDGE, ROW), 3)][..., 2] += LIGHT
     depth[near] = metres(-NEAR_COC, SIZE[1])
-    return Case("covered", settings(), color, depth, exposure=0.3)
+    return Case("covered", settings(), color, depth)
 
 
 def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:

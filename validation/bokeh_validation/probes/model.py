@@ -24,8 +24,6 @@ class Case:
 
     color, depth  (H, W, 4) float16 and (H, W) float32
     keep          textures to look at, the result last
-    exposure      factor for the picture in the report, cut off at 1
-    tone_map      whether the picture is tone-mapped instead
     """
 
     label: str
@@ -33,8 +31,6 @@ class Case:
     color: np.ndarray
     depth: np.ndarray
     keep: tuple[str, ...] = ("result",)
-    exposure: float = 1.0
-    tone_map: bool = False
 
     @property
     def size(self) -> tuple[int, int]:
@@ -83,9 +79,8 @@ class Check:
 class Probe:
     """A test image with what it must show.
 
-    judge   takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
-    figure  of the paper, if it has one
-    but     drivers that have no room for its programs
+    judge  takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
+    but    drivers that have no room for its programs
     """
 
     name: str
@@ -93,7 +88,6 @@ class Probe:
     shows: str
     cases: tuple[Case, ...]
     judge: Callable[[Mapping[str, Outputs]], list[Check]]
-    figure: str = ""
     but: tuple[str, ...] = ()
 
 
@@ -105,16 +99,6 @@ class CaseResult:
     outputs: Outputs
     expected: Mapping[str, Image]
     comparisons: Mapping[str, Comparison]
-
-
-@dataclass(frozen=True)
-class ProbeResult:
-    """A probe on one driver."""
-
-    probe: Probe
-    driver: str
-    cases: list[CaseResult]
-    checks: list[Check]
 
 
 @lru_cache(maxsize=16)  # scenes are 20 MB each
@@ -143,13 +127,6 @@ def compared(case: Case, driver: Driver) -> CaseResult:
     # bounds in steps are for pictures: sums and shares are often small differences
     comparisons = {k: metrics.compare(outputs[k], images[k], software and k in case.keep) for k in names}
     return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: images[k] for k in case.keep}, comparisons)
-
-
-def run(probe: Probe, driver: Driver) -> ProbeResult:
-    """Render every case on a driver, compare with the reference, and judge."""
-    results = [compared(case, driver) for case in probe.cases]
-    checks = probe.judge({r.case.label: {k: v.astype(np.float64) for k, v in r.outputs.items()} for r in results})
-    return ProbeResult(probe, driver.name, results, checks)
 
 
 def drawn(driver: Driver, case: Case) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The layered method: near edges and thin near things over what is in focus.
+"""The layered method: near edges over what is in focus.
 
 Red is what is near, green what is in focus, blue a light: so each can be told from the others in one picture. Levels
 are alike, since the method compares brightness with that of the neighbourhood.
@@ -43,14 +43,9 @@ def checker(size: tuple[int, int]) -> np.ndarray:
 def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Share of a polygon on the left of an upright line at each distance from its middle: the integral of its width."""
     far = 2.0 * np.abs(polygon).max() + np.abs(distances).max()
-    area = abs(polygons.signed_area(polygon))
-    left, right = polygon[:, 0].min(), polygon[:, 0].max()
-    shares = (np.asarray(distances) >= right).astype(float)
-    for index, distance in enumerate(distances):
-        if left < distance < right:
-            half = np.array([[-far, -far], [distance, -far], [distance, far], [-far, far]])
-            shares[index] = abs(polygons.signed_area(polygons.clip_convex(polygon, half))) / area
-    return shares
+    halves = (np.array([[-far, -far], [place, -far], [place, far], [-far, far]]) for place in distances)
+    areas = [polygons.signed_area(polygons.clip_convex(polygon, half)) for half in halves]
+    return np.array(areas) / polygons.signed_area(polygon)
 
 
 def steepest(polygon: np.ndarray) -> float:
@@ -113,39 +108,4 @@ def edge_probe(aperture: str, rotation: float) -> Probe:
     return Probe(f"near-edge-{aperture}", title, shows, cases, partial(_judge_edges, aperture, rotation))
 
 
-BRANCH_SIZE, BRANCH_COC = (80, 48), 24
-# Columns of an upright near line, an odd one first
-BRANCH_WIDTH, BRANCH_FIRST = 3, BRANCH_SIZE[0] // 2 - 1
-
-
-def branch_case() -> Case:
-    """The line over the checker."""
-    near = np.zeros(BRANCH_SIZE[::-1], bool)
-    near[:, BRANCH_FIRST : BRANCH_FIRST + BRANCH_WIDTH] = True
-    return near_case("branch", BRANCH_COC, near, settings())
-
-
-def _judge_branch(outputs: dict[str, Outputs]) -> list[Check]:
-    alpha = outputs["branch"]["result"][..., 0]
-    x, polygon = np.arange(BRANCH_SIZE[0]), polygon_of("hexagon", 0.0, BRANCH_COC)
-    after, before = (edge_spread(polygon, BRANCH_FIRST + side - x - 0.5) for side in (BRANCH_WIDTH, 0))
-    spread = after - before
-    known = np.abs(np.diff(spread)).max() + WHOLE * spread.max() + STEP
-    why = "its texels of half the size reach a pixel beyond it on either side, times the steepest slope"
-    light = alpha.sum(axis=1) / BRANCH_WIDTH
-    return [
-        Check("alpha off from the spread of the line by", np.abs(alpha - spread).max(), 0.0, known, why),
-        Check("light kept, darkest row", light.min(), 0.99, 1.01, "asked for of isolated lights"),
-        Check("light kept, brightest row", light.max(), 0.99, 1.01, "the same"),
-    ]
-
-
-BRANCH = Probe(
-    "near-branch",
-    "A thin near branch becomes a soft band",
-    "A faint red band without grain, and the checker sharp through it.",
-    (branch_case(),),
-    _judge_branch,
-)
-
-PROBES = (edge_probe("hexagon", 0.0), edge_probe("octagon", 17.0), BRANCH)
+PROBES = (edge_probe("hexagon", 0.0), edge_probe("octagon", 17.0))

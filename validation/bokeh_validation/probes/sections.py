@@ -1,6 +1,6 @@
 """What probes, scenes and samples showed on the drivers, as the terminal and the report have it.
 
-Small, since it comes from other processes: pictures are data: addresses, those of what passed small ones.
+It comes from other processes, so pictures are data: addresses, and what passed has none beside the reference's.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,12 +14,10 @@ from bokeh_validation import drivers, metrics, pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.metrics import Comparison
-from bokeh_validation.probes.model import CaseResult, Check, ProbeResult
+from bokeh_validation.probes.model import CaseResult, Check, Probe, compared
 from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
 
 DIFFERENCE_STEPS = 8
-# Pixels across of a picture that is as it should be, beside the reference's
-SMALL = 96
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,6 @@ class Panel:
     picture: str
     numbers: str = ""
     difference: str = ""
-    small: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,47 +94,38 @@ def loaded(names: Iterable[str], adapter: str | None) -> tuple[list[Driver], dic
     return present, {"adapters": {driver.name: driver.adapter for driver in present}, "missing": missing}
 
 
-def of_probe(results: Sequence[ProbeResult], **devices: dict[str, str]) -> Section:
-    """A probe on several drivers."""
-    probe, runs, strips = results[0].probe, [], {}
-    for result in results:
-        compared = {f"{r.case.label}, {name}": c for r in result.cases for name, c in r.comparisons.items()}
-        runs.append(Run(result.driver, compared, result.checks))
-    for index, case in enumerate(probe.cases):
+def of_probe(probe: Probe, present: Sequence[Driver], **devices: dict[str, str]) -> Section:
+    """A probe, drawn by every driver, compared with the reference and judged."""
+    runs, drawn = [], {}
+    for driver in present:
+        cases = drawn[driver.name] = [compared(case, driver) for case in probe.cases]
+        outputs = {r.case.label: {k: pixels.astype(np.float64) for k, pixels in r.outputs.items()} for r in cases}
+        comparisons = {f"{r.case.label}, {name}": c for r in cases for name, c in r.comparisons.items()}
+        runs.append(Run(driver.name, comparisons, probe.judge(outputs)))
+    strips = {}
+    for index, case in enumerate(probe.cases if runs else ()):
         for name in case.keep:
             label = case.label if len(case.keep) == 1 else f"{case.label}, {name}"
-            strips[label] = strip(name, {result.driver: result.cases[index] for result in results})
-    figure = f" (Figure {probe.figure})" if probe.figure else ""
-    return Section(probe.name, probe.title + figure, probe.shows, runs, strips, **devices)
+            strips[label] = strip(name, {driver: cases[index] for driver, cases in drawn.items()})
+    return Section(probe.name, probe.title, probe.shows, runs, strips, **devices)
 
 
 def strip(name: str, results: Mapping[str, CaseResult]) -> list[Panel]:
-    """A target of one case, by the reference and by the drivers."""
-    first = next(iter(results.values()))
-    panels = [Panel("reference", pictures.jpeg_uri(_shown(first, first.expected[name].value)))]
+    """A target of one case: the reference's picture, and those of the drivers that are not as it is."""
+    first = next(iter(results.values())).expected[name].value
+    panels = [Panel("reference", pictures.jpeg_uri(pictures.display(first, tone_map=True)))]
     for driver, result in results.items():
-        pixels, expected = result.outputs[name], result.expected[name].value
-        panels.append(panel(driver, _shown(result, pixels), pixels, expected, result.comparisons[name]))
+        if not result.comparisons[name].ok:
+            panels.append(panel(driver, result.outputs[name], result.expected[name].value, result.comparisons[name]))
     return panels
 
 
-def _shown(result: CaseResult, pixels: np.ndarray) -> np.ndarray:
-    """8-bit rgb."""
-    case = result.case
-    if case.keep == ("coc",):
-        coc = pixels[..., 3:4].astype(np.float64) / case.settings.camera.max_coc
-        return pictures.display(np.repeat(coc, 3, axis=-1))
-    return pictures.display(pixels, case.exposure, case.tone_map)
-
-
-def panel(
-    caption: str, shown: np.ndarray, pixels: np.ndarray, expected: np.ndarray, comparison: Comparison,
-    small: int | None = SMALL,
-) -> Panel:  # fmt: skip
-    """In full and with its distance where it is not as the reference has it, else at most `small` pixels across."""
+def panel(caption: str, pixels: np.ndarray, expected: np.ndarray, comparison: Comparison) -> Panel:
+    """A picture; with its distance where it is not as the reference has it."""
+    shown = pictures.display(pixels, tone_map=True)
     if comparison.ok:
         numbers = f"{100 * comparison.close:.2f} % within {metrics.CLOSE_STEPS} steps"
-        return Panel(caption, pictures.jpeg_uri(shown, small), numbers, small=small is not None)
+        return Panel(caption, pictures.jpeg_uri(shown), numbers)
     heat = pictures.heat(metrics.steps(pixels, expected, pixels.dtype.type), DIFFERENCE_STEPS)
     return Panel(caption, pictures.png_uri(shown), str(comparison), pictures.png_uri(heat))
 

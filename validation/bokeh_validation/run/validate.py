@@ -23,8 +23,7 @@ BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
 BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
 # Probes for --full only: another one shows the same on another polygon or in another place
 FULL_PROBES = (
-    "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep", "layered-constant",
-    "cats-eye-layered", "curved-blades",
+    "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep",
 )  # fmt: skip
 BRIEF_PROBES = tuple(probe.name for probe in probes.PROBES if probe.name not in FULL_PROBES)
 # What takes longest is begun first
@@ -62,7 +61,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     (file,) = ray_traced.chosen([name])
     case = ray_traced.scene_case(file, method, aperture)
     settings = replace(case.settings, rotation=ray_traced.TRUTH_ROTATION[aperture])
-    case = replace(case, settings=settings, tone_map=True)
+    case = replace(case, settings=settings)
     present, devices = loaded(names, adapter)
     title = f"{name}-{method}-{aperture}"
     if not present:
@@ -153,7 +152,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
     parts = {
         "scenes": scenes if full else [],
         "engines": samples if full else [],
-        "probes": [(probes.section, (name, names, adapter, not full)) for name in chosen],
+        "probes": [(probes.section, (name, names, adapter)) for name in chosen],
         "compilation": [(compiled, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }

@@ -68,13 +68,13 @@ def test_every_entry_and_language_is_compiled_in_brief():
 
 
 def test_report_shows_what_differs(tmp_path):
-    """A picture that is wrong in full and with its distance, the others small; a cell for each."""
-    section = of_probe([probes.run(LEAKAGE, driver) for driver in (Reference(), Dark())])
+    """A picture that is wrong beside the reference's, with its distance; a cell for each driver."""
+    section = of_probe(LEAKAGE, [Reference(), Dark()])
     good, bad = section.runs
     assert good.ok and not bad.ok and any("FAILED" in line for line in bad.lines(False)) and not section.ok
-    for expected, same, other in section.strips.values():
-        assert same.small and not same.difference and len(same.picture) < len(expected.picture)
-        assert other.picture.startswith("data:image/png") and other.difference and not other.small
+    for expected, other in section.strips.values():
+        assert (expected.caption, other.caption) == ("reference", "dark") and not expected.difference
+        assert other.picture.startswith("data:image/png") and other.difference
     page = page_of(tmp_path, [section, replace(section, name="other", runs=[good])])
     assert '<td class="bad"><a href="#leakage.dark">FAILED</a>' in page and '<td class="na">not run' in page
 
@@ -82,7 +82,7 @@ def test_report_shows_what_differs(tmp_path):
 def test_missing_driver(tmp_path, monkeypatch):
     """A driver that is not there is told with its reason; under CI that is a failure."""
     monkeypatch.setattr(sections, "_load", lambda name, _: f"no {name} here")
-    section = probes.section("leakage", ("egl",), None, True)
+    section = probes.section("leakage", ("egl",), None)
     assert section.missing == {"egl": "no egl here"} and not section.runs
     assert "egl was not run: no egl here" in page_of(tmp_path, [section])
     results = validate.Everything(False, Compilation([], 0.0), [section], [], section, [])

@@ -11,33 +11,25 @@ from support_cases import CAMERA, evaluated, everything, noise_case, result
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, polygons
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import character
 from bokeh_validation.reference import cuts, segments
 
 EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)
 LAYERED = Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7)
 
 
+@pytest.mark.parametrize("rotation, squeeze", product((0.0, 0.3), (1.0, 0.5)))
+@pytest.mark.parametrize("amount, towards", [(0.0, 0.0), *product((0.4, 0.9), (0.0, 20.0, 45.0, 100.0))])
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
-def test_tiling(sides):
-    """Of each polygon: whole and cut off, in different directions, turned and squeezed."""
-    for amount, towards in ((0.0, 0.0), *product((0.4, 0.9), (0.0, 20.0, 45.0, 100.0))):
-        for rotation, squeeze in product((0.0, 0.3), (1.0, 0.5)):
-            assert_tiles(sides, amount, towards, rotation, squeeze)
-
-
-def assert_tiles(sides: int, amount: float, towards: float, rotation: float, squeeze: float) -> None:
+def test_tiling(sides, amount, towards, rotation, squeeze):
     """The parallelograms lie side by side and fill what two polygons have in common that are moved to both sides.
 
     towards   degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
     """
-    polygon = apertures.even_polygon(sides)
-    moved = 0.5 * np.cos(np.pi / sides) * amount * apertures.direction(np.radians(towards))
+    polygon, moved = apertures.even_polygon(sides), amount * apertures.direction(np.radians(towards))
+    found, moved = cuts.lengths(sides, moved), 0.5 * np.cos(np.pi / sides) * moved
     whole = polygons.clip_convex(polygon + moved, polygon - moved)
     corners = apertures.rotated(whole, np.degrees(rotation)) * [squeeze, 1.0]
-    found = cuts.lengths(sides, amount * apertures.direction(np.radians(towards)))
-    random = np.random.default_rng(sides)
-    x, y = random.uniform(-0.6, 0.6, (2, 20000))
+    x, y = np.random.default_rng(sides).uniform(-0.6, 0.6, (2, 20000))
     held, total = np.zeros(x.shape, int), 0.0
     for k in range(2, sides // 2 + 1):
         second = segments.polygon_edge(k, sides, rotation, squeeze, True, found)
@@ -47,23 +39,21 @@ def assert_tiles(sides: int, amount: float, towards: float, rotation: float, squ
             shape = np.array([middle + u + v, middle + u - v, middle - u - v, middle - u + v])
             held += polygons.inside(shape, x, y)
             area = abs(polygons.signed_area(shape))
-            share = segments.parallelogram(k, i, sides, found) * found[k - 1]
-            assert area == pytest.approx(squeeze * share, rel=1e-9)
+            assert area == pytest.approx(squeeze * segments.parallelogram(k, i, sides, found) * found[k - 1], rel=1e-9)
             total += area
     # an edge that is gone is still LEAST long, and moves the others by so much
     off = sides / 2 * cuts.LEAST if (found <= cuts.LEAST).any() else 1e-12
     assert total == pytest.approx(abs(polygons.signed_area(corners)), abs=off)
-    wrong = held != polygons.inside(corners, x, y)
-    assert wrong.mean() <= 4 * off
+    assert (held != polygons.inside(corners, x, y)).mean() <= 4 * off
 
 
 @pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
 def test_rounded_outline(roundness):
-    """A square whose corners are cut off, on the circle: the sides of the polygon, one by one."""
-    corners = character.rounded(roundness)
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
-    # the outline begins with a corner that is cut off, edge 1 of the octagon is such a one
-    np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), np.roll(sides, -2)[:4], rtol=1e-12)
+    """A square whose corners are cut off, on the circle: a corner takes so much of an eighth, a side what is left of
+    its quarter. The chords, in turn.
+    """
+    chords = np.sin(np.radians([22.5 * roundness, 45.0 - 22.5 * roundness]))
+    np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), [*chords, *chords], rtol=1e-12)
 
 
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
@@ -78,21 +68,23 @@ def test_made_for_a_cut(sides):
     np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
 
 
-def test_layers_without_jitter():
-    """BokehMakeLayers: the image fills its textures, and there is no jitter."""
-    body = """BokehLayers layers = BokehMakeLayers(vec2(64.0, 48.0), BokehMakePolygon(8, 0.5, 0.75), 0.25);
-    BokehResult = vec4(layers.jitter, layers.largest, layers.full.origin.x, layers.full.texel.y * 48.0);"""
-    np.testing.assert_array_equal(evaluated(body), [0.0, 12.0, 0.0, 1.0])
-
-
-@pytest.mark.parametrize(("sample", "count", "end"), [(0, 1, -1.0), (0, 2, -1.0), (1, 2, 1.0)])
-def test_a_line_of_one_sample(sample, count, end):
-    """BokehMakeOffsets of one sample is one end of the line, where the distance between samples would be 0 / 0.
-
-    WGSL cannot refuse BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant.
-    """
-    body = f"BokehResult = vec4(BokehMakeOffsets(vec2(0.25, 0.5), {sample}, {count}), 0.0, 0.0);"
-    np.testing.assert_array_equal(evaluated(body)[:2], [0.25 * end, 0.5 * end])
+@pytest.mark.parametrize(
+    ("body", "wanted"),
+    [
+        # One sample is one end of the line, where the distance between samples would be 0 / 0. WGSL cannot refuse
+        # BOKEH_NUM_SAMPLES = 1 as the others do: it is an override constant
+        ("BokehResult = vec4(BokehMakeOffsets(vec2(0.25, 0.5), 0, 1), 0.0, 0.0);", (-0.25, -0.5, 0.0, 0.0)),
+        # Without jitter, and the image fills its textures
+        (
+            "BokehLayers layers = BokehMakeLayers(vec2(64.0, 48.0), BokehMakePolygon(8, 0.5, 0.75), 0.25);"
+            "BokehResult = vec4(layers.jitter, layers.largest, layers.full.origin.x, layers.full.texel.y * 48.0);",
+            (0.0, 12.0, 0.0, 1.0),
+        ),
+    ],
+)
+def test_calls_that_no_frame_has(body, wanted):
+    """To the bit."""
+    np.testing.assert_array_equal(evaluated(body), wanted)
 
 
 @pytest.mark.parametrize("settings", [EXACT, LAYERED], ids=["exact", "layered"])

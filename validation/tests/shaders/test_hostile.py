@@ -1,12 +1,11 @@
 """Bad input on every driver: it counts as docs/inputs.md says, and changes no pixels but those that reach it."""
 
 from dataclasses import replace
-from functools import cache, lru_cache
 
 import numpy as np
 import pytest
-from hostile import COLOR, DEPTH, reach, sprinkled
-from support import LANGUAGES, in_each_language, load, spread
+from hostile import COLOR, DEPTH, sprinkled
+from support import LANGUAGES, in_each_language, spread
 from support_cases import everything, within
 
 from bokeh_validation import drivers
@@ -37,8 +36,6 @@ EVERYWHERE = ("exact", "layered")
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue
 LEVELS = ("tiles", "reach along rows", "reach")
-# A tile of layered says something to tiles around it, so bad pixels reach far: test_damage_of_layered_is_confined
-CONFINED = [name for name, settings in METHODS.items() if settings.method != "layered"]
 # The engine's alpha, which counts for nothing
 ALPHA = (np.nan, np.inf, -np.inf)
 
@@ -48,40 +45,27 @@ ALPHA = (np.nan, np.inf, -np.inf)
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-@cache
-def scene(method: str) -> tuple[dict[str, Case], np.ndarray, np.ndarray]:
-    """One picture three times, and where (H, W) bool its bad colour and its bad depth are.
+def scene(method: str) -> tuple[Case, Case]:
+    """A picture that has one pixel of every bad value, and the same with what each counts as in its place.
 
-    "bad" has one pixel of every bad value, 16 texels and more from each other, in blurs of up to 8; "counted" what each
-    counts as in its place; "clean" ordinary pixels there. Random colour over a slope with steps: CoC from 0 to 6
-    texels, and every outcome of the leakage test.
+    Random colour over a slope with steps: CoC from 0 to 6 texels, and every outcome of the leakage test.
     """
     random = np.random.default_rng(5)
     width, height = SIZE
     color = random.lognormal(0.0, 0.7, (height, width, 4)).astype(np.float16)
     steps = np.kron(random.choice([0.7, 1.0], (8, 12)), np.ones((8, 8)))
     depth = (np.linspace(2.5, 9.0, width) * steps).astype(np.float32)
-    clean = Case("clean", METHODS[method], color, depth)
-    bad, counted = (replace(clean, color=color.copy(), depth=depth.copy()) for _ in range(2))
-    where = np.zeros((2, height, width), bool)
+    bad, counted = (Case("", METHODS[method], color.copy(), depth.copy()) for _ in range(2))
     places = iter([(9 + 15 * row, 8 + 16 * column) for row in range(4) for column in range(6)])
     for wrong, right in COLOR:
         place = next(places)
-        where[0][place] = True
         bad.color[place][:3], counted.color[place][:3] = wrong, right
     for wrong, right in DEPTH:
         place = next(places)
-        where[1][place] = True
         bad.depth[place], counted.depth[place] = wrong, right
     for value in ALPHA:
         bad.color[next(places)][3] = value
-    return {"bad": bad, "counted": counted, "clean": clean}, *where
-
-
-@lru_cache(maxsize=64)
-def outputs(method: str, driver: str, which: str) -> dict[str, np.ndarray]:
-    """All textures that the passes write for one of the three pictures of a Scene."""
-    return everything(load(driver), scene(method)[0][which])
+    return bad, counted
 
 
 def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -103,53 +87,34 @@ def assert_right(driver: drivers.Driver, case: Case) -> None:
     within(driver, case)
 
 
-def damage(method: str, driver: str) -> tuple[np.ndarray, np.ndarray]:
-    """(H, W) bool: which pixels are others than without the bad ones, and which may be."""
-    cases, color, depth = scene(method)
-    bad, clean = (outputs(method, driver, which) for which in ("bad", "clean"))
-    return differing(bad["result"], clean["result"]), reach(cases["clean"].plan, clean, color | depth, depth)
-
-
 @spread("method", METHODS, EVERYWHERE)
 def test_bad_pixels_count_as_documented(method, driver):
     """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
-    bad, counted = (outputs(method, driver.name, which) for which in ("bad", "counted"))
-    assert_safe(bad, METHODS[method])
-    for name in bad:
-        where = np.argwhere(differing(bad[name], counted[name]))
+    found, wanted = (everything(driver, case) for case in scene(method))
+    assert_safe(found, METHODS[method])
+    for name in found:
+        where = np.argwhere(differing(found[name], wanted[name]))
         assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
 
 
-@spread("method", CONFINED, EVERYWHERE)
-def test_damage_is_confined(method, driver):
-    """No pixel but those that reach a bad one (hostile.reach) is another than without it, to the bit.
-
-    Each bad pixel itself is another, or the test would show nothing; alpha is none of them and reaches nowhere.
-    """
-    changed, reached = damage(method, driver.name)
-    where = np.argwhere(changed & ~reached)
-    assert not len(where), f"{len(where)} pixels, the first in row, column {where[0]}"
-    assert changed[np.any(scene(method)[1:], axis=0)].all()
-    # 16 pixels of 6144, each in reach of those around it within two blurs of up to 6 texels
-    assert reached.mean() < 0.3
-
-
+@pytest.mark.parametrize("method", METHODS)
 @in_each_language
-def test_damage_of_layered_is_confined(driver):
-    """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes say things.
+def test_damage_is_confined(method, driver):
+    """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes reach.
 
-    A pixel changes its tile; the largest CoC is spread over R = ceil(largest / 16) + 2 tiles, and with it the mean CoC
-    of a layer over R more. A tile is read through the linear filter, one tile farther, three times: for the split, for
-    the kernels, for the last passes. Then a CoC, once more, and the texels of half and quarter size around that.
+    Each pass of the others reads texels within a CoC, and those beside them. Of layered, a pixel changes
+    its tile; the largest CoC is spread over R = ceil(largest / 16) + 2 tiles, and with it the mean CoC of a layer over
+    R more. A tile is read through the linear filter, one tile farther, three times: for the split, for the kernels, for
+    the last passes. Then a CoC, once more, and the texels of half and quarter size around that.
     """
-    random = np.random.default_rng(4)
+    random, largest = np.random.default_rng(4), 8
     color = random.lognormal(0.0, 0.7, (16, 256, 4)).astype(np.float16)
     depth = random.uniform(2.5, 9.0, (16, 256)).astype(np.float32)
-    clean = Case("clean", replace(METHODS["layered"], camera=replace(CAMERA, max_coc=0.5)), color, depth)
-    largest = 8.0
-    tiles = 2 * (np.ceil(largest / 16) + 2) + 1 + 3
-    farthest = int(8 * tiles + largest + 8)
-    assert farthest < 200
+    clean = Case("clean", replace(METHODS[method], camera=replace(CAMERA, max_coc=0.5)), color, depth)
+    farthest = (len(clean.plan.passes) - 1) * (largest + 2)
+    if clean.settings.method == "layered":
+        tiles = 2 * (np.ceil(largest / 16) + 2) + 1 + 3
+        farthest = int(8 * tiles + largest + 8)
     plain = everything(driver, clean)["result"]
     for texture in ("color", "depth"):
         for value in (np.nan, np.inf):
@@ -157,7 +122,7 @@ def test_damage_of_layered_is_confined(driver):
             getattr(case, texture)[8, 20] = value
             changed = differing(everything(driver, case)["result"], plain)
             assert changed[8, 20]
-            assert np.flatnonzero(changed.any(axis=0)).max() <= 20 + farthest, (texture, value)
+            assert np.flatnonzero(changed.any(axis=0)).max() <= 20 + farthest < 220, (texture, value)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -187,29 +152,6 @@ def test_in_focus_nothing_changes(method, driver):
     np.testing.assert_array_equal(found["result"][..., 3], 0.0)
 
 
-CAMERAS = {
-    "focus at the near plane": replace(CAMERA, focus_distance=0.1),
-    "focus at infinity": replace(CAMERA, focus_distance=1e9),
-    "focus at the largest float": replace(CAMERA, focus_distance=3.4e38),
-    "focus at the focal length": replace(CAMERA, focus_distance=CAMERA.focal_length),
-    "focus before the focal length": replace(CAMERA, focus_distance=0.01),
-    "focus at the camera": replace(CAMERA, focus_distance=0.0),
-    "MaxCoC 0": replace(CAMERA, max_coc=0.0),
-    "MaxCoC 1": replace(CAMERA, aperture_diameter=1.0, max_coc=1.0),
-    "a pinhole": replace(CAMERA, aperture_diameter=0.0),
-    "no sensor": replace(CAMERA, sensor_height=0.0),
-}
-
-
-@pytest.mark.parametrize("camera", CAMERAS)
-@in_each_language
-def test_cameras_at_their_limits(camera, driver):
-    """Whole pictures of layered: safe, and within the interval. Other methods: test_fuzz.py. The CoC alone, on every
-    driver: test_inputs.py.
-    """
-    assert_right(driver, littered((25, 18), replace(METHODS["layered"], camera=CAMERAS[camera])))
-
-
 # More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
 MOST_SAMPLES = {"d3d9": 254}
 # Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
@@ -227,19 +169,6 @@ def test_sample_counts(method, count, driver):
         # a hundredth of a pixel: the blur asks for more samples than there may be
         settings = replace(settings, spacing=0.01)
     assert_right(driver, littered((9, 7), settings, 0.1))
-
-
-@pytest.mark.parametrize("size", [(1, 2048), (2048, 1), (1, 1), (3, 2)], ids=str)
-@pytest.mark.parametrize("method", ["paper", "exact", "naive-grid", "exact adaptive", "layered"])
-@in_each_language
-def test_thin_images(method, size, driver):
-    """One column, one row, one pixel; a CoC of 0.02 is 41 texels high in the first.
-
-    uv is off by 2048 * 8 * 2^-24 texels, 1/1024. Beside a clipped highlight of 65504 that is 64, so that the interval
-    is wide there; between the others it is narrow.
-    """
-    camera = replace(CAMERA, max_coc=0.02)
-    assert_right(driver, littered(size, replace(METHODS[method], camera=camera), 0.05))
 
 
 @pytest.mark.parametrize("aperture", ["octagon", "decagon"])

@@ -3,7 +3,6 @@
 On noise, pass by pass: test_within.py. What its pictures must show: the probes, which test_patterns.py runs.
 """
 
-import re
 from dataclasses import replace
 
 import moments
@@ -16,7 +15,7 @@ from support_cases import CAMERA, noise_case, result
 from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.probes import highlight, lights, model, near_edges, unchanged
+from bokeh_validation.probes import highlight, lights, near_edges
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 
@@ -24,9 +23,16 @@ from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 SETTINGS = methods.Settings("layered", "hexagon", 7, camera=CAMERA)
 
 
-# ----------------------------------------------------------------------------------------------------------------------
-# the light, and nothing at all
-# ----------------------------------------------------------------------------------------------------------------------
+BLUR = 24  # pixels
+LAYERED = near_edges.settings()
+MOVES = np.arange(17) / 8
+# CoC of planes: gathered, going into the near and into the far layer, in a layer
+PLANES = (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)
+
+
+def layered(driver: Driver, case: Case) -> np.ndarray:
+    """Its picture, (H, W, 3) float64."""
+    return result(driver, case)[..., :3].astype(np.float64)
 
 
 @pytest.mark.parametrize(
@@ -38,34 +44,26 @@ def test_every_preset(preset, driver):
     """A picture in focus, or with a CoC of up to a pixel, which spreads nothing, is copied to the bit; one colour stays
     as it is; and 0.99 to 1.01 of an isolated light of one pixel, the hardest, is kept. See the probes.
     """
-    case = unchanged.focus_case()
+    settings = near_edges.settings(preset=preset)
+    # powers of two, so that a fetch in the middle of a texel is a copy
+    case = noise_case((64, 32), settings)
+    case.color[4::9, 5::11, :3] = lights.LIGHT
     for coc in (0.0, 0.9, -0.9):
-        depth = model.depth_of(case.size, near_edges.metres(coc, case.size[1]))
-        found = result(driver, replace(case, settings=near_edges.settings(preset=preset), depth=depth))
+        found = result(driver, replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1]))))
         np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
-    for case in unchanged.constant_cases():
-        output = result(driver, replace(case, settings=replace(case.settings, preset=preset)))[..., :3]
-        off = np.abs(output.astype(np.float64) / case.color[..., :3].astype(np.float64) - 1.0)
-        assert off.max() <= 4 * near_edges.STEP, case.label
+    case = noise_case((61, 43), settings)
+    case.color[..., :3] = 0.7, 0.3, 40.0
+    noise = np.random.default_rng(5).uniform(0.8, 30.0, case.depth.shape).astype(np.float32)
+    planes = [depth_of(case.size, near_edges.metres(coc, case.size[1])) for coc in PLANES]
+    for depth in (case.depth, noise, *planes):
+        off = layered(driver, replace(case, depth=depth)) / case.color[..., :3].astype(np.float64) - 1.0
+        # a mean of one colour: a layer and its share are cut off three times each, the picture once
+        assert np.abs(off).max() <= 4 * near_edges.STEP, depth[0]
     for coc in lights.LIGHT_COCS:
         case = lights.light_case(coc, 1, preset)
         around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
         kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / lights.LIGHT
         assert kept == pytest.approx(1.0, abs=0.01), coc
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# what must not change the picture, and what may change it only a little
-# ----------------------------------------------------------------------------------------------------------------------
-
-BLUR = 24  # pixels
-LAYERED = near_edges.settings()
-MOVES = np.arange(17) / 8
-
-
-def layered(driver: Driver, case: Case) -> np.ndarray:
-    """Its picture, (H, W, 3) float64."""
-    return result(driver, case)[..., :3].astype(np.float64)
 
 
 @pytest.mark.parametrize("preset", methods.PRESETS)
@@ -125,13 +123,11 @@ def test_layered_quarter_turn(driver):
     assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE
 
 
-def edge_at(place: float) -> Case:
-    """A near edge with its pixels drawn by area, and depth by their middles, as a renderer does."""
-    size = near_edges.SIZE
-    cover = np.clip(size[0] // 2 + place - np.arange(size[0]), 0.0, 1.0)
-    case = near_edges.near_case("", BLUR, np.broadcast_to(cover >= 0.5, size[::-1]), LAYERED)
+def drawn_by_area(cover: np.ndarray) -> Case:
+    """A near thing over the checker, its pixels drawn by area, and depth by their middles, as a renderer does."""
+    case = near_edges.near_case("", BLUR, cover >= 0.5, LAYERED)
     case.color[..., 0] = cover
-    case.color[..., 1] = (1.0 - cover) * near_edges.checker(size)
+    case.color[..., 1] = (1.0 - cover) * near_edges.checker(case.size)
     return case
 
 
@@ -143,47 +139,43 @@ def test_layered_moving_edge(driver):
     of the spread. Beside that, a pixel that is covered by less than a half keeps the colour of the edge in focus: where
     alpha is a half, half of a half. From frame to frame that comes and goes.
     """
-    polygon = highlight.polygon_of("hexagon", 0.0, BLUR)
-    from_edge = near_edges.SIZE[0] // 2 - np.arange(near_edges.SIZE[0]) - 0.5
-    off = [layered(driver, edge_at(p))[..., 0] - near_edges.edge_spread(polygon, from_edge + p) for p in MOVES]
+    polygon, (width, height) = highlight.polygon_of("hexagon", 0.0, BLUR), near_edges.SIZE
+    x, off = np.arange(width), []
+    for place in width // 2 + MOVES:
+        case = drawn_by_area(np.tile(np.clip(place - x, 0.0, 1.0), (height, 1)))
+        off.append(layered(driver, case)[..., 0] - near_edges.edge_spread(polygon, place - x - 0.5))
     allowed = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
     assert np.abs(off).max() <= allowed
     assert np.abs(np.diff(off, axis=0)).max() <= allowed
 
 
-def light_at(place: float, near: bool) -> tuple[Case, np.ndarray]:
-    """A disc of 3 pixels drawn by area: near, over what is in focus, or far, beside a silhouette; and its coverage."""
-    size = near_edges.SIZE
-    cover = sweep.disc(size, (size[0] / 2 + 4 + place, size[1] / 2 + 0.3), 3.0)
-    if not near:
-        case = lights.silhouette_case()
-        case.color[:, lights.EDGE :, 2] = lights.LIGHT * cover[:, lights.EDGE :]
-        return case, cover
-    case = near_edges.near_case("", BLUR, cover >= 0.5, LAYERED)
-    case.color[..., 0] = 0.0
-    case.color[..., 1] = (1.0 - cover) * near_edges.checker(size)
-    case.color[..., 2] = lights.LIGHT * cover
-    return case, cover
-
-
 @pytest.mark.parametrize("near", [True, False], ids=["near light", "far light beside an edge"])
 @in_each_language
 def test_layered_moving_light(near, driver):
-    """A light moved by 1/8 pixel a frame: how far its own light flickers.
+    """A disc of 3 pixels drawn by area, moved by 1/8 pixel a frame: how far its own light flickers.
 
     Near, it is kept as an isolated one is, 0.99 to 1.01, so a frame differs by no more than 0.02. Far, the silhouette
     hides a part: what is seen is what the polygon has there, times up to 2 (see the probe), and by 1/8 pixel that
     changes by the width of the polygon over its area, once more times 2, beside the 0.02.
     """
-    found = []
+    kept, (width, height) = [], near_edges.SIZE
     for place in MOVES:
-        case, cover = light_at(place, near)
-        found.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
-    changed = np.abs(np.diff(found)).max()
+        cover = sweep.disc(near_edges.SIZE, (width / 2 + 4 + place, height / 2 + 0.3), 3.0)
+        case, behind = (drawn_by_area(cover), 0) if near else (lights.silhouette_case(), lights.EDGE)
+        if near:
+            case.color[..., 0] = 0.0
+        case.color[:, behind:, 2] = lights.LIGHT * cover[:, behind:]
+        kept.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
     allowed = 0.02 + (0.0 if near else 2 * near_edges.steepest(highlight.polygon_of("hexagon", 0.0, BLUR)) / 8)
-    assert changed <= allowed
-    if near:
-        assert 0.99 <= min(found) and max(found) <= 1.01, found
+    assert np.abs(np.diff(kept)).max() <= allowed
+    assert not near or (0.99 <= min(kept) and max(kept) <= 1.01), kept
+
+
+def ending(item: Pass, last: str, first: str = "", **changes) -> Pass:
+    """A pass with a statement after its own, and lines before it."""
+    version, text = shaders.glsl(item.entry, "330", item.constants).split("\n", 1)
+    main = f"#undef main\nvoid main()\n{{\n    entry();\n    {last}\n}}\n"
+    return replace(item, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
 
 
 # What docs/layers.md says of the targets that need two channels
@@ -193,89 +185,58 @@ TWO_CHANNELS = {"leftovers", "tile leftovers", "row leftovers", "shares", "sizes
 def test_two_channels_are_enough():
     """The targets that docs/layers.md names may be RG16F: the same picture."""
     driver, case = load("osmesa"), noise_case((101, 77), replace(SETTINGS, targets=False))
-    assert TWO_CHANNELS < {name for item in case.plan.passes for name in item.outputs}
-    main = "void main()\n{\n    whole();\n    BokehResult = vec4(BokehResult.rg, 0.0, 1.0);\n}\n"
-    fewer = []
-    for item in case.plan.passes:
-        if TWO_CHANNELS.issuperset(item.outputs):
-            text = shaders.glsl(item.entry, "330", item.constants)
-            item = replace(item, sources={"glsl": re.sub(r"\bvoid main\(\)", "void whole()", text) + main})
-        fewer.append(item)
-    whole, output = (driver.run(each, case.textures(), case.size)["result"] for each in (case.plan.passes, fewer))
-    np.testing.assert_array_equal(output, whole)
+    passes, last = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
+    assert TWO_CHANNELS < {name for item in passes for name in item.outputs}
+    fewer = [ending(item, last) if TWO_CHANNELS.issuperset(item.outputs) else item for item in passes]
+    found, whole = (driver.run(each, case.textures(), case.size)["result"] for each in (fewer, passes))
+    np.testing.assert_array_equal(found, whole)
 
 
-# ----------------------------------------------------------------------------------------------------------------------
-# what it costs: texels fetched, counted on the device
-# ----------------------------------------------------------------------------------------------------------------------
-
-MOST_FETCHES = {"low": (55, 55), "medium": (90, 90)}
-# The same where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
-IN_FOCUS = 0.35 * 2 * 39
-
-
-def counting(item: Pass, outputs: tuple[str, ...]) -> Pass:
-    """A pass that writes how often it fetched in place of its result."""
-    text = shaders.glsl(item.entry, "330", item.constants)
-    head = re.compile(r"^(vec4 BokehFetch(?:Grid|Around|Nearest)\([^)]*\)\n\{\n)", re.MULTILINE)
-    text, found = head.subn(r"\1    fetched += 1.0;\n", text)
-    assert found == 3
-    text, found = re.subn(r"\bvoid main\(\)", "void counted()", text)
-    assert found >= 1
-    version, rest = text.split("\n", 1)
-    main = "void main()\n{\n    counted();\n    BokehResult = vec4(fetched);\n}\n"
-    text = f"{version}\nfloat fetched = 0.0;\n{rest}\n{main}"
-    return replace(item, output=outputs, sources={"glsl": text})
+# What it costs: fetches of colour for a pixel, the CoC map's one included, where passes have most to do
+MOST_FETCHES = {"low": 56, "medium": 91}
+# and where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
+IN_FOCUS = 1 + 0.35 * 2 * 39
+COUNTER = """float fetched = 0.0;
+#define textureLod(tex, uv, level) (fetched += 1.0, textureLod(tex, uv, level))
+#define texelFetch(tex, texel, level) (fetched += 1.0, texelFetch(tex, texel, level))"""
 
 
-def counted(settings: methods.Settings, color: np.ndarray, depth: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Entry and number of each pass after the CoC map -> its fetches for a pixel of the full size: mean, most."""
+def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float]:
+    """Fetches of a pixel of the full size in all passes, counted on the device: on the mean; each pass at its most."""
     size = depth.shape[::-1]
-    plan, names = methods.plan(settings, size).passes, []
-    passes = []
-    for number, item in enumerate(plan):
+    passes, scales = [], {}
+    for number, item in enumerate(methods.plan(settings, size).passes):
         passes.append(item)
         if item.entry not in COPYING_ENTRIES:
-            names.append(f"{number} {item.entry}")
-            others = tuple(f"{number}, {k}" for k in range(1, len(item.outputs)))
-            passes.append(counting(item, (names[-1], *others)))
-    output = load("osmesa").run(passes, {"color": color, "depth": depth}, size, keep=names)
-    scales = [item.scale for item in plan if item.entry not in COPYING_ENTRIES]
-    found = zip(names, scales, strict=True)
-    return {n: tuple(f(output[n][..., 0].astype(float)) / s**2 for f in (np.mean, np.max)) for n, s in found}
+            name = f"{number} {item.entry}"
+            scales[name] = item.scale
+            outputs = name, *(f"{name}, {k}" for k in range(1, len(item.outputs)))
+            passes.append(ending(item, "BokehResult = vec4(fetched);", COUNTER, output=outputs))
+    output = load("osmesa").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
+    counts = [output[name][..., 0].astype(float) / scale**2 for name, scale in scales.items()]
+    # the CoC map besides
+    return 1 + sum(map(np.mean, counts)), 1 + sum(map(np.max, counts))
 
 
 COC = 80
 SIZE = (256, 2 * COC)
 
 
-@pytest.mark.parametrize("preset", MOST_FETCHES)
-def test_fetches_at_the_worst(preset):
-    """Of the picture, and of a pixel for which every pass takes all that it can.
+@pytest.mark.parametrize("preset", methods.PRESETS)
+def test_fetches(preset):
+    """What the plan says, to the fetch: of a pixel for which every pass takes all that it can, and in focus.
 
     Patches of 2 pixels of the largest CoC near and far, a third of them and none: layers and gather have most to do
     everywhere.
     """
     depths = [near_edges.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
     coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
-    camera = replace(near_edges.CAMERA, max_coc=COC / SIZE[1])
-    settings = replace(near_edges.settings(preset=preset), camera=camera)
-    found = counted(settings, flat(SIZE, 1.0), coarse.repeat(2, 0).repeat(2, 1))
-    mean, most = (sum(counts[i] for counts in found.values()) for i in (0, 1))
-    allowed = MOST_FETCHES[preset]
-    assert mean <= allowed[0] and most <= allowed[1], (mean, most, found)
-    # the CoC map besides
-    assert most + 1 == pytest.approx(fetches.of_frame(methods.plan(settings, SIZE).passes)["color"])
-
-
-@pytest.mark.parametrize("preset", methods.PRESETS)
-def test_fetches_in_focus(preset):
-    """What the plan says of it, to the fetch."""
-    depth = depth_of(SIZE, near_edges.CAMERA.focus_distance)
     settings = near_edges.settings(preset=preset)
-    found = counted(settings, flat(SIZE, 1.0), depth)
-    total = sum(mean for mean, _ in found.values())
-    assert total <= IN_FOCUS, found
-    counts = [(fetches.of_pass(item, True)["color"], item.scale**2) for item in methods.plan(settings, SIZE).passes]
-    # the CoC map besides
-    assert sum(count / texel for count, texel in counts) == total + 1
+    settings = replace(settings, camera=replace(near_edges.CAMERA, max_coc=COC / SIZE[1]))
+    passes = methods.plan(settings, SIZE).passes
+    mean, most = counted(settings, coarse.repeat(2, 0).repeat(2, 1))
+    assert mean <= most <= MOST_FETCHES.get(preset, most)
+    assert most == pytest.approx(fetches.of_frame(passes)["color"])
+    mean, _ = counted(settings, depth_of(SIZE, near_edges.CAMERA.focus_distance))
+    assert mean == sum(fetches.of_pass(item, True)["color"] / item.scale**2 for item in passes)
+    assert mean <= IN_FOCUS

@@ -8,9 +8,9 @@ from support import LANGUAGES, load
 from support_cases import judged, result
 
 from bokeh_validation import probes as patterns
-from bokeh_validation.probes import impulse, near_edges, unchanged
+from bokeh_validation.probes import impulse, near_edges, sections, sweep
 
-PROBES = {probe.name: probe for probe in patterns.QUICK_PROBES}
+PROBES = {probe.name: probe for probe in patterns.PROBES}
 
 
 @pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
@@ -20,9 +20,8 @@ def test_probe(name, driver, request):
     its_language = LANGUAGES[list(PROBES).index(name) % len(LANGUAGES)]
     if driver.name != its_language and not request.config.getoption("--all"):
         pytest.skip(f"in {its_language}; --all runs it in every language")
-    result = patterns.run(PROBES[name], driver)
-    assert not [f"{c.name}: {c.value:.5g}, allowed {c.low:.5g} .. {c.high:.5g}" for c in result.checks if not c.ok]
-    assert not [str(c) for r in result.cases for c in r.comparisons.values() if not c.ok]
+    (run,) = sections.of_probe(PROBES[name], [driver]).runs
+    assert not list(run.lines(False))
 
 
 # Of one highlight: another aperture, a turn by 5 degrees, and a CoC 10 % off
@@ -35,14 +34,11 @@ NOTICED = {
     "leakage": [{"leak_fix": False}, {"leak_fix": True}],
     "silhouette": [{"coc": 0.1}],
     "coc-blur": [{"blur_coc": True}, {"blur_coc": False}],
-    "coc": [{"coc": 0.1}],
     "near-edge-hexagon": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}, {"squeeze": 0.8}],
     "near-edge-octagon": [{"aperture": "square"}],
-    "near-branch": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.4)}],
     "layered-light-9": [{"rotation": 30.0}, {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}],
     "silhouette-light": [{"coc": 0.3}],
     "covered-light": [{"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}],
-    "layered-focus": [{"coc": 0.2}],
     # no cut, half of one, and a CoC that is too small; no colour, too little, and red for blue
     "cats-eye-exact": [{"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15}],
     "lateral-color": [{"lateral": 0.0}, {"lateral": 0.03}],
@@ -53,16 +49,13 @@ NOTICED = {
 @pytest.mark.parametrize("name", NOTICED)
 def test_probes_notice(name):
     """Other settings than its own, and it fails."""
-    probe = next(probe for probe in patterns.PROBES if probe.name == name)
     for changes in NOTICED[name]:
-        assert not all(check.ok for check in judged(probe, **changes)), changes
+        assert not all(check.ok for check in judged(PROBES[name], **changes)), changes
 
 
 def test_sweep_notices_a_pop():
     """A picture of the near layer where the gather's should still be: all the change of a sweep in one step."""
-    outputs = {
-        case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in unchanged.SWEEP.cases
-    }
+    outputs = {case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in sweep.SWEEP.cases}
     outputs["CoC -9.25"] = outputs["CoC -9.75"]
     outputs["CoC -9"] = outputs["CoC -8.25"]
-    assert not all(check.ok for check in unchanged.SWEEP.judge(outputs))
+    assert not all(check.ok for check in sweep.SWEEP.judge(outputs))
