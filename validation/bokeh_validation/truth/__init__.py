@@ -1,6 +1,6 @@
 """Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -18,8 +18,8 @@ from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.ray_traced import SceneFile
 
 # gather: shapes.brute_force, in one pass with Listing 3's weights
-METHODS = ("pinhole", "paper", "exact", "gather", "layered")
-DEFAULT_PRESETS = ("low", "medium")
+METHODS = ("pinhole", "paper", "exact", "gather", *(f"layered {preset}" for preset in PRESETS))
+DEFAULT = METHODS[: METHODS.index("layered medium") + 1]
 # How bright the scenes are shown
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
 CAPTIONS = {
@@ -38,7 +38,7 @@ PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_
 class Row(NamedTuple):
     """A picture against the truth of its scene.
 
-    label  the method, for layered with its preset
+    label  one of METHODS
     flip   mean FLIP, 0 is the truth
     psnr   of tone-mapped colour, dB
     light  sum of linear rgb over that of the truth
@@ -51,16 +51,8 @@ class Row(NamedTuple):
     light: float
 
 
-def labels(methods: Iterable[str] | None = None, presets: Iterable[str] | None = None) -> list[str]:
-    """Of the rows for --method and --preset; all by default. Raises UserError."""
-    presets = terminal.chosen("--preset", presets, PRESETS, DEFAULT_PRESETS)
-    chosen = terminal.chosen("--method", methods, METHODS)
-    layered = [f"layered {preset}" for preset in presets] if "layered" in chosen else []
-    return [method for method in chosen if method != "layered"] + layered
-
-
 def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
-    """A scene by the method of a label, the polygon turned as in the truth. `changes` to the settings."""
+    """A scene by one of METHODS, the polygon turned as in the truth. `changes` to the settings."""
     method, _, preset = label.partition(" ")
     drawn_by = {"paper": "paper", "layered": "layered"}.get(method, "exact")
     changes = {"rotation": ray_traced.TRUTH_ROTATION[aperture], **changes}
@@ -98,29 +90,26 @@ def markdown(rows: list[Row]) -> list[str]:
 def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """A detail at twice its size, and market_7 at half: file name -> 8-bit rgb, as far as there are images."""
     exposed = {label: pictures.filmic(image, EXPOSURE.get(scene.name, 1.0)) for label, image in images.items()}
-    place = PLACES[scene.name.removesuffix("x3")]
-    parts = {}
+    place, found = PLACES[scene.name.removesuffix("x3")], {}
+
+    def draw(name: str, labels: tuple[str, ...], cut: Callable[[np.ndarray], np.ndarray]) -> None:
+        if set(labels) <= set(images):
+            panels = [Panel(cut(exposed[label]), CAPTIONS[label]) for label in labels]
+            found[f"likeness_{scene.name}{name}"] = pictures.grid([panels[:2], panels[2:]])
+
+    draw("_detail", DETAIL, lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2))
     if scene is ray_traced.MARKET:
-        parts[f"likeness_{scene.name}"] = (WHOLE, pictures.halved)
-    detail = lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2)  # noqa: E731
-    parts[f"likeness_{scene.name}_detail"] = (DETAIL, detail)
-    return {
-        name: pictures.grid([[Panel(cut(exposed[k]), CAPTIONS[k]) for k in pair] for pair in (four[:2], four[2:])])
-        for name, (four, cut) in parts.items()
-        if set(four) <= set(images)
-    }
+        draw("", WHOLE, pictures.halved)
+    return found
 
 
 def truth(
     method: Annotated[
         list[str] | None,
-        typer.Option(help="pinhole, paper, exact, gather or layered; may be given again. Default: all."),
+        typer.Option(help=f"Of {', '.join(METHODS)}; may be given again. Default: those up to layered medium."),
     ] = None,
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
-    ] = None,
-    preset: Annotated[
-        list[str] | None, typer.Option(help="layered: low, medium, high or ultra. Default: low and medium.")
     ] = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
@@ -130,7 +119,7 @@ def truth(
     ] = None,
 ) -> None:
     """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
-    chosen, scenes = labels(method, preset), ray_traced.chosen(scene)
+    chosen, scenes = terminal.chosen("--method", method, METHODS, DEFAULT), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
     files.check_folder("--pictures", folder)
     used = terminal.pick_driver(driver, adapter)

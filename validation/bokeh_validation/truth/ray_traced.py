@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -20,14 +21,12 @@ TRUTH_ROTATION = {"hexagon": 0.0, "octagon": 22.5}
 class SceneFile:
     """A ray-traced scene of validation/scenes with its camera: NAME_pin.exr, and NAME_hex.exr, its truth.
 
-    pinhole    name of the scene whose pinhole picture it has; None: its own
-    apertures  those of TRUTHS that there is a file for
+    pinhole  name of the scene whose pinhole picture it has; None: its own
     """
 
     name: str
     camera: methods.Camera
     pinhole: str | None = None
-    apertures: tuple[str, ...] = ("hexagon",)
 
     @property
     def source(self) -> Path:
@@ -36,8 +35,8 @@ class SceneFile:
 
 
 MARKET = SceneFile("market_7", methods.Camera(0.0714, 0.05, 2.42, 0.024, 0.15))
-STREET = SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15), None, tuple(TRUTHS))
-CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15), None, tuple(TRUTHS))
+STREET = SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15))
+CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15))
 # the same with three times the aperture
 WIDE_STREET = SceneFile("street_11x3", methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15), "street_11")
 WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 0.15), "canopy_12")
@@ -58,14 +57,10 @@ def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
     return Case(scene.name, methods.Settings(method, aperture, camera=scene.camera), image.color, image.depth)
 
 
-_pictures: dict[Path, exr.Scene] = {}
-
-
+@cache
 def picture(scene: SceneFile) -> exr.Scene:
     """Colour and depth through a pinhole, kept."""
-    if scene.source not in _pictures:
-        _pictures[scene.source] = exr.read(scene.source)
-    return _pictures[scene.source]
+    return exr.read(scene.source)
 
 
 def truth(scene: SceneFile, aperture: str) -> np.ndarray:
