@@ -3,7 +3,7 @@
 import numpy as np
 
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import COPY, DEPTH, EDGE, FIRST, LATERAL, SECOND
+from bokeh_validation.shaders.entries import DEPTH, EDGE, FIRST, LATERAL, SECOND
 from bokeh_validation.shaders.passes import Pass
 
 KINDS = ("color", "depth", "table")
@@ -32,11 +32,6 @@ def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:
     """KINDS -> the same for a pixel of the full size, all passes together."""
     counts = [(of_pass(item), item.scale**2) for item in passes]
     return {kind: sum(count[kind] / texel for count, texel in counts) for kind in KINDS}
-
-
-def of_filters(passes: tuple[Pass, ...]) -> float:
-    """Colour fetches a pixel of all filter passes: samples of every line, the pixel itself, other textures read."""
-    return of_frame(tuple(item for item in passes if item.spec.role != COPY))["color"]
 
 
 def tiles_along(item: Pass) -> int:

@@ -19,7 +19,8 @@ NEAR = replace(CAMERA, aperture_diameter=0.17, focus_distance=1000.0)  # of ligh
 LATERAL = {"aperture": "octagon", "cut": CORNER, "preset": "ultra"}
 AXIAL = {"method": "exact", "aperture": "octagon", "exposure": 1.0, "metres": 8.0, "cut": MIDDLE}
 AXIAL |= {"spacing": 1.0, "samples": 65}
-PLAIN, ACHROMAT = (-0.005, 0.011), (-0.008, -0.008)  # more signed CoC of red and of blue
+# more signed CoC of red and of blue
+LENSES = {"plain lens": {"axial": (-0.005, 0.011)}, "achromat": {"axial": (-0.008, -0.008)}}
 
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
@@ -38,16 +39,10 @@ PICTURES = {
         },
     ],
     "character_color": [
-        {
-            "no lateral colour": LATERAL,
-            "axial colour, plain lens: far lights": {**AXIAL, "axial": PLAIN},
-            "axial colour, achromat: far lights": {**AXIAL, "axial": ACHROMAT},
-        },
-        {
-            "lateral colour, 0.01": {**LATERAL, "lateral": 0.01},
-            "axial colour, plain lens: near lights": {**AXIAL, "camera": NEAR, "axial": PLAIN},
-            "axial colour, achromat: near lights": {**AXIAL, "camera": NEAR, "axial": ACHROMAT},
-        },
+        {"no lateral colour": LATERAL}
+        | {f"axial colour, {lens}: far lights": AXIAL | axial for lens, axial in LENSES.items()},
+        {"lateral colour, 0.01": {**LATERAL, "lateral": 0.01}}
+        | {f"axial colour, {lens}: near lights": AXIAL | axial | {"camera": NEAR} for lens, axial in LENSES.items()},
     ],
 }
 
