@@ -23,10 +23,10 @@ LAYERED = Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7)
 def test_tiling(sides, amount, towards, rotation, squeeze):
     """The parallelograms lie side by side and fill what two polygons have in common that are moved to both sides.
 
-    towards   degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
+    towards  degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
     """
-    polygon, moved = apertures.even_polygon(sides), amount * apertures.direction(np.radians(towards))
-    found, moved = cuts.lengths(sides, moved), 0.5 * np.cos(np.pi / sides) * moved
+    cut = amount * apertures.direction(np.radians(towards))
+    polygon, moved, found = apertures.even_polygon(sides), 0.5 * np.cos(np.pi / sides) * cut, cuts.lengths(sides, cut)
     whole = polygons.clip_convex(polygon + moved, polygon - moved)
     corners = apertures.rotated(whole, np.degrees(rotation)) * [squeeze, 1.0]
     x, y = np.random.default_rng(sides).uniform(-0.6, 0.6, (2, 20000))
