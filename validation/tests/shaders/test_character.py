@@ -17,7 +17,7 @@ EXACT = Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7)
 LAYERED = Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7)
 
 
-@pytest.mark.parametrize("rotation, squeeze", product((0.0, 0.3), (1.0, 0.5)))
+@pytest.mark.parametrize("rotation, squeeze", [*product((0.0, 0.3), (1.0, 0.5))])
 @pytest.mark.parametrize("amount, towards", [(0.0, 0.0), *product((0.4, 0.9), (0.0, 20.0, 45.0, 100.0))])
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
 def test_tiling(sides, amount, towards, rotation, squeeze):
