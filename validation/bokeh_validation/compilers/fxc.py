@@ -1,32 +1,19 @@
 """Microsoft's fxc: HLSL of shader models 3 to 5 to Direct3D bytecode, by d3dcompiler_47.dll.
 
-The library ships in a Windows package of kivy-deps-angle. A small program of ours (windows/fxc.cpp) loads it, on
-Windows or under Wine.
+A small program of ours (windows/fxc.cpp) loads it, under Wine.
 """
 
 import hashlib
 import re
 import threading
 from collections.abc import Mapping
+from pathlib import Path
 
 from bokeh_validation import files, paths
-from bokeh_validation.compilers.packages import Package
 from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
-from bokeh_validation.windows import programs, server
+from bokeh_validation.windows import programs, server, wine
 
-VERSION = "0.5.0"
-RELEASE = "10.0.26100.4654"  # of the library, in that version of the package
-LIBRARY = "d3dcompiler_47.dll"
-PACKAGE = Package(
-    "fxc",
-    "kivy-deps-angle",
-    VERSION,
-    f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl",
-    "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713",
-    ("--only-binary=:all:", "--platform", "win_amd64", "--python-version", "3.11"),
-    f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}",
-)
-
+RELEASE = "10.0.26100.4654"  # of the library
 COMPILE_S = 60.0  # a program takes 0.01 to 2 s
 
 # What shader model 3 guarantees (Direct3D 9). fxc compiles beyond it without a word; drivers refuse.
@@ -35,18 +22,14 @@ BUDGETS = {
     "vs_3_0": {"slots": 512, "constants": 256, "samplers": 4, "temporaries": 32},
 }
 
-fetch = PACKAGE.fetch
+fetch = wine.COMPILER.fetch
 
 
 class Process:
     """The running compiler, for any number of programs. Several threads may call it: they take turns."""
 
     def __init__(self) -> None:
-        program, library = programs.build("fxc"), fetch().read_bytes()
-        beside = program.with_name(LIBRARY)
-        if not beside.exists():
-            files.whole(beside, lambda partial: partial.write_bytes(library))
-        self._server = server.Server(program)
+        self._server = server.Server(programs.build("fxc", "-ld3dcompiler_47"))
         self._server.start()
         self._turn = threading.Lock()
 
@@ -60,15 +43,16 @@ class Process:
             for file in kept.values():
                 file.write_bytes(b"")
             (self._server.folder / "fxc.source").write_bytes(source.encode("ascii"))
+            problem = ""
             try:
-                ok, answer = self._server.ask(f"{profile} {entry} 0", COMPILE_S)  # no options, as fxc.exe
-            except server.Ended as error:
-                return refused(str(error))
+                self._server.ask(f"{profile} {entry}", COMPILE_S)
+            except RuntimeError as error:
+                problem = str(error)
             said, bytecode, listing = (file.read_bytes() for file in kept.values())
-        messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said.decode("utf-8", "replace").replace("\r", "")).strip()
-        if not ok:
-            return refused(messages or f"fxc failed: {answer}")
-        listing = listing.decode("utf-8", "replace")
+        said, listing = (text.decode("utf-8", "replace").replace("\r", "").strip("\0") for text in (said, listing))
+        messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said).strip()
+        if problem:
+            return refused(messages or problem)
         known = facts(listing)
         problem = over_budget(known, profile) or dead_break(listing)
         if problem:
@@ -143,18 +127,16 @@ def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResu
     return load().compile(source, profile, entry)
 
 
-def bytecode(source: str, profile: str, entry: str) -> bytes:
-    """Bytecode of a program that must compile, kept in the cache folder by its hash.
+def bytecode(source: str, profile: str, entry: str) -> Path:
+    """File with the bytecode of a program that must compile, in the cache folder by its hash.
 
     Raises RuntimeError with fxc's words where it refuses, and Unavailable.
     """
-    key = hashlib.sha256("\0".join((VERSION, profile, entry, source)).encode()).hexdigest()[:32]
-    kept = paths.cache_folder() / "bytecode" / f"{key}.{profile}"
-    if kept.exists():
-        return kept.read_bytes()
-    result = load().compile(source, profile, entry)
-    if not result.ok:
-        raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
-    paths.ensured(kept.parent)
-    files.whole(kept, lambda partial: partial.write_bytes(result.binary))
-    return result.binary
+    key = hashlib.sha256("\0".join((wine.VERSION, profile, entry, source)).encode()).hexdigest()[:32]
+    kept = paths.ensured(paths.cache_folder() / "bytecode") / f"{key}.{profile}"
+    if not kept.exists():
+        result = load().compile(source, profile, entry)
+        if not result.ok:
+            raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
+        files.whole(kept, lambda partial: partial.write_bytes(result.binary))
+    return kept

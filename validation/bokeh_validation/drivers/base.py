@@ -124,8 +124,8 @@ class Image(NamedTuple):
         return cls(name, pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels))
 
     def shaped(self, data: np.ndarray) -> np.ndarray:
-        """What was read from a target of four channels, as (H, W, 4)."""
-        return data.reshape(*self.size[::-1], 4)
+        """What was read from a target, as (H, W, channels)."""
+        return data.reshape(*self.size[::-1], self.channels)
 
 
 class Draw(NamedTuple):

@@ -8,8 +8,8 @@ import re
 import shutil
 from pathlib import Path
 
-from bokeh_validation import locks, paths
-from bokeh_validation.engines import capture, process
+from bokeh_validation import locks, paths, process
+from bokeh_validation.engines import capture
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/bevy"

@@ -1,19 +1,16 @@
 """integration/direct3d9 and direct3d11: built with mingw-w64, run under Wine.
 
-The samples compile their shaders themselves, with d3dcompiler_47.dll. Windows has it; under Wine Microsoft's own is put
-beside the program, since it is the compiler that users have.
+The samples compile their shaders themselves, with d3dcompiler_47.dll. Windows has it; our Wine has
+Microsoft's own, since it is the compiler that users have.
 """
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from bokeh_validation import locks, paths, pictures
-from bokeh_validation.compilers import fxc
-from bokeh_validation.engines import process
+from bokeh_validation import paths, pictures, process
 from bokeh_validation.windows import programs, wine
 
 SAMPLES = paths.ROOT / "integration"
@@ -39,10 +36,8 @@ def run(name: str, folder: Path) -> None:
     Raises errors.Unavailable, with the install line, without a compiler, Wine or a display, and RuntimeError.
     """
     program, owner = build(name), wine.get()
-    environment = owner.environment()
-    environment["WINEDLLOVERRIDES"] += ";d3dcompiler_47=n"
     # Wine's Z: is the root of the file system
-    process.run(owner.command(program, f"Z:{folder}"), RUN_S, SAMPLES / name, environment)
+    process.run(owner.command(program, f"Z:{folder}"), RUN_S, SAMPLES / name, owner.environment)
     # the sample can only tell the card that Wine imitates
     capture = folder / "capture.json"
     capture.write_text(json.dumps(json.loads(capture.read_text()) | {"device": owner.device}))
@@ -50,13 +45,9 @@ def run(name: str, folder: Path) -> None:
         pictures.write_png(folder / "picture.png", np.asarray(picture.convert("RGB")))
 
 
-@locks.held("direct3d")
 def build(name: str) -> Path:
     """NAME.exe in the cache folder, built anew when a source or the command has changed: see programs.compiled()."""
-    program = programs.compiled(name, BUILDS[name], sources(name), SAMPLES / name)
-    if not program.with_name(fxc.LIBRARY).exists():
-        shutil.copyfile(fxc.fetch(), program.with_name(fxc.LIBRARY))
-    return program
+    return programs.compiled(name, BUILDS[name], sources(name), SAMPLES / name)
 
 
 def sources(name: str) -> list[Path]:

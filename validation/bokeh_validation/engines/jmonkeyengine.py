@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from bokeh_validation import locks, paths
-from bokeh_validation.engines import process, scripts
+from bokeh_validation import locks, paths, process
+from bokeh_validation.engines import scripts
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/jmonkeyengine"

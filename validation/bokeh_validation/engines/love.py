@@ -3,8 +3,8 @@
 import shutil
 from pathlib import Path
 
-from bokeh_validation import paths
-from bokeh_validation.engines import process, scripts
+from bokeh_validation import paths, process
+from bokeh_validation.engines import scripts
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/love"

@@ -4,8 +4,8 @@ import shlex
 import shutil
 from pathlib import Path
 
-from bokeh_validation import locks, paths
-from bokeh_validation.engines import process, scripts
+from bokeh_validation import locks, paths, process
+from bokeh_validation.engines import scripts
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/ogre"

@@ -10,8 +10,7 @@ import json
 import shutil
 from pathlib import Path
 
-from bokeh_validation import browser, locks, paths
-from bokeh_validation.engines import process
+from bokeh_validation import browser, locks, paths, process
 from bokeh_validation.errors import Unavailable
 
 INSTALL = "apt-get install -y --no-install-recommends npm"

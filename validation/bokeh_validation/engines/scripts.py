@@ -6,9 +6,8 @@ import shutil
 import sys
 from pathlib import Path
 
-from bokeh_validation import locks, paths
+from bokeh_validation import locks, paths, process
 from bokeh_validation.drivers import gl
-from bokeh_validation.engines import process
 from bokeh_validation.errors import Unavailable
 
 SECONDS, INSTALL_SECONDS = 120, 400

@@ -16,15 +16,12 @@ static const DXGI_FORMAT FORMATS[] = {
 
 struct D3D11 {
     using Handle = ID3D11Texture2D;
-    using Vertex = ID3D11VertexShader;
     using Pixel = ID3D11PixelShader;
     using Texture = ::Texture<Handle>;
 
     ComPtr<ID3D11Device> device;
     ComPtr<ID3D11DeviceContext> context;
     ComPtr<ID3D11Buffer> parameters;
-    std::map<std::string, ComPtr<Vertex>> vertices;
-    std::map<std::string, ComPtr<Pixel>> pixels;
 
     /* A texture of the device as large as another and of its format; `pixels` may be null. */
     void create(const Texture &like, D3D11_USAGE usage, UINT bind, UINT access, const void *pixels, Handle **texture)
@@ -57,9 +54,11 @@ struct D3D11 {
             context->ClearRenderTargetView(view(texture).Get(), ZERO);
     }
 
-    void make(const std::string &code, Vertex **shader)
+    void use_vertex_shader(const std::string &code)
     {
-        TRY(device->CreateVertexShader(code.data(), code.size(), nullptr, shader));
+        ComPtr<ID3D11VertexShader> shader;
+        TRY(device->CreateVertexShader(code.data(), code.size(), nullptr, &shader));
+        context->VSSetShader(shader.Get(), nullptr, 0);
     }
 
     void make(const std::string &code, Pixel **shader)
@@ -84,7 +83,6 @@ struct D3D11 {
             context->PSSetShaderResources(slot, 1, input.GetAddressOf());
         }
         context->UpdateSubresource(parameters.Get(), 0, nullptr, pass.values.data(), 0, 0);
-        context->VSSetShader(pass.vertex, nullptr, 0);
         context->PSSetShader(pass.pixel, nullptr, 0);
         context->Draw(3, 0);
         /* a texture cannot be read while it is bound as the target */

@@ -9,21 +9,18 @@
 #include "passes.h"
 
 #define TEXEL_SIZE_REGISTER 20
+#define MOST_TARGETS 4
 
 /* Of two channels a shader reads blue 1, in later versions of Direct3D 0. */
 static const D3DFORMAT FORMATS[] = {D3DFMT_A16B16G16R16F, D3DFMT_A32B32G32R32F, D3DFMT_R32F};
 
 struct D3D9 {
     using Handle = IDirect3DTexture9;
-    using Vertex = IDirect3DVertexShader9;
     using Pixel = IDirect3DPixelShader9;
     using Texture = ::Texture<Handle>;
 
     ComPtr<IDirect3D9> direct3d;
     ComPtr<IDirect3DDevice9> device;
-    D3DCAPS9 caps;
-    std::map<std::string, ComPtr<Vertex>> vertices;
-    std::map<std::string, ComPtr<Pixel>> pixels;
 
     ComPtr<IDirect3DSurface9> surface(const Texture &texture)
     {
@@ -48,8 +45,14 @@ struct D3D9 {
         TRY(texture.handle->UnlockRect(0));
     }
 
-    void make(const std::string &code, Vertex **shader) { TRY(device->CreateVertexShader((const DWORD *)&code[0], shader)); }
-    void make(const std::string &code, Pixel **shader) { TRY(device->CreatePixelShader((const DWORD *)&code[0], shader)); }
+    void use_vertex_shader(const std::string &code)
+    {
+        ComPtr<IDirect3DVertexShader9> shader;
+        TRY(device->CreateVertexShader((const DWORD *)code.data(), &shader));
+        TRY(device->SetVertexShader(shader.Get()));
+    }
+
+    void make(const std::string &code, Pixel **shader) { TRY(device->CreatePixelShader((const DWORD *)code.data(), shader)); }
 
     void set_inputs(const Passes<D3D9> &pass)
     {
@@ -63,9 +66,7 @@ struct D3D9 {
 
     void draw(const Passes<D3D9> &pass, const std::vector<Texture *> &targets)
     {
-        if (targets.size() > caps.NumSimultaneousRTs)
-            fail("%zu targets, but the device has %lu at once", targets.size(), caps.NumSimultaneousRTs);
-        for (DWORD i = 1; i < caps.NumSimultaneousRTs; i++) /* those of the draw before may have another size */
+        for (DWORD i = 1; i < MOST_TARGETS; i++) /* those of the draw before may have another size */
             TRY(device->SetRenderTarget(i, nullptr));
         for (size_t i = 0; i < targets.size(); i++)
             TRY(device->SetRenderTarget(i, surface(*targets[i]).Get()));
@@ -73,7 +74,6 @@ struct D3D9 {
         const auto &[x, y, width, height] = pass.viewport;
         D3DVIEWPORT9 viewport{(DWORD)x, (DWORD)y, (DWORD)width, (DWORD)height, 0.0f, 1.0f};
         TRY(device->SetViewport(&viewport));
-        TRY(device->SetVertexShader(pass.vertex));
         TRY(device->SetPixelShader(pass.pixel));
         set_inputs(pass);
         float texel[4]{1.0f / width, 1.0f / height};
@@ -141,7 +141,6 @@ struct D3D9 {
         present.hDeviceWindow = window;
         TRY(direct3d->CreateDevice(D3DADAPTER_DEFAULT, D3DDEVTYPE_HAL, window,
                                    D3DCREATE_HARDWARE_VERTEXPROCESSING | D3DCREATE_FPU_PRESERVE, &present, &device));
-        TRY(device->GetDeviceCaps(&caps));
         set_states();
         return "Direct3D 9";
     }

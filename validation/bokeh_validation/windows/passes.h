@@ -1,8 +1,6 @@
-/* A list of full-screen passes as a request to a server (serve.h), for any Direct3D: d3d9run.cpp and d3d11run.cpp give the
- * device.
+/* Full-screen passes as requests to a server (serve.h), for any Direct3D: d3d9run.cpp and d3d11run.cpp give the device.
  *
- * A request is the name of a file: text, one command a line, done in this order:
- *
+ *   clear                        forget all textures
  *   texture N W H FORMAT FILE    make texture N from a file: rows from v = 0 on without gaps. FORMAT is half4, float4
  *                                or float1
  *   texture N W H FORMAT         make it a target, 0 everywhere
@@ -14,8 +12,7 @@
  *   draw N [N [N [N]]]           draw onto these targets; what is around the viewport stays
  *   keep N FILE                  write texture N, in its format, rows as above
  *
- * FILEs are names in the working directory. A shader file is read once: other contents need another name.
- * All textures are gone after the request.
+ * FILEs are names in the working directory. A pixel shader's is read once: other contents need another name.
  */
 #pragma once
 
@@ -33,8 +30,7 @@ constexpr int NUM_SLOTS = 16; /* what shader model 3 has; a pass reads fewer */
 struct Format {
     int index, bytes;
 };
-static const std::map<std::string, Format> FORMATS_BY_NAME = {
-    {"half4", {0, 8}}, {"float4", {1, 16}}, {"float1", {2, 4}}};
+static const std::map<std::string, Format> FORMATS_BY_NAME = {{"half4", {0, 8}}, {"float4", {1, 16}}, {"float1", {2, 4}}};
 
 template <typename Handle> struct Texture {
     int width, height;
@@ -51,34 +47,31 @@ inline void copy_rows(void *to, size_t to_pitch, const void *from, size_t from_p
         memcpy((char *)to + row * to_pitch, (const char *)from + row * from_pitch, bytes);
 }
 
-struct Area {
-    int x, y, width, height;
-};
-
-/* A request so far, and what the next draw reads. A Device has types Handle, Vertex and Pixel, and makes and draws
- * them; its shaders stay from request to request. A name or number that is not there is std::out_of_range. */
+/* What there is, and what the next draw reads. A Device has the types Handle and Pixel, makes them and draws. A name or
+ * number that is not there is std::out_of_range. */
 template <typename Device> struct Passes {
     using Texture = ::Texture<typename Device::Handle>;
+    using Pixel = typename Device::Pixel;
 
     struct Input {
-        const Texture *texture; /* null: empty */
+        const Texture *texture;
         bool linear;
     };
 
-    Device &device;
+    Device device{};
     std::map<int, Texture> textures{};
-    typename Device::Vertex *vertex = nullptr;
-    typename Device::Pixel *pixel = nullptr;
-    std::array<Input, NUM_SLOTS> inputs{};
+    std::map<std::string, ComPtr<Pixel>> shaders{};
+    Pixel *pixel = nullptr;
+    std::array<Input, NUM_SLOTS> inputs{}; /* without a texture: empty */
     std::array<float, NUM_VALUES> values{};
-    Area viewport{};
+    std::array<int, 4> viewport{};
 
-    void add(Texture &texture, const std::string &file)
+    void make(Texture &texture, std::istream &rest)
     {
-        std::string pixels = file.empty() ? "" : read_file(file);
-        if (!file.empty() && pixels.size() != (size_t)texture.row_bytes() * texture.height)
-            fail("%s has %zu bytes", file.c_str(), pixels.size());
-        device.make(texture, file.empty() ? nullptr : pixels.data());
+        std::string format, file;
+        rest >> texture.width >> texture.height >> format >> file;
+        texture.format = FORMATS_BY_NAME.at(format);
+        device.make(texture, file.empty() ? nullptr : read_file(file).data());
     }
 
     void draw(std::istream &numbers)
@@ -92,58 +85,47 @@ template <typename Device> struct Passes {
 
     void keep(const Texture &texture, const std::string &file)
     {
-        std::vector<char> pixels((size_t)texture.row_bytes() * texture.height);
+        std::string pixels((size_t)texture.row_bytes() * texture.height, '\0');
         device.read_back(texture, pixels.data());
         write_file(file, pixels.data(), pixels.size());
     }
 
-    /* Do one line. False where it means nothing. */
-    bool take(const std::string &word, std::istream &rest)
+    void take(const std::string &request)
     {
-        int number, slot, width, height;
-        std::string name, file;
-        if (word == "texture" && rest >> number >> width >> height >> name) {
-            rest >> file;
-            add(textures[number] = {width, height, FORMATS_BY_NAME.at(name), nullptr}, file);
-        } else if (word == "vertex" && rest >> name)
-            vertex = cached(device.vertices, name);
-        else if (word == "pixel" && rest >> name)
-            pixel = cached(device.pixels, name);
-        else if (word == "input" && rest >> slot >> number >> name)
+        std::istringstream rest(request);
+        int number, slot;
+        std::string word, name;
+        rest >> word;
+        if (word == "clear")
+            textures.clear();
+        else if (word == "texture" && rest >> number)
+            make(textures[number], rest);
+        else if (word == "vertex" && rest >> name)
+            device.use_vertex_shader(read_file(name));
+        else if (word == "pixel" && rest >> name) {
+            if (!shaders.count(name))
+                device.make(read_file(name), &shaders[name]);
+            pixel = shaders[name].Get();
+        } else if (word == "input" && rest >> slot >> number >> name)
             inputs.at(slot) = {&textures.at(number), name == "linear"};
-        else if (word == "values") {
-            size_t index = 0;
-            for (std::string text; rest >> text;)
-                values.at(index++) = strtof(text.c_str(), nullptr); /* inf and nan too */
-        } else if (word == "draw")
+        else if (word == "values")
+            for (size_t index = 0; rest >> name; index++)
+                values.at(index) = strtof(name.c_str(), nullptr); /* inf and nan too */
+        else if (word == "viewport")
+            for (int &number : viewport)
+                rest >> number;
+        else if (word == "draw")
             draw(rest);
         else if (word == "keep" && rest >> number >> name)
             keep(textures.at(number), name);
         else
-            return word == "viewport" && rest >> viewport.x >> viewport.y >> viewport.width >> viewport.height;
-        return true;
-    }
-
-    /* The shader of a file, made once for each name. */
-    template <typename Shader> Shader *cached(std::map<std::string, ComPtr<Shader>> &known, const std::string &name)
-    {
-        if (!known.count(name))
-            device.make(read_file(name), known[name].GetAddressOf());
-        return known[name].Get();
+            fail("cannot use '%.200s'", request.c_str());
     }
 };
 
 /* Take requests on a device. */
 template <typename Device> int serve_device()
 {
-    Device device;
-    return serve([&] { return device.start(); }, [&](const std::string &name) {
-        Passes<Device> passes{device};
-        std::istringstream text(read_file(name));
-        for (std::string line, word; std::getline(text, line);) {
-            std::istringstream rest(line);
-            if (rest >> word && !passes.take(word, rest))
-                fail("cannot use the line '%.200s'", line.c_str());
-        }
-    });
+    Passes<Device> passes;
+    return serve([&] { return passes.device.start(); }, [&](const std::string &request) { passes.take(request); });
 }

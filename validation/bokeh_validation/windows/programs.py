@@ -1,11 +1,10 @@
 """The programs of this folder, in C++, built with mingw-w64 into the cache folder on first use."""
 
 import shutil
-import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from bokeh_validation import locks
+from bokeh_validation import locks, process
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import PARAMETERS
 from bokeh_validation.windows import wine
@@ -19,10 +18,10 @@ COMMAND = (
 BUILD_S = 120.0
 
 
-def build(name: str, *libraries: str) -> Path:
-    """NAME.exe from NAME.cpp of this folder and its headers, and libraries, such as '-ld3d9'; see compiled()."""
+def build(name: str, library: str) -> Path:
+    """NAME.exe from NAME.cpp of this folder and its headers, and a library, such as '-ld3d9'; see compiled()."""
     source = f"{name}.cpp"
-    return compiled(name, (*COMMAND, source, *libraries), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
+    return compiled(name, (*COMMAND, source, library), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
 
 
 def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: Path) -> Path:
@@ -30,22 +29,10 @@ def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: P
 
     Raises Unavailable without a compiler, RuntimeError with the compiler's words where it refuses.
     """
+    if shutil.which(command[0]) is None:
+        raise Unavailable(f"{command[0]} is not on this machine; {wine.INSTALL}")
 
     def build_in(target: Path) -> None:
-        words = [_compiler(command[0]), *command[1:], "-o", target / f"{name}.exe"]
-        try:
-            done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=BUILD_S)
-        except subprocess.TimeoutExpired as error:
-            raise RuntimeError(f"building {name}.exe hung: stopped after {BUILD_S:g} s") from error
-        if done.returncode:
-            raise RuntimeError(f"{name}.exe could not be built:\n{done.stderr.strip()}")
+        process.run([*command, "-o", target / f"{name}.exe"], BUILD_S, folder)
 
     return locks.built_once(f"windows/{name}", [*command, *sorted(files)], build_in) / f"{name}.exe"
-
-
-def _compiler(name: str) -> str:
-    # Debian's package has the longer name
-    for candidate in (name, f"{name}-posix"):
-        if path := shutil.which(candidate):
-            return path
-    raise Unavailable(f"{name} is not on this machine; {wine.INSTALL}")

@@ -53,11 +53,8 @@ inline void write_file(const std::string &name, const void *data, size_t size)
 }
 
 /* One line to standard output, at once. */
-inline void say(const char *kind, std::string text)
+inline void say(const char *kind, const std::string &text)
 {
-    for (char &letter : text)
-        if (letter == '\r' || letter == '\n')
-            letter = ' ';
     std::cout << kind << ' ' << text << std::endl;
 }
 
@@ -71,10 +68,6 @@ inline int serve(const std::function<std::string()> &start, const std::function<
         return 1;
     }
     for (std::string line; std::getline(std::cin, line);) {
-        while (!line.empty() && line.back() == '\r')
-            line.pop_back();
-        if (line.empty())
-            continue;
         try {
             work(line);
             say("ok", "");

@@ -6,114 +6,99 @@ The display is Xvfb's, on a number that is free; that of the user is never touch
 """
 
 import atexit
+import fcntl
 import os
-import select
 import shutil
 import subprocess
-from collections.abc import Callable
-from contextlib import ExitStack
-from functools import cached_property
+from contextlib import ExitStack, suppress
+from itertools import count
 from pathlib import Path
 
-from bokeh_validation import paths
-from bokeh_validation.compilers.tool import once
+from bokeh_validation import locks, paths, process
+from bokeh_validation.compilers.packages import Package
+from bokeh_validation.compilers.tool import find, once
 from bokeh_validation.errors import Unavailable
 
 PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
 INSTALL = f"apt-get install -y --no-install-recommends {PACKAGES}"
-
-MAX_PREFIXES = 8
 PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
 KILL_S = 10.0
 QUIET = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-DISPLAY_S = 20.0
+# The display lasts until our end of the shell's standard input closes, however we end
+DISPLAY = ("xvfb-run", "-a", "sh", "-c", 'echo "$DISPLAY $XAUTHORITY"; read -r _')
 
-# Xvfb ends when our end of the shell's standard input closes, however we end. It writes its number to descriptor 3 and
-# closes that; 4 stays open for as long as it runs, and is the only one: the shell closes its own.
-XVFB_SCRIPT = (
-    "Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>&1 4>&1 >/dev/null & exec >&-; read -r _; kill $!; wait"
+# Microsoft's shader compiler, in every prefix in place of Wine's, which does not know shader model 3
+VERSION = "0.5.0"
+LIBRARY = "d3dcompiler_47.dll"
+COMPILER = Package(
+    "fxc",
+    "kivy-deps-angle",
+    VERSION,
+    f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl",
+    "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713",
+    ("--only-binary=:all:", "--platform", "win_amd64", "--python-version", "3.11"),
+    f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}",
 )
 
 
 class Wine:
     """A prefix and a display that are ours alone until stop(), ready for programs.
 
-    display  what DISPLAY is to be, such as ':7'
+    environment  of a program: our prefix, our display, and nothing that asks or draws
+    work         folder for files of programs, empty at first
     """
 
     def __init__(self) -> None:
-        self._wine, self._server = _needed("wine"), _needed("wineserver")
-        self.prefix, self._lock = _own_prefix()
-        self.display = ""
-        try:
-            self.end_programs()
-            stamp = self.prefix / "made by bokeh-validation"
-            if not stamp.exists():
-                self._make_prefix()
-                stamp.touch()
-            # after the prefix: a Wine server that was started without a display gives no windows
-            self._start_display()
-        except BaseException:
-            self._lock.close()
-            raise
-
-    def _make_prefix(self) -> None:
-        """A new, empty prefix. One that was not finished is thrown away."""
-        shutil.rmtree(self.prefix, ignore_errors=True)
-        self.prefix.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            done = subprocess.run(self.command("wineboot", "-i"), env=self.environment(), timeout=PREFIX_S, **QUIET)
-        except subprocess.TimeoutExpired as error:
-            raise Unavailable(f"wineboot hung: stopped after {PREFIX_S:g} s") from error
-        finally:
-            # it returns before the registry is on disk; the server's end writes it
-            self.end_programs()
-        if done.returncode or not (self.prefix / "system.reg").exists():
-            raise Unavailable(f"wineboot made no prefix (exit status {done.returncode}); {INSTALL}")
-
-    def _start_display(self) -> None:
-        _needed("Xvfb")
-        self._xvfb = subprocess.Popen(
-            ["sh", "-c", XVFB_SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            bufsize=0, start_new_session=True,
-        )  # fmt: skip
-        # once there is something, the whole line follows
-        answered = select.select([self._xvfb.stdout], [], [], DISPLAY_S)[0]
-        number = self._xvfb.stdout.readline().decode("ascii", "replace").strip() if answered else ""
-        if not number:
-            self._end_display()
-            raise Unavailable(f"Xvfb gave no display within {DISPLAY_S:g} s; {INSTALL}")
-        self.display = f":{number}"
-
-    def _end_display(self) -> None:
-        try:
-            self._xvfb.communicate(timeout=KILL_S)  # closes standard input
-        except subprocess.TimeoutExpired:
-            os.killpg(self._xvfb.pid, 9)
-            self._xvfb.communicate()
-
-    def environment(self) -> dict[str, str]:
-        """Environment of a program: our prefix, our display, and nothing that asks or draws."""
-        kept = {k: v for k, v in os.environ.items() if not k.startswith("WINE") and k not in ("DISPLAY", "XAUTHORITY")}
-        kept.update(
-            WINEPREFIX=str(self.prefix),
-            WINEARCH="win64",
-            WINEDEBUG="-all",
-            # no prompts for Mono and Gecko, no entries in the user's menu
-            WINEDLLOVERRIDES="mscoree,mshtml=;winemenubuilder.exe=d",
-            LC_ALL="C.UTF-8",
+        self._wine, self._server = (find(name, INSTALL) for name in ("wine", "wineserver"))
+        find("xvfb-run", INSTALL)
+        folder, self._lock = _own_folder()
+        self._display = subprocess.Popen(
+            DISPLAY, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
         )
-        kept.setdefault("XDG_RUNTIME_DIR", str(paths.ensured(paths.cache_folder())))
-        return {**kept, "DISPLAY": self.display} if self.display else kept
+        display, _, authority = self._display.stdout.readline().decode().strip().partition(" ")
+        if not display:
+            raise Unavailable(f"xvfb-run gave no display; {INSTALL}")
+        self.environment = {
+            **os.environ,
+            "XDG_RUNTIME_DIR": str(paths.cache_folder()),
+            "WINEARCH": "win64",
+            "WINEDEBUG": "-all",
+            # no prompts for Mono and Gecko, no entries in the user's menu, Microsoft's compiler
+            "WINEDLLOVERRIDES": "mscoree,mshtml=;winemenubuilder.exe=d;d3dcompiler_47=n",
+            "LC_ALL": "C.UTF-8",
+            "DISPLAY": display,
+            "XAUTHORITY": authority,
+        }
+        self.prefix = locks.built_once(str(folder.relative_to(paths.cache_folder())), [VERSION], self._make_prefix)
+        self._use(self.prefix)
+        self.work = self.prefix / "work"
+        shutil.rmtree(self.work, ignore_errors=True)
+        self.work.mkdir()
 
-    @cached_property
+    def _use(self, prefix: Path) -> None:
+        """Have programs run in a prefix, in which nothing runs yet."""
+        self.environment["WINEPREFIX"] = str(prefix)
+        self.end_programs()
+
+    def _make_prefix(self, folder: Path) -> None:
+        compiler = COMPILER.fetch()
+        self._use(folder)
+        try:
+            subprocess.run(self.command("wineboot", "-i"), env=self.environment, timeout=PREFIX_S, check=True, **QUIET)
+        except subprocess.SubprocessError as error:
+            raise Unavailable(f"wineboot made no prefix ({error}); {INSTALL}") from error
+        # it returns before the registry is on disk; the server's end writes it
+        self.end_programs()
+        shutil.copy(compiler, folder / "drive_c/windows/system32")
+
+    @property
     def device(self) -> str:
         """What draws for Wine's Direct3D, whose own adapter names are those of cards that it imitates.
 
         It is OpenGL, which a display of Xvfb has from Mesa's software driver alone.
         """
-        version = subprocess.run([self._wine, "--version"], env=self.environment(), capture_output=True, text=True)
-        return f"llvmpipe on Xvfb, {version.stdout.split()[0].replace('wine-', 'Wine ')}"
+        version = process.run(self.command("--version"), KILL_S).split()[0]
+        return f"llvmpipe on Xvfb, {version.replace('wine-', 'Wine ')}"
 
     def command(self, *words: str | Path) -> list[str]:
         """Command line that runs an .exe with its arguments."""
@@ -121,44 +106,28 @@ class Wine:
 
     def end_programs(self) -> None:
         """End everything that runs in the prefix and wait for it."""
-        environment = self.environment()
         for argument in ("-k", "-w"):
-            try:
-                subprocess.run([self._server, argument], env=environment, timeout=KILL_S, **QUIET)
-            except subprocess.TimeoutExpired:
-                subprocess.run([self._server, "-k9"], env=environment, timeout=KILL_S, **QUIET)
+            with suppress(subprocess.TimeoutExpired):
+                subprocess.run([self._server, argument], env=self.environment, timeout=KILL_S, **QUIET)
 
     def stop(self) -> None:
         """End all programs and the display, and give the prefix back."""
         self.end_programs()
-        self._end_display()
+        self._display.communicate()  # closes standard input
         self._lock.close()
 
 
-def _needed(name: str) -> str:
-    path = shutil.which(name)
-    if path is None:
-        raise Unavailable(f"{name} is not on this machine; {INSTALL}")
-    return path
-
-
-def _own_prefix():
+def _own_folder():
     """(folder, open lock file) of the first prefix that no other process has."""
-    import fcntl
-
     folder = paths.ensured(paths.cache_folder() / "wine")
-    for number in range(MAX_PREFIXES):
+    for number in count():
         lock = open(folder / f"prefix-{number}.lock", "w")
-        try:
+        with suppress(OSError):
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        return folder / f"prefix-{number}", lock
-    raise Unavailable(f"{MAX_PREFIXES} other runs have a Wine prefix each: wait for one of them")
+            return folder / f"prefix-{number}", lock
 
 
-# What ends with this process, the last first
+# What ends with this process
 _ending = ExitStack()
 
 
@@ -166,13 +135,8 @@ _ending = ExitStack()
 def get() -> Wine:
     """The prefix of this process, made on first use. Raises Unavailable, the same each time."""
     wine = Wine()
-    before_stop(wine.stop)
+    _ending.callback(wine.stop)
     return wine
-
-
-def before_stop(action: Callable[[], None]) -> None:
-    """Have stop() call this before what it was told earlier."""
-    _ending.callback(action)
 
 
 @atexit.register

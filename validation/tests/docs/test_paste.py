@@ -4,8 +4,8 @@ Each program is the library and one block, nothing between them. The chain start
 result is held against the float64 reference.
 """
 
-import hashlib
 import re
+import shutil
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -239,39 +239,34 @@ def with_values(code: str) -> str:
 
 
 def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
-    """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11, by jobs as windows/passes.h has them."""
+    """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11."""
     driver = load({3: "d3d9", 5: "d3d11"}[model])
-    folder, (width, height) = driver.server.folder, size()
-    lines = [f"vertex {driver.shader('vs', 'BokehFullScreen_VS', {})}", f"viewport 0 0 {width} {height}"]
-    numbers: dict[str, int] = {}
+    driver.ask("clear")
+    driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
+    driver.ask("viewport", 0, 0, *size())
+    live: dict[str, tuple[int, Image]] = {}
+
+    def make(image: Image) -> None:
+        live[image.name] = len(live), image
+        driver.make(*live[image.name])
+
     for name, pixels in scene().items():
-        kind = "float1" if pixels.ndim == 2 else "half4"
-        (folder / f"paste-{len(numbers)}").write_bytes(pixels.tobytes())
-        lines.append(f"texture {len(numbers)} {width} {height} {kind} paste-{len(numbers)}")
-        numbers[name] = len(numbers)
+        make(Image.of(name, pixels))
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
         text = f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{with_values(block.code)}"
         code = fxc.bytecode(text, f"ps_{model}_0", block.entry)
-        shader = f"paste-{hashlib.sha256(code).hexdigest()[:16]}.ps"
-        (folder / shader).write_bytes(code)
-        lines.append(f"pixel {shader}")
+        shutil.copy(code, driver.server.folder)
+        driver.ask("pixel", code.name)
         # Direct3D 9 alone: its filter is what the line above the block asks for
         kind = "nearest" if "nearest" in block.title else "linear"
         slots = block.named("s" if model == 3 else "t")
         assert set(slots) == set(reads)
-        lines += [f"input {slots[name]} {numbers[texture]} {kind}" for name, texture in reads.items()]
+        for name, texture in reads.items():
+            driver.ask("input", slots[name], live[texture][0], kind)
         for name in writes:
-            numbers[name] = len(numbers)
-            lines.append(f"texture {numbers[name]} {width} {height} {'float1' if name == 'metres' else 'half4'}")
-        lines.append(f"draw {' '.join(str(numbers[name]) for name in writes)}")
-    lines += [f"keep {numbers[name]} paste-{name}" for name in ("metres", "result")]
-    (folder / "paste.job").write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
-    ok, answer = driver.server.ask("paste.job", 300.0)
-    assert ok, answer
-    return {
-        "metres": np.frombuffer((folder / "paste-metres").read_bytes(), np.float32).reshape(height, width),
-        "result": np.frombuffer((folder / "paste-result").read_bytes(), np.float16).reshape(height, width, 4),
-    }
+            make(Image(name, size(), *(("float", 1) if name == "metres" else ("half", 4))))
+        driver.ask("draw", *(live[name][0] for name in writes))
+    return {"metres": driver.pixels(*live["metres"])[..., 0], "result": driver.pixels(*live["result"])}
 
 
 RUNS = {

@@ -9,8 +9,8 @@ import pytest
 from support import needed
 from support_pages import assert_picture
 
-from bokeh_validation import paths
-from bokeh_validation.engines import direct3d, love, ogre, process, scripts
+from bokeh_validation import paths, process
+from bokeh_validation.engines import direct3d, love, ogre, scripts
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"

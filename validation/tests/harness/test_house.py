@@ -60,7 +60,7 @@ def test_no_cycle():
 LEVELS = [
     line.split()
     for line in """
-paths errors files locks terminal shaders
+paths errors files locks process terminal shaders
 exr frame windows browser compilers.fxc compilers.tool compilers.packages
 drivers reference
 jobs metrics pictures compilers options check compare render frame.fetches frame.plan frame.port frame.samples

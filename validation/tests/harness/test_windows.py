@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -59,48 +60,35 @@ class TestBudgets:
 class TestFxc:
     """The compiler as a server."""
 
-    def test_hang_is_told_and_the_next_one_works(self, compiler, monkeypatch):
+    def test_hang_and_crash_are_told_and_the_next_one_works(self, compiler, monkeypatch):
         monkeypatch.setattr(fxc, "COMPILE_S", 0.0)
         result = compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehNaiveGrid_PS")
         assert not result.ok and result.messages == "fxc.exe hung: stopped after 0 s"
         monkeypatch.undo()
         assert compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehNaiveGrid_PS").ok
-
-    def test_crash_is_told_and_the_next_one_works(self, compiler, monkeypatch):
-        process = compiler._server._process
-        real = server.Server._start
-        monkeypatch.setattr(server.Server, "_start", lambda self: None)
-        os.killpg(process.pid, signal.SIGKILL)
-        result = compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehDebug_PS")
-        assert not result.ok and result.messages.startswith("fxc.exe crashed: exit status -9")
-        monkeypatch.setattr(server.Server, "_start", real)
+        with monkeypatch.context() as patch:
+            patch.setattr(server.Server, "start", lambda self: None)
+            os.killpg(compiler._server._process.pid, signal.SIGKILL)
+            result = compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehDebug_PS")
+        assert not result.ok and result.messages == "fxc.exe crashed"
         assert compiler.compile(shaders.hlsl(3), "ps_3_0", "BokehDebug_PS").ok
 
 
 class TestDirect3D:
     """The runners as servers."""
 
-    @pytest.mark.parametrize(
-        ("line", "words"),
-        [
-            ("drow 1", "cannot use the line 'drow 1'"),
-            ("input 16 0 linear", "array::at: __n (which is 16) >= _Nm (which is 16)"),
-            ("input 0 7 linear", "map::at"),
-            ("values" + 41 * " 1.0", "array::at: __n (which is 40) >= _Nm (which is 40)"),
-        ],
-    )
-    def test_a_wrong_job_is_told(self, line, words, d3d9):
-        (d3d9.server.folder / "wrong.job").write_text(f"texture 0 4 4 half4\n{line}\n")
-        assert d3d9.server.ask("wrong.job", 20) == (False, words)
-        assert d3d9.server.ask("none.job", 20) == (False, "cannot read none.job")
+    @pytest.mark.parametrize("line", ["drow 1", "input 16 0 linear", "input 0 7 linear", "values" + 41 * " 1.0"])
+    def test_a_wrong_line_is_told(self, line, d3d9):
+        d3d9.ask("clear")
+        with pytest.raises(RuntimeError, match=f"cannot use '{line}'|array::at|map::at"):
+            d3d9.ask(line)
         assert copied(d3d9)
 
     def test_dead_wine_server(self, d3d9):
         wine.get().end_programs()
-        with pytest.raises(RuntimeError, match="crashed"):
-            # it may be seen before the request or during it
+        # it may be seen before the request, where it is started again, or during it
+        with suppress(RuntimeError):
             copied(d3d9)
-            raise RuntimeError("crashed: seen before the request")
         assert copied(d3d9)
 
 
@@ -121,7 +109,7 @@ import os, signal, sys
 from bokeh_validation import drivers
 from bokeh_validation.windows import wine
 driver = drivers.load("d3d9")
-print(wine.get().prefix, wine.get().display, flush=True)
+print(wine.get().prefix, wine.get().environment["DISPLAY"], flush=True)
 if sys.argv[1] == "kill":
     os.kill(os.getpid(), signal.SIGKILL)
 """
@@ -136,11 +124,11 @@ def test_nothing_is_left_running(end, d3d9):
     )
     prefix, display = done.stdout.split()
     assert Path(prefix) != wine.get().prefix, "two runs must not share a prefix"
-    deadline = time.monotonic() + (0 if end == "exit" else 30)
-    while (running(Path(prefix)) or Path(f"/tmp/.X{display[1:]}-lock").exists()) and time.monotonic() < deadline:
+    deadline, left = time.monotonic() + 30, ["?"]
+    while left and time.monotonic() < deadline:
         time.sleep(0.2)
-    assert running(Path(prefix)) == []
-    assert not Path(f"/tmp/.X{display[1:]}-lock").exists()
+        left = running(Path(prefix)) + [lock for lock in Path("/tmp").glob(f".X{display[1:]}-lock")]
+    assert not left
     assert copied(d3d9)
 
 

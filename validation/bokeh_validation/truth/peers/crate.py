@@ -5,8 +5,7 @@ import shutil
 from functools import cache
 from pathlib import Path
 
-from bokeh_validation import locks, paths
-from bokeh_validation.engines import process
+from bokeh_validation import locks, paths, process
 from bokeh_validation.errors import Unavailable
 
 NAME, VERSION = "bevy_post_process", "0.19.1"

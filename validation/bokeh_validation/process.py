@@ -1,4 +1,4 @@
-"""Running a sample: in a process of its own, with a time limit, and nothing written beside it."""
+"""Running a program: in a process of its own, with a time limit, and nothing written beside it."""
 
 import os
 import signal
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bokeh_validation import paths
 
-# Lines of the engine's output that an error repeats
+# Lines of the program's output that an error repeats
 LAST_LINES = 15
 
 
