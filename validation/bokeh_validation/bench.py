@@ -172,17 +172,14 @@ def measured(driver: TimedDriver, rows: Sequence[Row], size: tuple[int, int], ro
     images, calls = textures(size), {}
     # the picture is uploaded once
     shared = driver.prepared((), images, size)
-    jobs = [shared]
     for row in rows:
         for kind, passes in {"frame": row.passes, "floor": row.floor}.items():
             if passes:
-                jobs.append(driver.prepared(passes, images, size, share=shared))
-                calls[row.key, kind] = jobs[-1].timed
+                job = driver.prepared(passes, images, size, share=shared)
+                calls[row.key, kind] = job.timed
                 numbers = range(len(passes)) if kind == "frame" else ()
-                calls |= {(row.key, number): partial(jobs[-1].timed, number=number) for number in numbers}
+                calls |= {(row.key, number): partial(job.timed, number=number) for number in numbers}
     clock, seconds = interleaved(calls, rounds, bool(software_device(driver.adapter)))
-    for job in reversed(jobs):
-        job.release()
     return clock, [_as_json(row, seconds) for row in rows]
 
 

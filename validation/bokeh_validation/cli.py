@@ -73,7 +73,7 @@ def default(
         bool, typer.Option("--full", help="Every driver, compiler, probe, scene and engine's sample: eleven minutes.")
     ] = False,
     adapter: Annotated[
-        str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")
+        str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="The report; else in the cache folder.")

@@ -1,9 +1,8 @@
-"""What this machine has: compilers, drivers, adapters, and how to get what is missing."""
+"""What this machine has: compilers, drivers, and how to get what is missing."""
 
 import platform
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Callable
 from functools import partial
 from typing import Annotated
 
@@ -34,16 +33,6 @@ def _adapter(driver: str) -> str:
     return drivers.load(driver).adapter
 
 
-def adapters() -> Iterator[tuple[str, str]]:
-    """(driver, adapter name) for --adapter. Where there is none, the driver's own line says why."""
-    from bokeh_validation.drivers import gl, webgpu
-
-    with suppress(Exception):
-        yield from [("egl", name) for name in gl.egl_adapters()]
-    with suppress(Exception):
-        yield from [("wgpu, dxc", adapter.info["device"]) for adapter in webgpu.wgpu_adapters()]
-
-
 def environment() -> dict[str, str]:
     """Machine and folders."""
     return {
@@ -66,8 +55,6 @@ def doctor(
         table.add_row(f"compiler {tool}", *find(tool, version))
     for name in drivers.NAMES:
         table.add_row(f"driver {name}", *find(name, partial(_adapter, name)))
-    for driver, adapter in adapters():
-        table.add_row(f"adapter for {driver}", "", adapter)
     for name, value in environment().items():
         table.add_row(name, "", value)
     console.print(table)

@@ -25,7 +25,7 @@ AUTO = ("egl", "osmesa", "wgpu", "dxc")
 DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, d3d11, webgl2, webgpu or reference."
 OneDriver = Annotated[str | None, typer.Option("--driver", help=DRIVER_HELP)]
 SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVER_HELP)]
-Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name, or its number; see doctor.")]
+Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")]
 
 console = Console(soft_wrap=True)
 JsonFile = Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")]

@@ -14,7 +14,7 @@ LONGEST = (
 
 
 def pytest_addoption(parser):
-    """validation/test --all: engine samples whose files did not change, and every probe in each language, too."""
+    """validation/test --all: engine samples that were not built here yet, and every probe in each language, too."""
     parser.addoption("--all", action="store_true", help="every sample (Bevy builds for minutes) and probe")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.reference import images, precision
-from bokeh_validation.shaders.passes import Pass, is_linear, target_area, target_size
+from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
 Textures = Mapping[str, np.ndarray]
 
@@ -31,11 +31,6 @@ def precision_of(adapter: str) -> precision.Precision:
 
 STORAGE = {"half": np.float16, "float": np.float32}
 PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
-
-
-def storage_type(storage: str) -> type:
-    """NumPy type of a storage name."""
-    return STORAGE[storage]
 
 
 @dataclass(frozen=True)
@@ -81,6 +76,11 @@ class Driver:
         """How its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()."""
         return half_rounding(self)
 
+    def require_adapter(self, adapter: str | None) -> None:
+        """Raise Unavailable where a device was asked for by a part of its name, and it is another."""
+        if adapter is not None and adapter.lower() not in self.adapter.lower():
+            raise Unavailable(f"{self.name} has no device named like {adapter!r}; it has {self.adapter}")
+
     def run(
         self,
         passes: Sequence[Pass],
@@ -99,8 +99,6 @@ class Driver:
         A pass with a viewport draws nothing outside of it; uv runs 0 .. 1 over it. What an earlier pass has left in its
         targets stays around it; a target that no earlier pass has made is 0 there, also where a texture of that name
         was handed in.
-
-        Raises ValueError as drawn_over() does.
         """
 
 
@@ -144,17 +142,14 @@ class Draw(NamedTuple):
 def flattened(
     passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
 ) -> tuple[list[Image], list[Draw], dict[str, int]]:
-    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end.
-
-    Raises ValueError as drawn_over() does.
-    """
+    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end."""
     images = [Image.of(name, pixels) for name, pixels in textures.items()]
     numbers, draws = {name: number for number, name in enumerate(textures)}, []
-    for item, kept in zip(passes, drawn_over(passes, size), strict=True):
+    for item in passes:
         inputs, extent = {slot: numbers[name] for slot, name in item.inputs.items()}, target_size(item.scale, size)
         for name in item.outputs:
-            if name not in kept:
-                # from here on the name is that of this target
+            # what a viewport is drawn over; else the name is that of a new target from here on
+            if not item.viewport or numbers.get(name, -1) < len(textures):
                 numbers[name] = len(images)
                 images.append(Image(name, extent, storage))
         area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, *extent)
@@ -166,16 +161,10 @@ class TimedDriver(Driver):
     """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
 
     A subclass makes textures of its device, and of each pass a step: whatever it draws it from.
-
-    programs  what it has compiled, by what it was made of, the oldest first
     """
 
-    programs: dict[object, object]
-
     def prepared(self, passes, textures, size, storage="half", share: "Prepared | None" = None) -> "Prepared":
-        """What `run` would draw, uploaded and compiled.
-
-        share  has textures, by name, that are used again, not uploaded. It is to be released last.
+        """What `run` would draw, uploaded and compiled. `share` has the same textures, which are used again.
 
         Raises Unavailable as `run` does.
         """
@@ -183,11 +172,8 @@ class TimedDriver(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         prepared = self.prepared(passes, textures, size, storage)
-        try:
-            prepared.draw()
-            return {name: prepared.read(name) for name in keep}
-        finally:
-            prepared.release()
+        self.draw(prepared.steps)
+        return {name: prepared.read(name) for name in keep}
 
     def make_current(self) -> None:
         """Called before anything else here."""
@@ -210,12 +196,6 @@ class TimedDriver(Driver):
     def pixels(self, handle: object, image: Image) -> np.ndarray:
         """The contents of a target, of any shape."""
 
-    def release(self, textures: Sequence, steps: Sequence) -> None:
-        """Free them."""
-
-    def end(self, program: object) -> None:
-        """Free what was compiled; passes that still need it compile it again."""
-
 
 class Prepared:
     """Passes with their textures and targets on a device, to be drawn many times."""
@@ -227,19 +207,9 @@ class Prepared:
         self.driver = driver
         self.images, draws, self.numbers = flattened(passes, textures, size, storage)
         driver.make_current()
-        shared = share.uploaded if share else {}
-        self.handles = [shared.get(image.name) if image.pixels is not None else None for image in self.images]
-        self.own = [number for number, handle in enumerate(self.handles) if handle is None]
-        for number in self.own:
-            self.handles[number] = driver.texture(self.images[number])
-        pairs = zip(self.images, self.handles, strict=True)
-        self.uploaded = {image.name: handle for image, handle in pairs if image.pixels is not None}
+        uploaded = share.handles[: len(textures)] if share else []
+        self.handles = [*uploaded, *map(driver.texture, self.images[len(uploaded) :])]
         self.steps = [driver.step(draw, self.handles) for draw in draws]
-
-    def draw(self) -> None:
-        """Give the passes to the device once; does not wait."""
-        self.driver.make_current()
-        self.driver.draw(self.steps)
 
     def timed(self, repeats: int, number: int | None = None) -> Timing:
         """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time.
@@ -264,59 +234,13 @@ class Prepared:
         image = self.images[number]
         return image.shaped(self.driver.pixels(self.handles[number], image)).copy()
 
-    def release(self) -> None:
-        """Free the textures and targets, and programs if there are many."""
-        self.driver.make_current()
-        self.driver.release([self.handles[number] for number in self.own], self.steps)
-        programs = self.driver.programs
-        while len(programs) > PROGRAMS:
-            self.driver.end(programs.pop(next(iter(programs))))
-
-
-def drawn_over(passes: Sequence[Pass], size: tuple[int, int]) -> list[frozenset[str]]:
-    """For each pass the names of those outputs that an earlier pass has made and that it draws over.
-
-    size  (width, height) of every target of scale 1
-
-    Raises ValueError where a pass reads what it draws over, or draws over a target of another scale, and for a
-    viewport that is not within the targets or begins within a texel of them.
-    """
-    scales: dict[str, int] = {}
-    outputs_drawn_over = []
-    for item in passes:
-        over = frozenset(set(scales).intersection(item.outputs)) if item.viewport else frozenset()
-        if item.viewport:
-            x, y, width, height = item.viewport
-            if min(x, y) < 0 or min(width, height) < 1 or x + width > size[0] or y + height > size[1]:
-                raise ValueError(f"{item.entry}: viewport {item.viewport} is not within {size[0]} x {size[1]}")
-            target_area(item.scale, item.viewport)
-        for name in over:
-            if name in item.inputs.values():
-                raise ValueError(f"{item.entry} reads {name!r} and draws over it: give its output another name")
-            if scales[name] != item.scale:
-                drawn, old = f"{item.entry} has scale {item.scale}", f"{name!r}, which has scale {scales[name]}"
-                raise ValueError(f"{drawn} and draws over {old}")
-        outputs_drawn_over.append(over)
-        scales.update(dict.fromkeys(item.outputs, item.scale))
-    return outputs_drawn_over
-
 
 def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
     """Raise Unavailable where all targets of a pass together have more bytes a pixel than the device's `limit`."""
-    texel = 4 * np.dtype(storage_type(storage)).itemsize
     for item in passes:
-        needed = texel * len(item.outputs)
+        needed = 4 * np.dtype(STORAGE[storage]).itemsize * len(item.outputs)
         if needed > limit:
             raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
-
-
-def require_filter(driver: "Driver", passes: Sequence[Pass], textures: Textures, storage: str) -> None:
-    """Raise Unavailable where a pass filters a texture of 32 bits, on a device that cannot."""
-    wide = {name for name, pixels in textures.items() if pixels.dtype == np.float32}
-    wide |= {name for item in passes for name in item.outputs} if storage == "float" else set()
-    for item in passes:
-        if any(texture in wide and is_linear(item.entry, slot) for slot, texture in item.inputs.items()):
-            raise Unavailable(f"{driver.adapter} cannot filter 32-bit float textures; use half floats")
 
 
 def half_rounding(driver: "Driver") -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import Driver, Image, flattened, storage_type
+from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine
@@ -29,8 +29,7 @@ class Direct3D(Driver):
         self.server.start()
         self.file = self.server.folder / "pixels"
         self.adapter = f"{wine.get().device}, {self.server.greeting}"
-        if adapter is not None and adapter.lower() not in self.adapter.lower():
-            raise Unavailable(f"{self.name} has no device but {self.adapter}")
+        self.require_adapter(adapter)
 
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """File name of the bytecode of an entry point, in the program's folder. `stage` is 'ps' or 'vs'."""
@@ -59,7 +58,7 @@ class Direct3D(Driver):
     def pixels(self, number: int, image: Image) -> np.ndarray:
         """What is in a target."""
         self.ask("keep", number, self.file.name)
-        return image.shaped(np.frombuffer(self.file.read_bytes(), storage_type(image.storage)))
+        return image.shaped(np.frombuffer(self.file.read_bytes(), STORAGE[image.storage]))
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""

@@ -3,14 +3,15 @@
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import count
 from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import Draw, Image, TimedDriver, storage_type
+from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, TimedDriver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
@@ -23,25 +24,25 @@ class GLDriver(TimedDriver):
     def __init__(self, context: moderngl.Context):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
-        self.programs: dict[str, moderngl.VertexArray] = {}
+        self.program = lru_cache(PROGRAMS)(self._linked)
+        # objects that nobody has any more are freed by gc(), when their context is current
+        context.gc_mode = "context_gc"
 
     def make_current(self) -> None:
         """Both drivers may live in one process, so each call makes its own context current first."""
         self.context.__enter__()
+        self.context.gc()
 
-    def program(self, item: Pass) -> moderngl.VertexArray:
-        """The linked program of a pass as a vertex array without buffers, cached by its text."""
-        text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
-        if text not in self.programs:
-            program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
-            for unit, slot in enumerate(SLOTS):
-                if f"Bokeh{slot}" in program:
-                    program[f"Bokeh{slot}"] = unit
-            self.programs[text] = self.context.vertex_array(program, [])
-        return self.programs[text]
+    def _linked(self, text: str) -> moderngl.VertexArray:
+        """The program of a fragment shader as a vertex array without buffers."""
+        program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
+        for unit, slot in enumerate(SLOTS):
+            if f"Bokeh{slot}" in program:
+                program[f"Bokeh{slot}"] = unit
+        return self.context.vertex_array(program, [])
 
     def texture(self, image: Image) -> moderngl.Texture:
-        dtype = np.dtype(storage_type(image.storage))
+        dtype = np.dtype(STORAGE[image.storage])
         # a target begins as zeros: OpenGL leaves open what is in one that has just been made
         data = bytes(dtype.itemsize * image.channels * image.size[0] * image.size[1])
         if image.pixels is not None:
@@ -57,15 +58,16 @@ class GLDriver(TimedDriver):
         return {key: self.context.sampler(repeat_x=False, repeat_y=False, filter=kind) for key, kind in kinds.items()}
 
     def step(self, draw: Draw, handles: Sequence) -> "Step":
-        self.program(draw.item)
+        item = draw.item
+        text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
         framebuffer = self.context.framebuffer([handles[number] for number in draw.targets])
         # a triangle is clipped to it; its y counts from the first row in memory, as v does
         framebuffer.viewport = draw.area
-        return Step(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()}, framebuffer)
+        bound = {slot: handles[number] for slot, number in draw.inputs.items()}
+        return Step(item, self.program(text), bound, framebuffer)
 
     def draw(self, steps: Sequence["Step"]) -> None:
-        for item, bound, target in steps:
-            array = self.program(item)
+        for item, array, bound, target in steps:
             for unit, slot in enumerate(SLOTS):
                 if slot in bound:
                     bound[slot].use(unit)
@@ -91,70 +93,41 @@ class GLDriver(TimedDriver):
         self.context.finish()
 
     def pixels(self, handle: moderngl.Texture, image: Image) -> np.ndarray:
-        return np.frombuffer(handle.read(alignment=1), storage_type(image.storage))
-
-    def release(self, textures: Sequence, steps: Sequence["Step"]) -> None:
-        for handle in (*(step.target for step in steps), *textures):
-            handle.release()
-
-    def end(self, program: moderngl.VertexArray) -> None:
-        program.program.release()
-        program.release()
+        return np.frombuffer(handle.read(alignment=1), STORAGE[image.storage])
 
 
 class Step(NamedTuple):
-    """One pass with its textures by slot and its targets."""
+    """One pass with its program, its textures by slot and its targets."""
 
     item: Pass
+    array: moderngl.VertexArray
     bound: Mapping[str, moderngl.Texture]
     target: moderngl.Framebuffer
 
 
 class EGL(GLDriver):
-    """GLSL 330 through EGL, on the device chosen by number or by a part of its name."""
+    """GLSL 330 through EGL, on the first device or the one chosen by a part of its name."""
 
     name = "egl"
     install = "apt-get install -y libegl1 libgl1-mesa-dri"
 
     def __init__(self, adapter: str | None = None):
-        super().__init__(_egl_context(adapter))
+        seen = []
+        for context in _egl_contexts():
+            seen.append(context.info["GL_RENDERER"])
+            if adapter is None or adapter.lower() in seen[-1].lower():
+                super().__init__(context)
+                return
+            context.release()
+        named = f" on a device named like {adapter!r}; there are: {', '.join(seen)}" if seen else f"; {self.install}"
+        raise Unavailable(f"EGL gave no OpenGL 3.3 context{named}")
 
 
-def _egl_device(index: int) -> moderngl.Context:
-    return moderngl.create_context(standalone=True, require=330, backend="egl", device_index=index)
-
-
-def _egl_context(adapter: str | None) -> moderngl.Context:
-    """First EGL device, or the one whose renderer name holds `adapter` (or whose index it is)."""
-    if adapter is None or adapter.isdigit():
-        try:
-            return _egl_device(int(adapter or 0))
-        except Exception as error:
-            raise Unavailable(f"EGL gave no OpenGL 3.3 context ({error}); {EGL.install}") from error
-    seen = []
-    for context, renderer in _egl_devices():
-        if adapter.lower() in renderer.lower():
-            return context
-        seen.append(renderer)
-        context.release()
-    raise Unavailable(f"no EGL device named like {adapter!r}; there are: {', '.join(seen) or 'none'}")
-
-
-def _egl_devices() -> Iterator[tuple[moderngl.Context, str]]:
-    """Contexts on every EGL device, one after the other, with the names of their renderers."""
+def _egl_contexts() -> Iterator[moderngl.Context]:
+    """Contexts on every EGL device, one after the other."""
     with suppress(Exception):
-        for index in range(16):
-            context = _egl_device(index)
-            yield context, context.info["GL_RENDERER"]
-
-
-def egl_adapters() -> list[str]:
-    """Renderer names of all EGL devices."""
-    names = []
-    for context, renderer in _egl_devices():
-        names.append(renderer)
-        context.release()
-    return names
+        for index in count():
+            yield moderngl.create_context(standalone=True, require=330, backend="egl", device_index=index)
 
 
 def _unbind_egl() -> None:
@@ -176,13 +149,15 @@ def _unbind_egl() -> None:
 class OSMesaContext:
     """An off-screen Mesa context, in the form that moderngl takes a foreign context."""
 
-    LIBRARIES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
     # from GL/osmesa.h
     FORMAT, DEPTH_BITS, PROFILE, CORE_PROFILE, MAJOR, MINOR = 0x22, 0x30, 0x33, 0x34, 0x36, 0x37
     RGBA, UNSIGNED_BYTE = 0x1908, 0x1401
 
     def __init__(self) -> None:
-        self.library = self._load()
+        try:
+            self.library = ctypes.CDLL("libOSMesa.so.8")
+        except OSError as error:
+            raise Unavailable(f"libOSMesa is not on this machine; {OSMesa.install}") from error
         self.library.OSMesaCreateContextAttribs.restype = ctypes.c_void_p
         self.library.OSMesaGetProcAddress.restype = ctypes.c_void_p
         attributes = [
@@ -193,17 +168,8 @@ class OSMesaContext:
         self.handle = ctypes.c_void_p(self.library.OSMesaCreateContextAttribs(array, None))
         if not self.handle:
             raise Unavailable("OSMesa has no OpenGL 3.3 core context: update Mesa")
-        self.size = 16
-        self.buffer = (ctypes.c_ubyte * (4 * self.size * self.size))()
+        self.buffer = (ctypes.c_ubyte * 4)()
         self.__enter__()
-
-    def _load(self) -> ctypes.CDLL:
-        for name in self.LIBRARIES:
-            try:
-                return ctypes.CDLL(name)
-            except OSError:
-                continue
-        raise Unavailable(f"libOSMesa is not on this machine; {OSMesa.install}")
 
     def load(self, name: str) -> int:
         """Address of a GL function, 0 where there is none."""
@@ -211,7 +177,7 @@ class OSMesaContext:
 
     def __enter__(self) -> None:
         _unbind_egl()
-        self.library.OSMesaMakeCurrent(self.handle, self.buffer, self.UNSIGNED_BYTE, self.size, self.size)
+        self.library.OSMesaMakeCurrent(self.handle, self.buffer, self.UNSIGNED_BYTE, 1, 1)
 
     def __exit__(self, *_) -> None:
         pass
@@ -230,8 +196,8 @@ class OSMesa(GLDriver):
     def __init__(self, adapter: str | None = None):
         self.foreign = OSMesaContext()
         super().__init__(moderngl.create_context(require=330, context=self.foreign))
-        if adapter is not None and adapter.lower() not in self.adapter.lower():
-            raise Unavailable(f"OSMesa has no device but {self.adapter}")
+        self.require_adapter(adapter)
 
     def make_current(self) -> None:
         self.foreign.__enter__()
+        self.context.gc()

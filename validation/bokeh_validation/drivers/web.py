@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import Driver, Image, flattened, require_filter, require_targets, storage_type
+from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened, require_targets
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
@@ -21,8 +21,8 @@ def packed(image: Image) -> dict[str, object]:
 
 def unpacked(image: Mapping, storage: str) -> np.ndarray:
     """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
-    data = np.frombuffer(base64.b64decode(image["data"]), storage_type(image["type"]))
-    return data.reshape(*image["size"][::-1], 4).astype(storage_type(storage))
+    data = np.frombuffer(base64.b64decode(image["data"]), STORAGE[image["type"]])
+    return data.reshape(*image["size"][::-1], 4).astype(STORAGE[storage])
 
 
 class BrowserDriver(Driver):
@@ -40,10 +40,10 @@ class BrowserDriver(Driver):
             self.described = self.session.call(f"{self.name}.describe")
         except (browser.Refused, browser.BrowserError) as error:
             raise Unavailable(f"Chromium has no {self.name} on this machine: {error}") from error
-        device = self.described["device"]
-        if adapter is not None and adapter.lower() not in device.lower():
-            raise Unavailable(f"Chromium has no device named like {adapter!r}; it has {device}")
-        self.adapter = f"{device}, Chromium {self.session.version}"
+        self.adapter = f"{self.described['device']}, Chromium {self.session.version}"
+        self.require_adapter(adapter)
+        if not self.described["floatFilterable"]:
+            raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures")
 
     @property
     def session(self) -> browser.Session:
@@ -60,8 +60,6 @@ class BrowserDriver(Driver):
 
     def job(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, object]:
         """What run() hands to the page."""
-        if not self.described["floatFilterable"]:
-            require_filter(self, passes, textures, storage)
         require_targets(self, passes, storage, self.described["attachmentBytes"])
         images, draws, numbers = flattened(passes, textures, size, storage)
         job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}

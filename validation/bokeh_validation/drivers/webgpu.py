@@ -6,21 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import (
-    Draw,
-    Image,
-    Prepared,
-    TimedDriver,
-    require_filter,
-    require_targets,
-    storage_type,
-)
+from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, Prepared, TimedDriver, require_targets
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
 # half-float targets, but two of 32 bits.
 ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
+# Features: filtering of 32-bit floats, and the device's timer, which not all have
+FILTERABLE, TIMER = "float32-filterable", "timestamp-query"
 
 
 def _import():
@@ -31,25 +25,23 @@ def _import():
     return wgpu
 
 
-def wgpu_adapters() -> list:
-    """Vulkan, Metal and Direct3D 12 adapters (its OpenGL backend lacks what the passes need)."""
-    wgpu = _import()
-    return [a for a in wgpu.gpu.enumerate_adapters_sync() if a.info["backend_type"] in ("Vulkan", "Metal", "D3D12")]
-
-
 def _choose(adapter: str | None):
-    adapters = wgpu_adapters()
+    """A GPU before a software device, or the adapter that has a part of its name.
+
+    Vulkan, Metal or Direct3D 12: the OpenGL backend lacks what the passes need.
+    """
+    adapters = [
+        candidate
+        for candidate in _import().gpu.enumerate_adapters_sync()
+        if candidate.info["backend_type"] in ("Vulkan", "Metal", "D3D12") and FILTERABLE in candidate.features
+    ]
+    fitting = [candidate for candidate in adapters if (adapter or "").lower() in candidate.info["device"].lower()]
     if not adapters:
-        raise Unavailable(f"no Vulkan adapter; {WGPU.install}")
-    if adapter is None:
-        return min(adapters, key=lambda candidate: candidate.info["adapter_type"] == "CPU")
-    if adapter.isdigit() and int(adapter) < len(adapters):
-        return adapters[int(adapter)]
-    names = [candidate.info["device"] for candidate in adapters]
-    for candidate, name in zip(adapters, names, strict=True):
-        if adapter.lower() in name.lower():
-            return candidate
-    raise Unavailable(f"no adapter named like {adapter!r}; there are: {', '.join(names)}")
+        raise Unavailable(f"no Vulkan adapter that filters 32-bit floats; {WGPU.install}")
+    if not fitting:
+        names = ", ".join(candidate.info["device"] for candidate in adapters)
+        raise Unavailable(f"no adapter named like {adapter!r}; there are: {names}")
+    return min(fitting, key=lambda candidate: candidate.info["adapter_type"] == "CPU")
 
 
 def texture_format(storage: str, channels: int) -> str:
@@ -67,15 +59,14 @@ class WGPU(TimedDriver):
         self.wgpu = _import()
         chosen = _choose(adapter)
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        features = {"float32-filterable", "timestamp-query"} & set(chosen.features)
+        self.has_timer = TIMER in chosen.features
         self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
         self.device = chosen.request_device_sync(
-            required_features=sorted(features), required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
+            required_features=[FILTERABLE, TIMER] if self.has_timer else [FILTERABLE],
+            required_limits={ATTACHMENT_BYTES: self.attachment_bytes},
         )
-        self.float_filterable = "float32-filterable" in features
         self.programs: dict[tuple, object] = {}
         self._modules: dict[str, object] = {}
-        self.has_timer = "timestamp-query" in features
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
@@ -114,6 +105,8 @@ class WGPU(TimedDriver):
         """Render pipeline of a pass into targets of these formats, cached."""
         key = (item.entry, str(item.constants), str(item.sources), *formats)
         if key not in self.programs:
+            if len(self.programs) == PROGRAMS:
+                self.programs.pop(next(iter(self.programs)))
             vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item)
             self.programs[key] = self.make_pipeline(
                 {"module": vertex, "entry_point": vertex_entry},
@@ -202,13 +195,11 @@ class WGPU(TimedDriver):
         self.device.queue.read_buffer(self._fence)
 
     def pixels(self, handle, image: Image) -> np.ndarray:
-        (width, height), dtype = image.size, np.dtype(storage_type(image.storage))
+        (width, height), dtype = image.size, np.dtype(STORAGE[image.storage])
         layout = {"bytes_per_row": 4 * width * dtype.itemsize, "rows_per_image": height}
         return np.frombuffer(self.device.queue.read_texture({"texture": handle}, layout, handle.size), dtype)
 
     def prepared(self, passes, textures, size, storage="half", share=None) -> Prepared:
-        if not self.float_filterable:
-            require_filter(self, passes, textures, storage)
         require_targets(self, passes, storage, self.attachment_bytes)
         return super().prepared(passes, textures, size, storage, share)
 

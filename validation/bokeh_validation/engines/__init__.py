@@ -7,57 +7,33 @@ import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import typer
 
 from bokeh_validation import jobs, paths, pictures, terminal
-from bokeh_validation.engines import bevy, direct3d, godot, jmonkeyengine, love, ogre, pages, scripts
+from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages
 from bokeh_validation.engines.capture import Broken, Capture, read
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.probes.model import Check
 from bokeh_validation.probes.sections import Panel, Run, Section, panel, print_details
 
-__all__ = ["ENGINES", "Broken", "Capture", "Engine", "engines", "read", "run", "section"]
+__all__ = ["ENGINES", "Broken", "Capture", "engines", "read", "run", "section"]
 
-
-class Engine(NamedTuple):
-    """A sample of integration/; its name is what `validation/run engines` takes.
-
-    run      (name, folder): builds the sample and runs it, headless, so that it leaves its capture in `folder`. Raises
-             errors.Unavailable with the install line where the engine is absent, RuntimeError with what it said.
-    changed  of a sample whose first build takes many minutes: whether its files differ from those that it last passed
-             with, here
-    """
-
-    run: Callable[[str, Path], None]
-    changed: Callable[[], bool] | None = None
-
-    @property
-    def slow(self) -> bool:
-        """Left out unless it is asked for; of `validation/test` unless its files changed."""
-        return self.changed is not None
-
-
-ENGINES = {
-    "opengl": Engine(scripts.run),
-    "panda3d": Engine(scripts.run),
-    "raylib": Engine(scripts.run),
-    "love": Engine(love.run),
-    "ogre": Engine(ogre.run),
-    "jmonkeyengine": Engine(jmonkeyengine.run),
-    "threejs-webgl": Engine(pages.run),
-    "threejs-webgpu": Engine(pages.run),
-    "babylonjs-webgl": Engine(pages.run),
-    "babylonjs-webgpu": Engine(pages.run),
-    "playcanvas-webgl": Engine(pages.run),
-    "playcanvas-webgpu": Engine(pages.run),
-    "godot": Engine(godot.run),
-    "direct3d9": Engine(direct3d.run),
-    "direct3d11": Engine(direct3d.run),
-    "bevy": Engine(bevy.run, bevy.changed),
+# Sample of integration/, which is what `validation/run engines` takes -> what builds it and runs it, headless: called
+# with its name and a folder to leave its capture in. It raises errors.Unavailable, with the install line, where the
+# engine is absent, and RuntimeError with what the engine said.
+ENGINES: dict[str, Callable[[str, Path], None]] = {
+    **dict.fromkeys(("opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"), desktop.run),
+    **dict.fromkeys(pages.NAMES, pages.run),
+    "godot": godot.run,
+    "direct3d9": direct3d.run,
+    "direct3d11": direct3d.run,
+    "bevy": bevy.run,
 }
+# Left out unless they are asked for: the first build takes many minutes
+SLOW = ("bevy",)
 SLOWEST = ("bevy", "godot")
 
 
@@ -66,7 +42,7 @@ def run(name: str) -> Capture:
     target = paths.cache_folder() / "engines" / name / "capture"
     # what an earlier run left must not pass for this one's
     shutil.rmtree(target, ignore_errors=True)
-    ENGINES[name].run(name, paths.ensured(target))
+    ENGINES[name](name, paths.ensured(target))
     return read(target)
 
 
@@ -102,7 +78,7 @@ def engines(
     for name in names or []:
         if name not in ENGINES:
             raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
-    chosen = names or [name for name, engine in ENGINES.items() if everything or not engine.slow]
+    chosen = names or [name for name in ENGINES if everything or name not in SLOW]
     # what takes longest is begun first
     ordered = sorted(chosen, key=lambda name: name not in SLOWEST)
     with terminal.progress("engine", len(chosen)) as step:

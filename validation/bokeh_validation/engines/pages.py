@@ -11,8 +11,9 @@ import shutil
 from pathlib import Path
 
 from bokeh_validation import browser, locks, paths, process
-from bokeh_validation.errors import Unavailable
+from bokeh_validation.compilers.tool import find
 
+NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcanvas") for kind in ("webgl", "webgpu"))
 INSTALL = "apt-get install -y --no-install-recommends npm"
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
 RUN_LIMIT = 240.0  # it takes 10 on two cores
@@ -80,9 +81,7 @@ def installed(source: Path) -> Path:
 
 def call_npm(folder: Path, *command: str | Path) -> None:
     """Have npm install in a folder: its scripts are not run. Raises Unavailable, RuntimeError."""
-    npm = shutil.which("npm")
-    if npm is None:
-        raise Unavailable(f"npm is not on this machine; {INSTALL}")
+    npm = find("npm", INSTALL)
     options = ("--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", "--loglevel=error")
     cache = str(paths.cache_folder() / "npm")
     process.run([npm, *command, *options], INSTALL_LIMIT, folder, {"npm_config_cache": cache})

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bokeh_validation.drivers.base import Textures, drawn_over, storage_type
+from bokeh_validation.drivers.base import STORAGE, Textures
 from bokeh_validation.frame import apertures
 from bokeh_validation.reference import aberration, layered, listings, segments
 from bokeh_validation.reference.gather import Leakage, Table, at_center, gather
@@ -38,7 +38,7 @@ class Reference:
     ) -> dict[str, np.ndarray]:
         """See drivers.base.Driver.run."""
         images = self.images(passes, textures, size, storage)
-        return {name: images[name].value.astype(storage_type(storage)) for name in keep}
+        return {name: images[name].value.astype(STORAGE[storage]) for name in keep}
 
     def images(
         self,
@@ -56,11 +56,11 @@ class Reference:
         given     name -> what a device has in a target: what later passes read in place of the result for it. Each
                   interval is then that of one pass.
         """
-        dtype = storage_type(storage)
+        dtype = STORAGE[storage]
         live: dict[str, Image] = {}
         results_of: dict[str, Image] = {}
         scales: dict[str, int] = {}
-        for item, over in zip(passes, drawn_over(passes, size), strict=True):
+        for item in passes:
             whole = target_size(item.scale, size)
             if item.viewport is None:
                 results = _run_pass(item, live, textures, whole, precision)
@@ -70,7 +70,7 @@ class Reference:
                 kept = stored(image, dtype, rounding)
                 if item.viewport is not None:
                     area = target_area(item.scale, item.viewport)
-                    kept = _drawn(kept, area, live[name] if name in over else None, whole)
+                    kept = _drawn(kept, area, live.get(name), whole)
                 live[name] = kept
                 scales[name] = item.scale
                 results_of[name] = live[name]

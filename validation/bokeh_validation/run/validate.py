@@ -146,7 +146,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
         (scene, (file.name, aperture, method, names, adapter))
         for method in METHODS for file in ray_traced.DRIVER_SCENES for aperture in ray_traced.TRUTHS
     ]  # fmt: skip
-    samples = [(engines.section, (name,)) for name, engine in engines.ENGINES.items() if not engine.slow]
+    samples = [(engines.section, (name,)) for name in engines.ENGINES if name not in engines.SLOW]
     chosen = [probe.name for probe in probes.PROBES] if full else BRIEF_PROBES
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     parts = {

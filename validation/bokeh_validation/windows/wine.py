@@ -8,6 +8,7 @@ The display is Xvfb's, on a number that is free; that of the user is never touch
 import atexit
 import fcntl
 import os
+import re
 import shutil
 import subprocess
 from contextlib import ExitStack, suppress
@@ -97,8 +98,8 @@ class Wine:
 
         It is OpenGL, which a display of Xvfb has from Mesa's software driver alone.
         """
-        version = process.run(self.command("--version"), KILL_S).split()[0]
-        return f"llvmpipe on Xvfb, {version.replace('wine-', 'Wine ')}"
+        said = process.run(self.command("--version"), KILL_S)
+        return f"llvmpipe on Xvfb, Wine {re.search(r'^wine-(.*?)( |$)', said, re.MULTILINE)[1]}"
 
     def command(self, *words: str | Path) -> list[str]:
         """Command line that runs an .exe with its arguments."""

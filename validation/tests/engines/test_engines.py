@@ -8,40 +8,21 @@ import pytest
 from support import needed
 
 from bokeh_validation import engines, paths
+from bokeh_validation.engines import bevy, pages
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
-# Their default is layered
-LAYERED = (
-    "opengl", "raylib", "jmonkeyengine", "threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu",
-    *WITHOUT_PAPER, "direct3d11", "godot",
-)  # fmt: skip
+# The others' default is layered
+WITHOUT_LAYERED = ("panda3d", "direct3d9", "bevy")
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
-    "opengl": (16.071, 1.4),
-    "panda3d": (16.071, 1.4),
-    "raylib": (27.0, 0.2),
-    "love": (27.0, 0.2),
-    "ogre": (27.0, 0.2),
-    "jmonkeyengine": (27.0, 0.2),
-    "threejs-webgl": (45.0, 0.07),
-    "threejs-webgpu": (45.0, 0.07),
-    "playcanvas-webgl": (45.0, 0.07),
-    "playcanvas-webgpu": (45.0, 0.07),
-    "babylonjs-webgl": (45.0, 0.07),
-    "babylonjs-webgpu": (45.0, 0.07),
-    "godot": (45.0, 0.07),
-    "direct3d9": (16.071, 1.0),
-    "direct3d11": (16.071, 1.0),
+    **dict.fromkeys(("opengl", "panda3d"), (16.071, 1.4)),
+    **dict.fromkeys(("raylib", "love", "ogre", "jmonkeyengine"), (27.0, 0.2)),
+    **dict.fromkeys((*pages.NAMES, "godot"), (45.0, 0.07)),
+    **dict.fromkeys(("direct3d9", "direct3d11"), (16.071, 1.0)),
     "bevy": (26.991, 0.2),
 }
-
-# Their autofocus is in the capture
-PULLS = (
-    "opengl", "panda3d", "raylib", "jmonkeyengine", "love", "ogre", "direct3d9", "direct3d11", "threejs-webgl",
-    "threejs-webgpu", "babylonjs-webgl", "babylonjs-webgpu", "playcanvas-webgl", "playcanvas-webgpu", "bevy",
-)  # fmt: skip
 
 
 def check_lens(camera, fovy, stop):
@@ -86,21 +67,19 @@ def check_pull(folder):
 def test_sample(name, request):
     """Hexagon and octagon, exact and mostly paper, the layered hexagon where it is the default, on what was drawn.
 
-    A slow sample is run where its files changed since it last passed here, or with --all.
+    A slow sample is run where it has been built, or with --all.
     """
-    engine = engines.ENGINES[name]
-    if engine.slow and not request.config.getoption("--all") and not engine.changed():
-        pytest.skip(f"{name}: not built here yet, or as it last passed; --all runs it")
+    if name in engines.SLOW and not request.config.getoption("--all") and not bevy.built():
+        pytest.skip(f"{name}: not built here yet; --all builds it")
     with needed(name):
         capture = engines.run(name)
-    if name in PULLS:
+    if name != "godot":  # its autofocus is in test_godot.py
         check_pull(paths.cache_folder() / "engines" / name / "capture")
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
-    assert name not in LAYERED or shown[0] == ("layered", "hexagon")
+    assert name in WITHOUT_LAYERED or shown[0] == ("layered", "hexagon")
     for shot in capture.shots:
-        if name in LENSES:
-            check_lens(shot.case.settings.camera, *LENSES[name])
+        check_lens(shot.case.settings.camera, *LENSES[name])
         assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}, {shot.outside}"
         # something is in focus, something is not, and something is brighter than white
         depth, color = shot.case.depth, shot.case.color

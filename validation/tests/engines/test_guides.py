@@ -10,7 +10,7 @@ from support import needed
 from support_pages import assert_picture
 
 from bokeh_validation import paths, process
-from bokeh_validation.engines import direct3d, love, ogre, scripts
+from bokeh_validation.engines import desktop, direct3d
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
@@ -61,21 +61,20 @@ def test_code_is_the_samples(name):
         assert any(is_quoted(block, text) for text in texts), block
 
 
-@pytest.mark.parametrize("name", direct3d.BUILDS)
-def test_build_command(name):
-    """The guide builds as the tests do."""
-    assert any(f"{' '.join(direct3d.BUILDS[name])} -o {name}.exe" in text for _, text in blocks(name))
+BUILDS = {name: f"{' '.join(words)} -o {name}.exe" for name, words in direct3d.BUILDS.items()}
 
 
-def test_build_command_of_ogre():
+@pytest.mark.parametrize(("name", "command"), [*BUILDS.items(), ("ogre", f"{desktop.BUILD_OGRE} -o sample\n")])
+def test_build_command(name, command):
     """The guide builds as the tests do."""
-    assert any(f"{ogre.BUILD} -o sample\n" in text for _, text in blocks("ogre"))
+    assert any(command in text for _, text in blocks(name))
 
 
 @pytest.mark.parametrize("name", ["panda3d", "raylib"])
 def test_locked_version(name):
     """The guide's is the locked one."""
-    (version,) = re.findall(rf"^{name}==(\S+)", scripts.requirements(name).read_text(encoding="utf-8"), re.MULTILINE)
+    pinned = (INTEGRATION / name / "requirements.txt").read_text(encoding="utf-8")
+    (version,) = re.findall(rf"^{name}==(\S+)", pinned, re.MULTILINE)
     shown = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
     assert set(re.findall(rf"{name}==(\d[\d.]*\d)", shown)) == {version}
 
@@ -103,12 +102,10 @@ def test_bevy_passes():
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
-@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love", "ogre"])
+@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"])
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide."""
-    with needed(name):
-        own = {"love": love.command, "ogre": ogre.command}.get(name)
-        command = own() if own else [*scripts.command(name), INTEGRATION / name / "sample.py"]
     drawn = tmp_path / "picture.png"
-    process.run([*command, drawn], scripts.SECONDS, INTEGRATION / name)
+    with needed(name):
+        process.run([*desktop.command(name), drawn], desktop.SECONDS, INTEGRATION / name)
     assert_picture(drawn, INTEGRATION / name / "picture.png")

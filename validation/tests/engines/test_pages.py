@@ -1,11 +1,11 @@
-"""three.js, Babylon.js and PlayCanvas: what their guides say of depth, focus, debug views, effects, pictures is so."""
+"""three.js, Babylon.js and PlayCanvas: what their guides say of depth, focus, debug views, effects is so."""
 
 import numpy as np
 import pytest
 from support import needed
-from support_pages import SIZE, assert_debug_views, assert_picture, assert_pulled, pixels
+from support_pages import SIZE, assert_debug_views, assert_pulled, pixels
 
-from bokeh_validation.engines import jmonkeyengine, pages
+from bokeh_validation.engines import pages
 
 # Cameras of `depths` in capture.js, and the share of the rays that must agree: the rest is at outlines, where a ray may
 # pass by. WebGPURenderer's logarithmic buffer is refused for perspective cameras: test_logarithmic_depth
@@ -105,11 +105,3 @@ def test_other_effects(sample):
     off = {name: (np.abs(result - plain).mean() / plain[..., :3].mean()) for name, result in found.items()}
     assert set(off) == {"ssao", "taa", "samples"}
     assert all(0 < by < 0.3 for by in off.values()), off
-
-
-def test_picture_of_jmonkeyengine(tmp_path):
-    """The sample draws the picture of its guide."""
-    drawn = tmp_path / "picture.png"
-    with needed("jmonkeyengine"):
-        jmonkeyengine.run_class("Sample", drawn)
-    assert_picture(drawn, jmonkeyengine.SAMPLE / "picture.png")

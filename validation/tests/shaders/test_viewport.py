@@ -10,7 +10,6 @@ from support_cases import noise_case
 from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import images
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.passes import Pass, target_area
@@ -157,25 +156,3 @@ def test_parameters_out_of_range(name, driver):
         passes = [replace(item, parameters={**item.parameters, f"Bokeh{name}": value}) for item in plan.passes]
         output = driver.run(passes, image.textures(), SIZE)["result"]
         assert np.isfinite(output).all() and (output[..., :3] >= 0).all(), value
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"inputs": {"ColorSamp": "t"}}, "BokehConstantCoC reads 't' and draws over it"),
-        ({"viewport": (2, 4, 4, 4)}, r"viewport \(2, 4, 4, 4\) begins within a texel of targets of scale 4"),
-        ({"viewport": (4, 4, 26, 4)}, r"viewport \(4, 4, 26, 4\) is not within 29 x 21"),
-        ({"viewport": (4, -4, 4, 4)}, "is not within"),
-        ({"viewport": (4, 4, 0, 4)}, "is not within"),
-        ({"scale": 2}, "has scale 2 .*draws over 't', which has scale 4"),
-    ],
-)
-def test_refused(changes, words, all_drivers):
-    """Reading what is drawn over is undefined on every device; a part begins at a texel and lies in its target, which
-    keeps its size and format.
-    """
-    first = Pass("BokehConstantCoC", {"ColorSamp": "picture"}, "t", scale=4)
-    second = replace(first, **{"viewport": (4, 4, 4, 4), **changes})
-    for driver in (*all_drivers, Reference()):
-        with pytest.raises(ValueError, match=words):
-            driver.run([first, second], {"picture": flat((8, 6))}, (29, 21), keep=("t",))
