@@ -50,12 +50,14 @@ class Timing:
 class Driver:
     """A real runtime, or the reference.
 
-    name     what --driver takes
-    adapter  the device behind it, as the runtime names it
+    name              what --driver takes
+    adapter           the device behind it, as the runtime names it
+    attachment_bytes  that all targets of a pass may have together for a pixel
     """
 
     name: str
     adapter: str
+    attachment_bytes = 64
 
     @property
     def software(self) -> bool:
@@ -140,13 +142,19 @@ class Draw(NamedTuple):
 
 
 def flattened(
-    passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
+    driver: Driver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
 ) -> tuple[list[Image], list[Draw], dict[str, int]]:
-    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end."""
+    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end.
+
+    Raises Unavailable where the driver cannot write all targets of a pass at once.
+    """
     images = [Image.of(name, pixels) for name, pixels in textures.items()]
     numbers, draws = {name: number for number, name in enumerate(textures)}, []
     for item in passes:
         inputs, extent = {slot: numbers[name] for slot, name in item.inputs.items()}, target_size(item.scale, size)
+        needed, limit = 4 * np.dtype(STORAGE[storage]).itemsize * len(item.outputs), driver.attachment_bytes
+        if needed > limit:
+            raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
         for name in item.outputs:
             # what a viewport is drawn over; else the name is that of a new target from here on
             if not item.viewport or numbers.get(name, -1) < len(textures):
@@ -205,7 +213,7 @@ class Prepared:
     ):
         """See TimedDriver.prepared()."""
         self.driver = driver
-        self.images, draws, self.numbers = flattened(passes, textures, size, storage)
+        self.images, draws, self.numbers = flattened(driver, passes, textures, size, storage)
         driver.make_current()
         uploaded = share.handles[: len(textures)] if share else []
         self.handles = [*uploaded, *map(driver.texture, self.images[len(uploaded) :])]
@@ -233,14 +241,6 @@ class Prepared:
         number = self.numbers[name]
         image = self.images[number]
         return image.shaped(self.driver.pixels(self.handles[number], image)).copy()
-
-
-def require_targets(driver: "Driver", passes: Sequence[Pass], storage: str, limit: float) -> None:
-    """Raise Unavailable where all targets of a pass together have more bytes a pixel than the device's `limit`."""
-    for item in passes:
-        needed = 4 * np.dtype(STORAGE[storage]).itemsize * len(item.outputs)
-        if needed > limit:
-            raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
 
 
 def half_rounding(driver: "Driver") -> str:

@@ -20,8 +20,7 @@ RUN_S = 300.0  # the largest scene takes 2 s on two cores
 class Direct3D(Driver):
     """What both share. A subclass names its library and shader model."""
 
-    name = ""
-    model = 0
+    model: int
 
     def __init__(self, adapter: str | None = None):
         fxc.load()
@@ -62,7 +61,7 @@ class Direct3D(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
-        images, draws, numbers = flattened(passes, textures, size, storage)
+        images, draws, numbers = flattened(self, passes, textures, size, storage)
         self.ask("clear")
         self.ask("vertex", self.shader("vs", "BokehFullScreen_VS", {}))
         for number, image in enumerate(images):

@@ -3,7 +3,7 @@
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import count
 from typing import NamedTuple
 
@@ -19,14 +19,16 @@ from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 class GLDriver(TimedDriver):
     """What both share: programs, textures, the pass loop. A subclass makes the context."""
 
-    name = "gl"
-
     def __init__(self, context: moderngl.Context):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.program = lru_cache(PROGRAMS)(self._linked)
         # objects that nobody has any more are freed by gc(), when their context is current
         context.gc_mode = "context_gc"
+        # by 'is linear'; clamp, and no mip levels
+        clamp = {"repeat_x": False, "repeat_y": False}
+        kinds = {True: (moderngl.LINEAR,) * 2, False: (moderngl.NEAREST,) * 2}
+        self.samplers = {key: context.sampler(**clamp, filter=kind) for key, kind in kinds.items()}
 
     def make_current(self) -> None:
         """Both drivers may live in one process, so each call makes its own context current first."""
@@ -50,12 +52,6 @@ class GLDriver(TimedDriver):
         texture = self.context.texture(image.size, image.channels, data, alignment=1, dtype=f"f{dtype.itemsize}")
         texture.repeat_x = texture.repeat_y = False
         return texture
-
-    @cached_property
-    def samplers(self) -> dict[bool, moderngl.Sampler]:
-        """Samplers by 'is linear'; clamp, and no mip levels."""
-        kinds = {True: (moderngl.LINEAR,) * 2, False: (moderngl.NEAREST,) * 2}
-        return {key: self.context.sampler(repeat_x=False, repeat_y=False, filter=kind) for key, kind in kinds.items()}
 
     def step(self, draw: Draw, handles: Sequence) -> "Step":
         item = draw.item

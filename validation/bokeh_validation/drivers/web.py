@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened, require_targets
+from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
@@ -32,17 +32,16 @@ class BrowserDriver(Driver):
              Chromium names it (a GPU was never tried)
     """
 
-    name = ""
-
     def __init__(self, adapter: str | None = None):
         self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
         try:
-            self.described = self.session.call(f"{self.name}.describe")
+            described = self.session.call(f"{self.name}.describe")
         except (browser.Refused, browser.BrowserError) as error:
             raise Unavailable(f"Chromium has no {self.name} on this machine: {error}") from error
-        self.adapter = f"{self.described['device']}, Chromium {self.session.version}"
+        self.adapter = f"{described['device']}, Chromium {self.session.version}"
         self.require_adapter(adapter)
-        if not self.described["floatFilterable"]:
+        self.attachment_bytes = described["attachmentBytes"]
+        if not described["floatFilterable"]:
             raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures")
 
     @property
@@ -52,16 +51,13 @@ class BrowserDriver(Driver):
 
     def _program(self, item: Pass) -> dict[str, object]:
         """What the page needs to know of a pass's program."""
-        raise NotImplementedError
 
     def _shared(self) -> dict[str, object]:
         """What is the same for all passes of a job."""
-        raise NotImplementedError
 
     def job(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, object]:
         """What run() hands to the page."""
-        require_targets(self, passes, storage, self.described["attachmentBytes"])
-        images, draws, numbers = flattened(passes, textures, size, storage)
+        images, draws, numbers = flattened(self, passes, textures, size, storage)
         job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}
         for item, inputs, targets, area in draws:
             read = [

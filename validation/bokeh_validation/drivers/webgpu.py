@@ -2,11 +2,12 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, Prepared, TimedDriver, require_targets
+from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, TimedDriver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
@@ -66,7 +67,7 @@ class WGPU(TimedDriver):
             required_limits={ATTACHMENT_BYTES: self.attachment_bytes},
         )
         self.programs: dict[tuple, object] = {}
-        self._modules: dict[str, object] = {}
+        self.module = lru_cache(PROGRAMS)(lambda code: self.device.create_shader_module(code=code))
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
@@ -82,12 +83,9 @@ class WGPU(TimedDriver):
         return self.device.create_bind_group_layout(entries=entries)
 
     def modules(self, item: Pass) -> tuple:
-        """(vertex module, its entry, fragment module, its entry, pipeline constants)."""
-        code = shaders.wgsl() if item.sources is None else item.sources["wgsl"]
-        if code not in self._modules:
-            self._modules[code] = self.device.create_shader_module(code=code)
-        constants = {name: float(value) for name, value in item.constants.items()}
-        return self._modules[code], "BokehFullScreen_VS", self._modules[code], item.entry + "_PS", constants
+        """(vertex module, fragment module, pipeline constants)."""
+        module = self.module(shaders.wgsl() if item.sources is None else item.sources["wgsl"])
+        return module, module, {name: float(value) for name, value in item.constants.items()}
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
         """A render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target of each format.
@@ -107,10 +105,10 @@ class WGPU(TimedDriver):
         if key not in self.programs:
             if len(self.programs) == PROGRAMS:
                 self.programs.pop(next(iter(self.programs)))
-            vertex, vertex_entry, fragment, fragment_entry, constants = self.modules(item)
+            vertex, fragment, constants = self.modules(item)
             self.programs[key] = self.make_pipeline(
-                {"module": vertex, "entry_point": vertex_entry},
-                {"module": fragment, "entry_point": fragment_entry, "constants": constants},
+                {"module": vertex, "entry_point": "BokehFullScreen_VS"},
+                {"module": fragment, "entry_point": f"{item.entry}_PS", "constants": constants},
                 formats,
             )
         return self.programs[key]
@@ -199,10 +197,6 @@ class WGPU(TimedDriver):
         layout = {"bytes_per_row": 4 * width * dtype.itemsize, "rows_per_image": height}
         return np.frombuffer(self.device.queue.read_texture({"texture": handle}, layout, handle.size), dtype)
 
-    def prepared(self, passes, textures, size, storage="half", share=None) -> Prepared:
-        require_targets(self, passes, storage, self.attachment_bytes)
-        return super().prepared(passes, textures, size, storage, share)
-
 
 class DXC(WGPU):
     """HLSL, shader model 6, compiled by DXC to SPIR-V."""
@@ -215,17 +209,14 @@ class DXC(WGPU):
         self.compiler = dxc.load()
         super().__init__(adapter)
         self.adapter += f", DXC {dxc.RELEASE}"
-        self._vertex = None
+        self.vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
 
     def modules(self, item: Pass) -> tuple:
-        if self._vertex is None:
-            self._vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
         code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, item.constants)
-        fragment = self._compile(code, item.entry + "_PS", "ps_6_0")
-        return self._vertex, "BokehFullScreen_VS", fragment, item.entry + "_PS", {}
+        return self.vertex, self._compile(code, item.entry + "_PS", "ps_6_0"), {}
 
     def _compile(self, code: str, entry: str, profile: str):
         result = self.compiler.compile(code, profile, entry, spirv=True)
         if not result.ok:
             raise RuntimeError(f"DXC refused {entry} ({profile}):\n{result.messages}")
-        return self.device.create_shader_module(code=result.binary)
+        return self.module(result.binary)
