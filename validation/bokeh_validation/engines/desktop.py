@@ -102,7 +102,7 @@ def _java() -> list[str]:
         process.run(ivy, INSTALL_SECONDS)
         process.run(["sha256sum", "--quiet", "--check", sums], SECONDS, folder)
 
-    jars = f"{_built('jmonkeyengine', 'jars', [description, sums], fetch)}/*"
+    jars = ":".join(map(str, _built("jmonkeyengine", "jars", [description, sums], fetch).glob("*.jar")))
 
     def build(folder: Path) -> None:
         process.run([java, *JAVAC, "-d", folder, "-cp", jars, *sources], SECONDS)
