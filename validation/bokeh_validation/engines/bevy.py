@@ -48,8 +48,6 @@ def call_cargo(folder: Path, *command: str) -> str:
     return process.run([_cargo(), *command], BUILD_S, folder, building)
 
 
-
-
 def _home() -> Path:
     return paths.cache_folder() / "engines" / "bevy"
 
