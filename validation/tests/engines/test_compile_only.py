@@ -45,7 +45,7 @@ class Sample(NamedTuple):
     library  how they name bokeh.hlsl
     suffix   of an entry, behind the name of its pass
     first    where the functions begin that the package's passes have as well, and what they need before that
-    names    theirs -> the package's; alpha is the CoC there
+    names    pattern of theirs -> the package's; alpha is the CoC there
     without  passes that the package has in another way: some read the engine's own textures
     """
 
@@ -66,12 +66,10 @@ SAMPLES = {
         "    float4 SignedCoCMapFragment",
         "struct Varyings { float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; };\n",
         {
-            "float4(color.rgb, 1.0)": "color",
+            r"float4\(color.rgb, 1.0\)": "color",
             "_BlitTexture": "BokehColorSamp",
-            "_BokehDepth": "BokehDepthSamp",
-            "_BokehColorB": "BokehColorSampB",
-            "_BokehColorC": "BokehColorSampC",
-            "sampler_LinearClamp": "BokehLinearClamp",
+            r"_Bokeh(Depth|Color)([BC]?)\b": r"Bokeh\1Samp\2",
+            "sampler_Linear": "BokehLinear",
             "_BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
             "_Bokeh": "Bokeh",
         },
@@ -84,15 +82,12 @@ SAMPLES = {
         "BokehFilter BokehSettings()",
         "",
         {
-            "float4(Color.rgb, 0.0)": "Color",
-            "LinePS(SvPosition)": "LinePS(SvPosition, uv)",
+            r"float4\(Color.rgb, 0.0\)": "Color",
+            r"LinePS\(SvPosition\)": "LinePS(SvPosition, uv)",
             "float4 SvPosition : SV_POSITION": "float4 SvPosition : SV_POSITION, float2 uv : TEXCOORD0",
-            "ImageUV(SvPosition)": "uv",
+            r"ImageUV\(SvPosition\)": "uv",
             "BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
-            "BokehColorB,": "BokehColorSampB,",
-            "BokehColorC,": "BokehColorSampC,",
-            "BokehColor,": "BokehColorSamp,",
-            "BokehDepth,": "BokehDepthSamp,",
+            r"\bBokeh(Depth|Color)([BC]?),": r"Bokeh\1Samp\2,",
             "BokehLinear,": "BokehLinearClamp,",
         },
         ("Depth", "SignedCoCMap", "CoCMap"),
@@ -100,12 +95,14 @@ SAMPLES = {
 }
 # What a sample leaves out of the package's own passes: it has no noise, the default leakage test, lines of length 1
 # that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is that of the image
-LEFT_OUT = {"= BokehAspectRatio;": "= imageSize.x / imageSize.y;", "BokehLineLength": "1.0"}
-LEFT_OUT |= {"BokehBleedingBias": "BOKEH_BLEEDING_BIAS", "BokehBleedingMult": "BOKEH_BLEEDING_MULT"}
-LEFT_OUT |= {"BokehBlurCoC > 0.5": "true", "BokehUseMax > 0.5": "false"}
-LEFT_OUT |= dict.fromkeys(("BokehJitter", "BokehLineCenterX", "BokehLineCenterY"), "0.0")
-
-
+LEFT_OUT = {
+    "= BokehAspectRatio;": "= imageSize.x / imageSize.y;",
+    "BokehBleeding(Bias|Mult)": lambda found: f"BOKEH_BLEEDING_{found[1].upper()}",
+    "BokehBlurCoC > 0.5": "true",
+    "BokehUseMax > 0.5": "false",
+    "BokehLineLength": "1.0",
+    "BokehJitter|BokehLineCenter[XY]": "0.0",
+}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
@@ -152,10 +149,10 @@ def test_unity_shader_refuses_texture_arrays():
 
 
 def replaced(source: str, names: dict[str, str]) -> str:
-    """Each in turn; all must occur."""
+    """Each pattern in turn; all must occur."""
     for before, after in names.items():
-        assert before in source, before
-        source = source.replace(before, after)
+        source, found = re.subn(before, after, source)
+        assert found, before
     return source
 
 
@@ -220,35 +217,31 @@ def test_unreal_classes():
 # ---- what the two languages of a sample must agree on ----
 
 
-def test_unreal_module():
-    """The .uplugin names it, and loads it before shaders are looked for."""
+def test_unreal():
+    """The .uplugin names the module and loads it before shaders are looked for; the classes have the shader's passes,
+    and its uniforms by name and type in the parameter struct.
+    """
     (module,) = json.loads(text(PLUGIN / "BokehDepthOfField.uplugin"))["Modules"]
     assert module["Name"] == MODULE.name and module["LoadingPhase"] == "PostConfigInit"
-
-
-def test_unity_properties_are_the_shader_s():
-    """All that the class sets is declared in the shader, and all that is declared is set."""
-    names = set(re.findall(r'PropertyToID\("(\w+)"\)', text(FEATURE)))
-    declared = re.findall(r"^    (?:float2?|TEXTURE2D)[ (](_Bokeh[^;()]+)\)?;", code("unity"), re.MULTILINE)
-    assert names == {"_BlitTexture", "_BlitScaleBias", *", ".join(declared).split(", ")}
-
-
-def test_unreal_parameters_are_the_shader_s():
-    """Names and types of the parameter struct, and of the shader's uniforms."""
+    assert re.findall(r"^BOKEH_SHADER\((\w+)\);", text(EXTENSION), re.MULTILINE) == list(PASSES)
     types = {"FIntPoint": "int2", "FVector2f": "float2"}
     given = re.findall(r"SHADER_PARAMETER(?:_RDG_TEXTURE|_SAMPLER)?\((\w+), (\w+)\)", text(EXTENSION))
-    declared = re.findall(r"^(\w+) (Bokeh\w+);", text(SAMPLES["unreal"].shader), re.MULTILINE)
+    declared = re.findall(r"^(\w+) (Bokeh\w+);", code("unreal"), re.MULTILINE)
     assert [(types.get(kind, kind), name) for kind, name in given] == declared
 
 
-def test_passes_have_the_numbers_and_names_of_the_classes():
-    """And those with several targets write as many as are bound: two for the hexagon, three for the octagon."""
+def test_unity():
+    """All that the class sets is declared in the shader, and all that is declared is set; the passes are the same."""
+    names = set(re.findall(r'PropertyToID\("(\w+)"\)', text(FEATURE)))
+    declared = re.findall(r"^    (?:float2?|TEXTURE2D)[ (](_Bokeh[^;()]+)\)?;", code("unity"), re.MULTILINE)
+    assert names == {"_BlitTexture", "_BlitScaleBias", *", ".join(declared).split(", ")}
     (names,) = re.findall(r"enum ShaderPass\s*\{(.*?)\}", text(FEATURE), re.DOTALL)
     passes = re.findall(r'Pass \{ Name "(\w+)".*?#pragma fragment (\w+)', text(SAMPLES["unity"].shader), re.DOTALL)
-    assert passes == [(name, f"{name}Fragment") for name in PASSES]
-    assert re.findall(r"\w+", names) == list(PASSES)
-    assert re.findall(r"^BOKEH_SHADER\((\w+)\);", text(EXTENSION), re.MULTILINE) == list(PASSES)
-    for engine, sample in SAMPLES.items():
-        for name, count in PASSES.items():
-            (signature,) = re.findall(rf"\b\w+ {name}{sample.suffix}\((.*?)\n\s*\{{", code(engine), re.DOTALL)
-            assert len(re.findall(r"SV_Target", signature)) == count, name
+    assert passes == [(name, f"{name}Fragment") for name in re.findall(r"\w+", names)]
+
+
+@pytest.mark.parametrize("engine", SAMPLES)
+def test_passes(engine):
+    """They write as many targets as are bound: two for the hexagon, three for the octagon."""
+    pattern = rf"\b\w+ (\w+){SAMPLES[engine].suffix}\(([^{{}}]*?)\n\s*\{{"
+    assert {name: words.count("SV_Target") for name, words in re.findall(pattern, code(engine))} == PASSES

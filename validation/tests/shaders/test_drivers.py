@@ -10,7 +10,7 @@ from support_cases import noise_case, within
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes.model import Case, depth_of, expected, flat
+from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.reference import images, listings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.passes import Pass
@@ -27,21 +27,12 @@ PART = (slice(206, 270), slice(264, 344))
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
 @pytest.mark.parametrize("scene", ray_traced.DRIVER_SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
-    """Both ray-traced scenes, each method and aperture: within the interval, and drivers close to each other; all of
-    them on the first, one of each language on the second.
-    """
+    """Ray-traced, each method and aperture: close to the reference; all drivers on one scene, each language on another."""
     case = ray_traced.scene_case(scene, method, aperture)
     case = replace(case, color=case.color[PART].copy(), depth=case.depth[PART].copy())
-    first: dict[str, np.ndarray] = {}
     for driver in all_drivers if scene is ray_traced.DRIVER_SCENES[0] else map(load, LANGUAGES):
-        output, comparison = within(driver, case)
+        _, comparison = within(driver, case)
         assert comparison.ok, f"{driver.name}: {comparison}"
-        # where the stored CoC is rounded another way, every sample of the next pass is somewhere else
-        distance = metrics.steps(first.setdefault(driver.rounding, output), output)
-        assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE, driver.name
-        # two results that are both within the bounds of the reference may be twice as far from each other
-        undecided = expected(case, driver.precision, driver.rounding)["result"].undecided
-        assert distance[~undecided].max() <= 2 * metrics.FAR_STEPS, driver.name
 
 
 def test_debug_views(driver):
