@@ -27,7 +27,7 @@ PART = (slice(206, 270), slice(264, 344))
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
 @pytest.mark.parametrize("scene", ray_traced.DRIVER_SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
-    """Ray-traced, each method and aperture: close to the reference; all drivers on one scene, each language on another."""
+    """Ray-traced, each method and aperture: close to the reference. All drivers on one scene, each language on both."""
     case = ray_traced.scene_case(scene, method, aperture)
     case = replace(case, color=case.color[PART].copy(), depth=case.depth[PART].copy())
     for driver in all_drivers if scene is ray_traced.DRIVER_SCENES[0] else map(load, LANGUAGES):
