@@ -1,38 +1,41 @@
 """The command `validation/run mutants`."""
 
+import datetime
+import hashlib
+import json
 import random
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bokeh_validation import paths, terminal
 from bokeh_validation.errors import UserError
-from bokeh_validation.mutants import by_hand, hunt, mutant, operators
-from bokeh_validation.mutants.mutant import Mutant
+from bokeh_validation.mutants import by_hand, hunt, operators
+from bokeh_validation.mutants.mutant import BAD, OUTCOMES, Mutant, originals
 
 
 def mutants(
     only: Annotated[list[str] | None, typer.Option(metavar="NAME", help="This mutant; may be given again.")] = None,
-    kind: Annotated[list[str] | None, typer.Option(help="Those of a kind, such as sign; may be given again.")] = None,
     sample: Annotated[int | None, typer.Option(metavar="N", help="So many of each kind, always the same.")] = None,
     json_file: terminal.JsonFile = None,
 ) -> None:
     """Break the shaders, one mistake at a time: each must show. A complete run goes into the report."""
-    everything = all_mutants()
-    some = chosen(everything, only, kind, sample)
+    some = chosen(all_mutants(), only, sample)
     terminal.check_writable(json_file)
     started = time.monotonic()
     with terminal.progress("mutants", len(some)) as step:
-        rows = hunt.run(some, step)
-    found = mutant.as_json(rows, time.monotonic() - started)
+        results = hunt.run(some, step)
+    found = as_json(some, results, time.monotonic() - started)
     terminal.write_json(json_file, found)
-    if len(some) == len(everything):
-        paths.ensured(mutant.default_path().parent)
-        terminal.write_json(mutant.default_path(), found)
-    terminal.tell(*mutant.lines(rows, found["seconds"]))
-    terminal.end(all(item["ok"] for item in rows))
+    if not only and sample is None:
+        paths.ensured(default_path().parent)
+        terminal.write_json(default_path(), found)
+    terminal.tell(*lines(found))
+    terminal.end(not any(outcome in BAD for outcome, _ in results))
 
 
 def all_mutants() -> list[Mutant]:
@@ -40,24 +43,54 @@ def all_mutants() -> list[Mutant]:
     return [*operators.mutants(), *by_hand.mutants()]
 
 
-def chosen(
-    everything: Sequence[Mutant], only: Sequence[str] | None, kinds: Sequence[str] | None, sample: int | None
-) -> list[Mutant]:
-    """Those of these names and kinds, `sample` of each kind. Raises UserError for a name that is none."""
-    names, known = [item.name for item in everything], list(dict.fromkeys(item.kind for item in everything))
-    for name in only or []:
-        if name not in names:
-            raise UserError(f"--only {name}: no such mutant. Their names are in the file that --json writes.")
-    for name in kinds or []:
-        if name not in known:
-            raise UserError(f"--kind {name}: no such kind. There are: {', '.join(known)}.")
+def chosen(everything: Sequence[Mutant], only: Sequence[str] | None, sample: int | None) -> list[Mutant]:
+    """Those of these names, `sample` of each kind. Raises UserError for a name that is none."""
+    if unknown := set(only or ()) - {item.name for item in everything}:
+        raise UserError(f"--only {min(unknown)}: no such mutant. Their names are in the file that --json writes.")
     if sample is not None and sample < 1:
         raise UserError(f"--sample {sample}: at least 1.")
-    some = [item for item in everything if (not only or item.name in only) and (not kinds or item.kind in kinds)]
-    if not some:
-        raise UserError(f"no mutant is called {', '.join(only or [])} and is of kind {', '.join(kinds or [])}.")
+    some = [item for item in everything if not only or item.name in only]
     if sample is None:
         return some
-    by_kind = [[item for item in some if item.kind == name] for name in known]
-    seeded = random.Random(0)
+    seeded, kinds = random.Random(0), dict.fromkeys(item.kind for item in some)
+    by_kind = [[item for item in some if item.kind == kind] for kind in kinds]
     return [item for group in by_kind for item in seeded.sample(group, min(sample, len(group)))]
+
+
+def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds: float) -> dict:
+    """Everything of a run."""
+    rows = [
+        {"name": mutant.name, "change": mutant.change, "outcome": outcome, "detail": detail}
+        for mutant, (outcome, detail) in zip(some, results, strict=True)
+    ]
+    date = datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z")
+    return {"date": date, "seconds": round(seconds, 1), "shaders": _digest(), "mutants": rows}
+
+
+def lines(found: dict) -> Iterator[str]:
+    """Every mutant that is alive or broken, and the sums."""
+    for row in found["mutants"]:
+        if row["outcome"] in BAD:
+            yield f"{row['name']} ({row['change']}): {row['outcome']}: {row['detail']}"
+    count = Counter(row["outcome"] for row in found["mutants"])
+    sums = ", ".join(f"{count[outcome]} {outcome}" for outcome in OUTCOMES)
+    yield f"{len(found['mutants'])} mutants: {sums} ({found['seconds']:.0f} s)"
+
+
+def default_path() -> Path:
+    """Beside the report."""
+    return paths.cache_folder() / "report" / "mutants.json"
+
+
+def _digest() -> str:
+    """Tells whether results are of the shaders that are here."""
+    return hashlib.sha256("".join(originals().values()).encode()).hexdigest()
+
+
+def read() -> dict | None:
+    """What was written, and `current`: whether it is of these shaders. None where there is none that can be read."""
+    try:
+        found = json.loads(default_path().read_text(encoding="utf-8"))
+        return {**found, "current": found["shaders"] == _digest()}
+    except (OSError, ValueError, KeyError):
+        return None

@@ -63,10 +63,10 @@ LEVELS = [
 paths errors files locks process terminal shaders
 exr frame windows browser compilers.fxc compilers.tool compilers.packages
 drivers reference
-jobs metrics pictures compilers options check compare render frame.fetches frame.plan frame.port frame.samples
+jobs metrics pictures compilers options compare render frame.fetches frame.plan frame.port frame.samples
 probes isa doctor
 truth engines figures
-run bench demo mutants release
+run bench check demo mutants release
 cli __main__
 """.strip().splitlines()
 ]

@@ -6,14 +6,13 @@ import pytest
 from support import LANGUAGES, REAL, load, spread
 from support_cases import CAMERA, noise_case, within
 
-from bokeh_validation import check
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import Case, depth_of
+from bokeh_validation.probes.small_frames import ALL, ENTRY_SETTINGS
 from bokeh_validation.shaders.entries import ENTRIES
 
-ALL = {**check.ALL, "camera": methods.Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25)}
 PLAIN = ("paper", "exact", "naive", "naive-grid")
 # What the lens's character needs of a compiler: shader model 3 has no axial colour
 LENS = {
@@ -26,14 +25,14 @@ LENS = {
 @pytest.mark.parametrize("method", ["paper", "naive", "exact", "layered"])
 def test_every_entry(method, driver):
     """Every program of the package on every driver, everything away from its default."""
-    for settings in check.FRAMES:
+    for settings in ENTRY_SETTINGS.values():
         if settings.method.startswith(method):
             within(driver, noise_case((45, 29), settings))
 
 
 def test_every_entry_is_there():
     """In those frames, but for the entries of test_inputs.py and test_drivers.py."""
-    drawn = {item.entry for settings in check.FRAMES for item in methods.plan(settings, (61, 37)).passes}
+    drawn = {item.entry for settings in ENTRY_SETTINGS.values() for item in methods.plan(settings, (61, 37)).passes}
     assert drawn | {"BokehLinearDepth", "BokehDebug"} == set(ENTRIES)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import jinja2
 
 from bokeh_validation import __version__, files
-from bokeh_validation.mutants import mutant
+from bokeh_validation.mutants import mutants_command
 from bokeh_validation.probes.sections import DIFFERENCE_STEPS, drivers_of
 
 
@@ -24,7 +24,7 @@ def write(path: Path, found) -> None:
         found=found,
         drivers=drivers_of(found.drawn),
         adapters={name: text for section in found.drawn for name, text in section.adapters.items()},
-        mutants=mutant.read(),
+        mutants=mutants_command.read(),
         difference_steps=DIFFERENCE_STEPS,
     )
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))

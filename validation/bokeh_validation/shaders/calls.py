@@ -1,0 +1,78 @@
+"""What code a program runs: the functions that its entry calls, without the branches that its constants leave out."""
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+
+from bokeh_validation import shaders
+from bokeh_validation.shaders.entries import ENTRIES
+
+_MAIN = {shaders.glsl_pass(name): f"{name}_PS" for name in ENTRIES} | {"BOKEH_FULL_SCREEN": "BokehFullScreen_VS"}
+
+
+def found_functions(text: str) -> Iterator[tuple[str, re.Match]]:
+    """Every function of a language's text with its name; GLSL's entries have that of the others, with _PS or _VS."""
+    for match in shaders.FUNCTION.finditer(text):
+        name = match["name"]
+        if name == "main":
+            name = _MAIN[re.findall(r"BOKEH_PASS == (\w+)", text[: match.start()])[-1]]
+        yield name, match
+
+
+@lru_cache(maxsize=16)
+def functions(text: str) -> Mapping[str, str]:
+    """Name -> code without comments; HLSL's two of one name, in two branches of an #if, are one."""
+    code: dict[str, str] = {}
+    for name, match in found_functions(text):
+        code[name] = code.get(name, "") + _code(match["head"] + "\n" + match["body"])
+    return code
+
+
+@lru_cache(maxsize=16)
+def _outside(text: str) -> tuple[tuple[str, frozenset[str]], ...]:
+    """The lines of code that are in no function, with the names of the package in each."""
+    return tuple((line, _words(line)) for line in _code(shaders.FUNCTION.sub("", text)).splitlines())
+
+
+@lru_cache(maxsize=4096)
+def _words(code: str) -> frozenset[str]:
+    return frozenset(re.findall(r"\b(?:Bokeh|BOKEH_|bokeh)\w+", code))
+
+
+def declared(text: str, code: Mapping[str, str]) -> frozenset[str]:
+    """The lines outside of functions that are about what some functions use, or about nothing of the package."""
+    used = frozenset().union(*map(_words, code.values()))
+    return frozenset(line for line, words in _outside(text) if not words or words & used)
+
+
+def _code(text: str) -> str:
+    lines = (line.rstrip() for line in shaders.COMMENT.sub("", text).splitlines())
+    return "".join(f"{line}\n" for line in lines if line)
+
+
+@lru_cache(maxsize=4096)
+def _live(code: str, constants: frozenset[tuple[str, int]]) -> str:
+    """Code without the branches that these constants switch off."""
+    for name, value in constants:
+        for least in re.findall(rf"if \({name} > (\d)\)$", code, re.MULTILINE):
+            if value <= int(least):
+                branch = rf"^( *)if \({name} > {least}\)\n\1\{{\n(?:.*\n)*?\1\}}\n"
+                code = re.sub(branch, "", code, flags=re.MULTILINE)
+    return code
+
+
+@lru_cache(maxsize=4096)
+def _called(code: str) -> tuple[str, ...]:
+    return tuple(re.findall(r"\b[Bb]okeh\w+(?=\()", code))
+
+
+@lru_cache(maxsize=1024)
+def program(text: str, entry: str, constants: frozenset[tuple[str, int]] = frozenset()) -> Mapping[str, str]:
+    """Name -> code of a function and of all that it calls; `entry` may be the code of a main function as well."""
+    code, reached, waiting = functions(text), {}, [entry]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached and (name in code or name == entry):
+            reached[name] = _live(code.get(name, name), constants)
+            waiting += _called(reached[name])
+    return reached
