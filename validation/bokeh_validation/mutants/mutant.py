@@ -7,8 +7,8 @@ from functools import cache
 from bokeh_validation import paths
 from bokeh_validation.shaders import parity
 
-# `caught` by parity and by a pass of a frame; `equivalent`: no frame shows it, equivalents.txt has the reason; `refused`
-# by the compiler; `alive`: one of the two does not show it; `broken`: it ended with another error, or not at all
+# `caught` by parity and by a pass of a frame; `equivalent`: no frame shows it, equivalents.txt has the reason;
+# `refused` by the compiler; `alive`: one of the two does not show it; `broken`: it ended with another error, or not
 OUTCOMES = CAUGHT, EQUIVALENT, REFUSED, ALIVE, BROKEN = "caught", "equivalent", "refused", "alive", "broken"
 BAD = ALIVE, BROKEN
 
