@@ -243,7 +243,7 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
 
 
 def _layers() -> Iterator[tuple[str, Frame]]:
-    """Planes that are partly in a layer, black beside bright, and a single pixel."""
+    """Planes that are partly in a layer, black beside bright, many tiles, and one pixel."""
     frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA), (50, 40))
     ragged = np.random.default_rng(2).uniform(-16.0, 20.0, (40, 50))
     planes = {f"plane, {coc}": np.full((40, 50), coc) for coc in (11.0, 14.0)}
@@ -254,6 +254,8 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     frame.textures["color"][:, :32, :3] = 0.0
     frame.textures["color"][3::9, 36::7, :3] = 60000.0
     yield "black and bright", frame
+    # a CoC of 96 pixels spreads over 12 tiles
+    yield "large", of_settings(replace(LAYERED, **WIDEST), (128, 96))
     yield "layered, one pixel", of_settings(replace(LAYERED, **WIDE), (1, 1))
 
 
