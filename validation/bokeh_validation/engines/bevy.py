@@ -27,7 +27,11 @@ def run(name: str, folder: Path) -> None:
     drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
     if not drivers:
         raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
-    call_cargo(_copied(), "build", "--quiet", "--example", EXAMPLE)
+    # downloads go to the user's place for them, if there is one; all else to the cache folder
+    downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
+    downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
+    building = {"CARGO_TARGET_DIR": str(_home() / "target"), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
+    process.run([_cargo(), "build", "--quiet", "--example", EXAMPLE], BUILD_S, _copied(), building)
     extra = {"VK_ICD_FILENAMES": str(drivers[0]), "BEVY_ASSET_ROOT": str(folder)}
     process.run([_program(), folder], RUN_S, folder, extra)
 
@@ -35,17 +39,6 @@ def run(name: str, folder: Path) -> None:
 def built() -> bool:
     """Whether there has been a build here, so that the next takes seconds."""
     return _program().exists()
-
-
-def call_cargo(folder: Path, *command: str) -> str:
-    """Run Cargo in a folder; what it says. Raises errors.Unavailable, RuntimeError.
-
-    Everything that is built goes to the cache folder; downloads too, unless the user has a place for them.
-    """
-    downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
-    downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
-    building = {"CARGO_TARGET_DIR": str(_home() / "target"), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
-    return process.run([_cargo(), *command], BUILD_S, folder, building)
 
 
 def _home() -> Path:
