@@ -1,9 +1,9 @@
 """Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -29,26 +29,8 @@ CAPTIONS = {
     "layered medium": "layered, preset MEDIUM",
     "truth": "truth: ray traced through a lens",
 }
-WHOLE = ("pinhole", "paper", "layered medium", "truth")
-DETAIL = ("pinhole", "gather", "layered medium", "truth")
 # scene, without the times of its lens -> left and top of its detail; width, height
 PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
-
-
-class Row(NamedTuple):
-    """A picture against the truth of its scene.
-
-    label  one of METHODS
-    flip   mean FLIP, 0 is the truth
-    psnr   of tone-mapped colour, dB
-    light  sum of linear rgb over that of the truth
-    """
-
-    scene: str
-    label: str
-    flip: float
-    psnr: float
-    light: float
 
 
 def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
@@ -71,19 +53,19 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
     return drawn(driver, blurred)
 
 
-def row(scene: SceneFile, label: str, image: np.ndarray, lens: np.ndarray) -> Row:
-    """A picture measured."""
+def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
+    """A picture against the truth: mean FLIP; PSNR of tone-mapped colour, dB; linear light over that of the truth."""
     light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
-    return Row(scene.name, label, metrics.flip(image, lens), metrics.psnr(image, lens), float(light))
+    return {"flip": metrics.flip(image, lens), "psnr": metrics.psnr(image, lens), "light": float(light)}
 
 
-def markdown(rows: list[Row]) -> list[str]:
-    """The table of docs/likeness.md: a row for a method, a column for a scene."""
-    names = list(dict.fromkeys(row.scene for row in rows))
+def markdown(rows: Sequence[Mapping]) -> list[str]:
+    """The table of docs/likeness.md: a row for a method, a column for a scene, in the order of the rows."""
+    names = dict.fromkeys(row["scene"] for row in rows)
     lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
-    for label in dict.fromkeys(row.label for row in rows):
-        cells = {row.scene: f"{row.flip:.4f}, {row.psnr:.2f} dB, {row.light:.3f}" for row in rows if row.label == label}
-        lines.append(f"| {label} | {' | '.join(cells[name] for name in names)} |")
+    for label in dict.fromkeys(row["label"] for row in rows):
+        cells = ["{flip:.4f}, {psnr:.2f} dB, {light:.3f}".format_map(row) for row in rows if row["label"] == label]
+        lines.append(f"| {label} | {' | '.join(cells)} |")
     return lines
 
 
@@ -92,14 +74,15 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
     exposed = {label: pictures.filmic(image, EXPOSURE.get(scene.name, 1.0)) for label, image in images.items()}
     place, found = PLACES[scene.name.removesuffix("x3")], {}
 
-    def draw(name: str, labels: tuple[str, ...], cut: Callable[[np.ndarray], np.ndarray]) -> None:
+    def draw(name: str, second: str, cut: Callable[[np.ndarray], np.ndarray]) -> None:
+        labels = ("pinhole", second, "layered medium", "truth")
         if set(labels) <= set(images):
             panels = [Panel(cut(exposed[label]), CAPTIONS[label]) for label in labels]
             found[f"likeness_{scene.name}{name}"] = pictures.grid([panels[:2], panels[2:]])
 
-    draw("_detail", DETAIL, lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2))
+    draw("_detail", "gather", lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2))
     if scene is ray_traced.MARKET:
-        draw("", WHOLE, pictures.halved)
+        draw("", "paper", pictures.halved)
     return found
 
 
@@ -122,17 +105,15 @@ def truth(
     chosen, scenes = terminal.chosen("--method", method, METHODS, DEFAULT), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
     files.check_folder("--pictures", folder)
-    used = terminal.pick_driver(driver, adapter)
-    rows = []
+    used, rows = terminal.pick_driver(driver, adapter), []
     with terminal.progress("truth", len(scenes) * len(chosen)) as step:
         for file in scenes:
             lens, images = ray_traced.truth(file, "hexagon"), {}
             for label in chosen:
                 images[label] = picture(used, file, label)
-                rows.append(row(file, label, images[label], lens))
+                rows.append({"scene": file.name, "label": label, **measured(images[label], lens)})
                 step(f"{file.name}, {label}")
             for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
                 pictures.write_document(folder, name, pixels)
-    numbers = {"driver": used.name, "adapter": used.adapter, "rows": [row._asdict() for row in rows]}
-    terminal.write_json(json_file, numbers)
+    terminal.write_json(json_file, {"driver": used.name, "adapter": used.adapter, "rows": rows})
     terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")

@@ -68,8 +68,6 @@ def gallery(
     files.check_folder("--output", folder)
     used = terminal.pick_driver(driver, adapter)
     for name, rows in PICTURES.items():
-        page = pictures.grid(
-            [[pictures.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
-        )
-        path = pictures.write_document(folder, name, page)
+        panels = [[pictures.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
+        path = pictures.write_document(folder, name, pictures.grid(panels))
         terminal.console.print(f"{path}, by {used.name} ({used.adapter})")

@@ -21,7 +21,7 @@ OCTAGON_OFF = 0.006
 def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
     """On OSMesa, half-float targets."""
     image = truth.picture(load("osmesa"), SCENES[name], label, aperture, **changes)
-    return truth.row(SCENES[name], label, image, ray_traced.truth(SCENES[name], aperture)).flip
+    return truth.measured(image, ray_traced.truth(SCENES[name], aperture))["flip"]
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -75,11 +75,11 @@ def scene(name: str, chosen: Chosen) -> tuple[list[Drawn], dict[str, np.ndarray]
     lens, images, rows = ray_traced.truth(file, "hexagon"), {}, []
     for effect, (parameters, image, count) in _of_effects(file, chosen, lens).items() if chosen else ():
         images[effect] = image
-        rows.append(Drawn(name, effect, parameters, *truth.row(file, effect, image, lens)[2:], count))
+        rows.append(Drawn(name, effect, parameters, *truth.measured(image, lens).values(), count))
     for label in OURS:
         images[label] = truth.picture(drivers.load(DRIVER), file, label)
         count = sum(fetches.of_frame(truth.case(file, label).plan.passes).values())
-        rows.append(Drawn(name, label, {}, *truth.row(file, label, images[label], lens)[2:], count))
+        rows.append(Drawn(name, label, {}, *truth.measured(images[label], lens).values(), count))
     return rows, images
 
 
