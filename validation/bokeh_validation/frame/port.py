@@ -114,7 +114,6 @@ TABLES = (
         samples.DIRECT3D11,
         {"LAYERED_HEXAGON": "layered hexagon", **EXACT_HEXAGON, **FLAT_OTHERS},
     ),
-    ("integration/bevy/src/lib.rs", samples.BEVY, EXACT_HEXAGON | FLAT_OTHERS),
 )
 
 
@@ -127,9 +126,8 @@ def tables(language: samples.Language, names: dict[str, str]) -> Iterator[str]:
 
 def java_passes() -> Iterator[str]:
     """jMonkeyEngine's names of what BOKEH_PASS may be."""
-    values = re.findall(r"^#define (BOKEH_\w+) (\d+)$", _text(PASS_LIST), re.MULTILINE)
-    known = set(map(shaders.glsl_pass, ENTRIES))
-    return (f"{define.removeprefix('BOKEH_')}({value})," for define, value in values if define in known)
+    names = (shaders.glsl_pass(entry).removeprefix("BOKEH_") for entry in ENTRIES)
+    return (f"{name}({number})," for number, name in enumerate(names, 1))
 
 
 def godot_shaders() -> dict[str, str]:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from math import degrees
 from typing import NamedTuple
 
-from bokeh_validation import paths, shaders
+from bokeh_validation import shaders
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods, plan
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EXACT
@@ -16,6 +16,8 @@ DEPTH_NAME = "metres"
 LENS = "apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC"
 # No sample has noise on its samples' places, which this numbers
 LEFT_OUT = "BokehPassIndex"
+# Entries of the layers that read BokehSides, where each pass may be of another polygon
+SIDED = ("BokehLayerFill", "BokehLayered")
 SIZE = (64, 64)
 
 
@@ -35,9 +37,8 @@ class Language(NamedTuple):
 
     head, tail        around all; {} is its name
     row               a pass: {entry} such as BokehLayerTiles, {define} such as LAYER_TILES, {scale} that its targets'
-                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {turn} in
-                      degrees, {reads} with '-' for a colour slot that it leaves out, {writes}, and {quoted} for these
-                      with each name in quotes
+                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {reads} with
+                      '-' for a colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -91,7 +92,6 @@ GODOT = Language(
     "const {} := {{", '\t\t["{writes}", {scale}, "{call}"],', "}}",
     polygon="\t{}: [", its_end="\t],", replaced=("uv", "UV"), targets=False,
 )  # fmt: skip
-BEVY = Language("const {}: &[Pass] = &[", '    pass("{entry}_PS", &[{reads}], &[{writes}], {turn:.1f}),', "];")
 
 
 def table(language: Language, name: str, method: str, aperture: str = "") -> Iterator[str]:
@@ -113,14 +113,12 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     settings = methods.Settings(method, aperture, targets=language.targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
     names = {texture["name"]: language.named(texture["name"]) for texture in planned["textures"]}
-    names |= _three_textures(planned["textures"]) if language is BEVY else {}
     names["depth"] = DEPTH_NAME
     word, replacement = language.replaced
-    separator = ", " if language is BEVY else " "
     lines = []
     for step, item in zip(planned["passes"][1:], methods.plan(settings, SIZE).passes, strict=True):
         sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
-        if item.spec.layers and "BokehSides" in program(step["define"]):
+        if item.entry in SIDED:
             sets["Sides"] = item.values()["BokehSides"]
         if "Angle" in sets:
             sets["Angle"] = round(degrees(sets["Angle"]), 6)
@@ -130,34 +128,15 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
         line = language.row.format(
             entry=item.entry,
             define=step["define"].removeprefix("BOKEH_"),
-            reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
-            writes=separator.join(writes),
+            reads=" ".join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
+            writes=" ".join(writes),
             quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
             scale=item.scale,
             sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
-            turn=sets.get("Angle", 0.0),
             call=call(item, names),
         )
         lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
     return lines
-
-
-def _three_textures(textures: list[dict]) -> dict[str, str]:
-    """Bevy's names. Three textures do between the passes: those that may share their memory are one."""
-    places, letters = {"color": "Scene", "coc": "CoC", "result": "Out"}, {}
-    for texture in textures:
-        if texture["written"] and texture["name"] not in places:
-            places[texture["name"]] = letters.setdefault(texture["memory"], "ABC"[len(letters) % 3])
-    return places
-
-
-def program(define: str) -> str:
-    """What bokeh_passes.glsl has for a value of BOKEH_PASS alone. Raises UserError where it has nothing."""
-    text = paths.passes("glsl").read_text(encoding="ascii")
-    found = re.search(rf"^#(?:el)?if BOKEH_PASS == {define}\n(.*?)^#(?:elif|endif)", text, re.MULTILINE | re.DOTALL)
-    if found is None:
-        raise UserError(f"bokeh_passes.glsl: no program {define}")
-    return found[1]
 
 
 def signature(function: str) -> tuple[str, list[list[str]]]:

@@ -4,16 +4,18 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 
+import jinja2
 import numpy as np
+from rich.text import Text
 
-from bokeh_validation import engines, jobs, metrics, paths, pictures, probes, terminal, truth
+from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
 from bokeh_validation.compilers.compile import Compilation, compile_programs
-from bokeh_validation.probes import REAL, shapes
+from bokeh_validation.probes import REAL, sections
 from bokeh_validation.probes.model import compared, drawn
-from bokeh_validation.probes.sections import Panel, Run, Section, loaded, print_details, print_grid, strip
-from bokeh_validation.run import report
+from bokeh_validation.probes.sections import Panel, Run, Section, loaded, strip
 from bokeh_validation.shaders.variants import load
 from bokeh_validation.truth import ray_traced
 
@@ -32,9 +34,6 @@ MINUTES = {False: 2, True: 11}
 METHODS = ("layered", "exact", "paper")
 # The middle of a scene of 640 x 480, which every driver is compared on: layered takes the reference 16 s on the whole
 ROWS, COLUMNS = slice(150, 330), slice(200, 440)
-
-
-# ---------------------------------------------------------------------------------------------------------------- jobs
 
 
 def market(name: str, adapter: str | None) -> Section:
@@ -67,10 +66,7 @@ def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: 
     if not present:
         return Section(title, title, **devices)
     lens, whole = ray_traced.truth(file, aperture), drawn(present[0], case)
-    distances = [f"untouched {metrics.psnr(case.color, lens):.1f} dB", f"{method} {metrics.psnr(whole, lens):.1f} dB"]
-    text = f"Against the lens: {', '.join(distances)}."
-    if method != "layered":
-        text += f" Against brute force: {metrics.psnr(whole, shapes.brute_force(present[0], case)):.1f} dB."
+    text = f"From the lens: {metrics.psnr(whole, lens):.1f} dB, untouched {metrics.psnr(case.color, lens):.1f} dB."
     images = {"input": case.color, "ray traced through a lens": lens, f"{method}, {present[0].name}": whole}
     panels = [Panel(k, pictures.jpeg_uri(pictures.display(v, tone_map=True), 320)) for k, v in images.items()]
     middle = replace(case, color=case.color[ROWS, COLUMNS].copy(), depth=case.depth[ROWS, COLUMNS].copy())
@@ -85,24 +81,15 @@ def compiled(variant: str, brief: bool) -> Compilation:
     return compile_programs(program for program in load(quick=brief, main=brief) if program.variant == variant)
 
 
-# ------------------------------------------------------------------------------------------------------------- command
-
-
 @dataclass(frozen=True)
 class Everything:
-    """All results of a run."""
+    """All results of a run; `drawn`: probes and scenes."""
 
     full: bool
     compilation: Compilation
-    probes: Sequence[Section]
-    scenes: Sequence[Section]
+    drawn: Sequence[Section]
     market: Section
     engines: Sequence[Section]
-
-    @property
-    def drawn(self) -> list[Section]:
-        """The rows of the grid."""
-        return [*self.probes, *self.scenes]
 
     @property
     def missing(self) -> dict[str, str]:
@@ -116,6 +103,21 @@ class Everything:
         return passed and not (os.environ.get("CI") and self.missing)
 
 
+def write_report(path: Path, found: Everything) -> None:
+    """One page that needs no other file: a grid of probes by drivers, and the pictures."""
+    loader = jinja2.PackageLoader("bokeh_validation.run", ".")
+    environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["plain"] = lambda line: Text.from_markup(line).plain
+    page = environment.get_template("page.html").render(
+        version=__version__,
+        date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+        found=found,
+        drivers=sections.drivers_of(found.drawn),
+        difference_steps=sections.DIFFERENCE_STEPS,
+    )
+    files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
+
+
 def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     """The shaders through compilers, on drivers, beside the truth; and the report."""
     terminal.check_writable(output)
@@ -123,10 +125,10 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
     terminal.tell(f"About {MINUTES[full]} minutes on two cores; this machine has {jobs.CORES}.")
     results = everything(full, adapter)
-    report.write(path, results)
+    write_report(path, results)
     terminal.tell(results.compilation.summary, *results.compilation.failures())
-    print_grid(results.drawn)
-    print_details([*results.drawn, *results.engines], False)
+    sections.print_grid(results.drawn)
+    sections.print_details([*results.drawn, *results.engines], False)
     for panel in results.market.strips[""][1:-1]:
         terminal.tell(f"market_7, {panel.caption}: {panel.numbers} against the truth")
     terminal.tell(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
@@ -150,9 +152,8 @@ def everything(full: bool, adapter: str | None) -> Everything:
     chosen = [probe.name for probe in probes.PROBES] if full else BRIEF_PROBES
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     parts = {
-        "scenes": scenes if full else [],
+        "drawn": [(probes.section, (name, names, adapter)) for name in chosen] + (scenes if full else []),
         "engines": samples if full else [],
-        "probes": [(probes.section, (name, names, adapter)) for name in chosen],
         "compilation": [(compiled, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }
@@ -160,8 +161,6 @@ def everything(full: bool, adapter: str | None) -> Everything:
     with terminal.progress("validate", len(ordered)) as step:
         results = dict(zip(ordered, jobs.run(ordered, step), strict=True))
     done = {part: [results[job] for job in some] for part, some in parts.items()}
-    (done["market"],) = done["market"]
-    compilations = done["compilation"]
-    rows = [row for part in compilations for row in part.rows]
-    done["compilation"] = Compilation(rows, sum(part.seconds for part in compilations))
-    return Everything(full, **done)
+    rows = [row for part in done["compilation"] for row in part.rows]
+    compilation = Compilation(rows, sum(part.seconds for part in done["compilation"]))
+    return Everything(full, compilation, done["drawn"], done["market"][0], done["engines"])

@@ -78,11 +78,6 @@ def test_readme_shows_the_header():
         assert block.title == f"{original.title} Blending off.", block.title
 
 
-# ----------------------------------------------------------------------------------------------------------------------
-# compilers of the profiles that are not run below
-# ----------------------------------------------------------------------------------------------------------------------
-
-
 def library(language: str) -> str:
     """The library's text."""
     return paths.library(language).read_text(encoding="ascii")
@@ -107,11 +102,6 @@ def test_hlsl_compiles(model, index):
     else:
         result = dxc.build(text, "frag", block.entry)
         assert result.ok, result.messages
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# the chain on devices
-# ----------------------------------------------------------------------------------------------------------------------
 
 
 @cache

@@ -38,8 +38,6 @@ render --png /no/such/folder/x.png | /no/such/folder
 plan --method layered --aperture star | --aperture star; octagon
 plan --size 1920 | --size 1920; 1920x1080
 plan --size 99999x9 | --size 99999x9; 2 to 16384
-plan --viewport 1281x720+640+0 | --viewport 1281x720+640+0; 1920 x 1080
-plan --viewport 8x8+4+0 | --viewport 8x8+4+0; multiples of 8
 plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
