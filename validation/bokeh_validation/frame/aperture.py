@@ -87,20 +87,21 @@ class Strip(NamedTuple):
         """Length that it cuts out of a line along another strip: the side of their parallelogram, CoC."""
         return self.width / abs(sin(radians(self.angle - along.angle)))
 
+    def border(self, side: np.ndarray, tolerance: float) -> str:
+        """'low' or 'high' where a side (2, 2) of the polygon is on that line, else ''."""
+        across = side @ self.normal
+        if max(across) - self.low <= tolerance:
+            return "low"
+        return "high" if self.high - min(across) <= tolerance else ""
+
     def middle(self, width: float) -> float:
         """Along `normal`, with the free line farther out; or both, where none is free: by less than the tolerance."""
         middles = {"low": self.high - 0.5 * width, "high": self.low + 0.5 * width}
         return middles.get(self.free, 0.5 * (self.low + self.high))
 
 
-class Star(NamedTuple):
-    """Parallelograms that begin with the same line: the hub's and the leaves' indices, and the line's length."""
-
-    hub: int
-    leaves: tuple[int, ...]
-    chord: float
-
-
+# Parallelograms that begin with the same line: the hub, the leaves, and the line's length
+Star = tuple[Strip, tuple[Strip, ...], float]
 # Stars, after what they cost: the largest area, then numbers that add up
 Choice = tuple[float, tuple[int, ...], tuple[Star, ...]]
 
@@ -117,15 +118,15 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
     if len(strips) > MAX_DIRECTIONS or min(strip.width for strip in strips) < MIN_WIDTH:
         advice = f"Give one of at most {MAX_DIRECTIONS}, each a pass, and {MIN_WIDTH:g} of the CoC wide."
         raise UserError(f"polygon: too many directions of sides ({len(strips)}), or too thin. {advice}")
-    stars = _stars(strips, tolerance)
+    stars = sorted(_stars(strips, tolerance))
     passes: list[LinePass] = []
     finished = None
-    for star in sorted(stars, key=lambda star: (strips[star.hub].angle, star.leaves)):
-        hub, shared = strips[star.hub], len(passes)
+    for hub, leaves, chord in stars:
         # the shared line is centred on the pixel; all of the offset is in the second pass
-        passes.append(LinePass(hub.angle + rotation, star.chord))
-        for leaf in (strips[index] for index in star.leaves):
-            width = max(leaf.width, star.chord * abs(sin(radians(leaf.angle - hub.angle))))
+        shared = len(passes)
+        passes.append(LinePass(hub.angle + rotation, chord))
+        for leaf in leaves:
+            width = max(leaf.width, chord * abs(sin(radians(leaf.angle - hub.angle))))
             middles = hub.middle(hub.width), leaf.middle(width)
             # rounded, or it would print as -0 and 1e-17
             center = np.round(-np.linalg.solve(np.array([hub.normal, leaf.normal]), middles), 12)
@@ -133,7 +134,7 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
             passes.append(LinePass(leaf.angle + rotation, hub.chord(leaf), center, shared, finished))
             finished = len(passes) - 1
     area = abs(polygons.signed_area(polygon))
-    light = area / max(star.chord * strips[star.hub].width for star in stars)
+    light = area / max(chord * hub.width for hub, _, chord in stars)
     smallest = (min(i.chord(j) * j.width for i in strips if i is not j) for j in strips)
     return Decomposition(rotated(polygon, rotation), len(strips), tuple(passes), light, area / max(smallest))
 
@@ -159,50 +160,41 @@ def strips_around(polygon: np.ndarray, tolerance: float) -> list[Strip]:
     strips: list[Strip] = []
     # the longest first: its ends would be moved most
     for side in ends[np.argsort(-lengths.round(9), kind="stable")]:
-        if any(_border(strip, side, tolerance) for strip in strips):
+        if any(strip.border(side, tolerance) for strip in strips):
             continue
         x, y = side[1] - side[0]
         # rounded before the remainder is taken, so that it does not depend on the direction in which a side is walked
         angle = round(float(np.degrees(np.arctan2(y, x))), 10) % 180.0
         places = polygon @ Strip(angle, 0.0, 0.0).normal
         strip = Strip(angle, float(places.min()), float(places.max()))
-        taken = {_border(strip, other, tolerance) for other in ends}
+        taken = {strip.border(other, tolerance) for other in ends}
         strips.append(strip._replace(free="".join({"low", "high"} - taken)))
     return sorted(strips)
-
-
-def _border(strip: Strip, side: np.ndarray, tolerance: float) -> str:
-    """'low' or 'high' where a side (2, 2) is on that line of the strip, else ''."""
-    across = side @ strip.normal
-    if max(across) - strip.low <= tolerance:
-        return "low"
-    return "high" if strip.high - min(across) <= tolerance else ""
 
 
 def _stars(strips: list[Strip], tolerance: float) -> tuple[Star, ...]:
     """The groups that share out the directions; with one direction in two of them where there is no other way.
 
-    All divisions are tried, each set of directions once: some 3^11 steps for 12 directions, a second or two.
+    All divisions are tried, each set of directions once: some 3^11 steps for 12 directions, a few seconds.
     """
 
     @cache
-    def star(members: tuple[int, ...]) -> Choice | None:
+    def star(members: tuple[Strip, ...]) -> Choice | None:
         """With the best of them as the hub, if the leaves have one chord along it, or can be widened to it."""
         choices = []
         for hub in set(members):
-            leaves = tuple(index for index in members if index != hub)
-            chords = [strips[leaf].chord(strips[hub]) for leaf in leaves]
-            rigid = [length for leaf, length in zip(leaves, chords, strict=True) if not strips[leaf].free]
-            if len(set(leaves)) == len(members) - 1 and max(chords) - min(rigid, default=max(chords)) <= tolerance:
-                area, angle, count = max(chords) * strips[hub].width, strips[hub].angle, len(leaves)
-                slant = abs((angle + 45.0) % 90.0 - 45.0)
+            leaves = tuple(strip for strip in members if strip != hub)
+            longest = max((leaf.chord(hub) for leaf in leaves), default=0.0)
+            fits = all(leaf.free or longest - leaf.chord(hub) <= tolerance for leaf in leaves)
+            if fits and len(set(leaves)) == len(members) - 1:
+                area, count, slant = longest * hub.width, len(leaves), abs((hub.angle + 45.0) % 90.0 - 45.0)
                 # rounded, so that noise does not decide between equals
-                costs = count, *(round(1e6 * cost) for cost in (area * count, slant * count, angle))
-                choices.append((round(area, 9), costs, (Star(hub, leaves, max(chords)),)))
+                costs = count, *(round(1e6 * cost) for cost in (area * count, slant * count, hub.angle))
+                choices.append((round(area, 9), costs, ((hub, leaves, longest),)))
         return min(choices, default=None)
 
     @cache
-    def best(left: tuple[int, ...]) -> Choice | None:
+    def best(left: tuple[Strip, ...]) -> Choice | None:
         """The cheapest stars that have each of these directions as often as it is in `left`."""
         if not left:
             return 0.0, (0, 0, 0, 0), ()
@@ -216,9 +208,8 @@ def _stars(strips: list[Strip], tolerance: float) -> tuple[Star, ...]:
                 choices.append((max(first[0], rest[0]), costs, first[2] + rest[2]))
         return min(choices, default=None)
 
-    every = range(len(strips))
-    twice = (best(tuple(sorted((*every, index)))) for index in every)
-    return (best(tuple(every)) or min(filter(None, twice)))[2]
+    twice = (best(tuple(sorted((*strips, strip)))) for strip in strips)
+    return (best(tuple(strips)) or min(filter(None, twice)))[2]
 
 
 def aperture(

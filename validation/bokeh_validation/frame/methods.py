@@ -13,6 +13,15 @@ from bokeh_validation.shaders.passes import Pass
 
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
+# Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
+PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
+PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
+PAPER_SAMPLES = 13
+# With spacing, where nobody says
+MOST_SAMPLES = 65
+# An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
+# 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
+EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
 
 
 @dataclass(frozen=True)
@@ -76,19 +85,7 @@ class Settings:
             return self.samples
         if self.spacing > 0.0:
             return MOST_SAMPLES
-        has_edges = self.method in ("exact", "layered")
-        return EDGE_SAMPLES.get(self.aperture, PAPER_SAMPLES) if has_edges else PAPER_SAMPLES
-
-
-# Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
-PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
-PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
-PAPER_SAMPLES = 13
-# With spacing, where nobody says
-MOST_SAMPLES = 65
-# An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
-# 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
-EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
+        return EDGE_SAMPLES.get(self.aperture, PAPER_SAMPLES) if self.method in ("exact", "layered") else PAPER_SAMPLES
 
 
 @dataclass(frozen=True)
@@ -165,13 +162,10 @@ def _line_passes(
     passes = [_coc_pass(settings)]
     for index, (line, name) in enumerate(zip(lines, names, strict=True)):
         inputs = {"ColorSamp": "coc" if line.reads is None else names[line.reads], "DepthSamp": "depth"}
-        parameters = {**common, **line.parameters(), "BokehPassIndex": float(index)}
-        if line.combines is None:
-            passes.append(Pass(entry, inputs, name, parameters, settings.count))
-        else:
-            inputs["ColorSampB"] = names[line.combines]
-            parameters["BokehUseMax"] = float(use_max)
-            passes.append(Pass(entry + "Final", inputs, name, parameters, settings.count))
+        parameters, final = {**common, **line.parameters(), "BokehPassIndex": float(index)}, ""
+        if line.combines is not None:
+            inputs["ColorSampB"], parameters["BokehUseMax"], final = names[line.combines], float(use_max), "Final"
+        passes.append(Pass(entry + final, inputs, name, parameters, settings.count))
     return Plan(tuple(passes), {})
 
 
@@ -276,9 +270,7 @@ def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int
 
 def kernel_texture(table: np.ndarray) -> np.ndarray:
     """Offsets (N, 2) as an N x 1 texture, float32 (1, N, 4), rg = offset."""
-    texture = np.zeros((1, len(table), 4), np.float32)
-    texture[0, :, :2] = table
-    return texture
+    return np.pad(table, ((0, 0), (0, 2)))[None].astype(np.float32)
 
 
 METHODS = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "naive-grid": naive_grid}

@@ -134,20 +134,19 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
 def programs(method: str) -> dict[str, dict]:
     """Language -> files to put together in their order, the lines before them, and names of the entries."""
     before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
-    return {
-        language: {
-            "files": [
-                f"{language}/{stem}.{language}"
-                for stem in ("bokeh", "bokeh_layers", "bokeh_passes")
-                # WGSL has no #ifdef: its passes need the layers always
-                if stem != "bokeh_layers" or method == "layered" or language == "wgsl"
-            ],
-            "before": before[language],
+    found = {}
+    for language, lines in before.items():
+        stems = ["bokeh", "bokeh_layers", "bokeh_passes"]
+        # WGSL has no #ifdef: its passes need the layers always
+        if method != "layered" and language != "wgsl":
+            stems.remove("bokeh_layers")
+        found[language] = {
+            "files": [f"{language}/{stem}.{language}" for stem in stems],
+            "before": lines,
             "entry": "main" if language == "glsl" else "{entry}_PS",
             "vertex_entry": "main" if language == "glsl" else "BokehFullScreen_VS",
         }
-        for language in before
-    }
+    return found
 
 
 def constants(item: Pass) -> dict[str, int]:

@@ -43,12 +43,7 @@ def port(
 
 
 def out_of_date() -> dict[str, str]:
-    """Path below the checkout -> text that it should have, of the files that have another one."""
-    return {name: text for name, text in contents().items() if _text(name) != text}
-
-
-def contents() -> dict[str, str]:
-    """Path below the checkout -> text of every file that is written or has a region that is.
+    """Path below the checkout -> text that it should have, of the files that have another one.
 
     Raises UserError where a region's markers are not there once each.
     """
@@ -59,13 +54,13 @@ def contents() -> dict[str, str]:
         texts[f"integration/frames/{method}-{aperture}.json"] = json.dumps(head | planned, indent=1) + "\n"
     for path, origin, lines in _regions():
         texts[path] = replaced(path, texts.get(path) or _text(path), origin, lines)
-    return texts
+    return {name: text for name, text in texts.items() if _text(name) != text}
 
 
 def _regions() -> Iterator[tuple[str, str, Iterable[str]]]:
     """Path, what it is made from, and lines of every region."""
     yield from ((path, FRAME, tables(language, names)) for path, language, names in TABLES)
-    yield from ((path, PARAMETER_LIST, parameter_list(*form)) for path, form in PARAMETER_FORMS.items())
+    yield from ((path, PARAMETER_LIST, parameter_list(path)) for path in PARAMETER_FORMS)
     yield "integration/jmonkeyengine/BokehPass.java", PASS_LIST, java_passes()
     yield "docs/passes.md", FRAME, passes_page()
     yield "docs/parameters.md", PARAMETER_LIST, parameter_table()
@@ -87,8 +82,6 @@ def _text(name: str) -> str:
     path = paths.ROOT / name
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
-
-# ------------------------------------------------------------------------------------------------------------- samples
 
 # Name of a table -> method and polygon; without one, all polygons
 HEXAGON = {"HEXAGON": "layered hexagon"}
@@ -144,31 +137,26 @@ def godot_shaders() -> dict[str, str]:
     return ported
 
 
-# ---------------------------------------------------------------------------------------------------------- parameters
-
-# A line of the file, what it has of each parameter, and how many parameters are in a line
+# The line of a parameter. The structs have what fills the buffer up too.
 PARAMETER_FORMS = {
-    "integration/jmonkeyengine/assets/Bokeh/Bokeh.frag": ("{}", "#define Bokeh{name} m_{name}", 1),
-    "integration/jmonkeyengine/assets/Bokeh/Bokeh.j3md": ("{}", "Float {name} : {default}", 1),
-    "integration/bevy/src/lib.rs": ("{},", "{snaked}: f32", 1),
-    "integration/parameters/BokehParameters.h": ("float {};", "{name}", 4),
-    "integration/parameters/BokehParameters.cs": ("public float {};", "{name}", 4),
-    "integration/parameters/bokeh_parameters.rs": ("{},", "pub {snaked}: f32", 4),
-    "integration/parameters/bokehParameters.js": ("{},", '"{name}"', 4),
+    "integration/jmonkeyengine/assets/Bokeh/Bokeh.frag": "#define Bokeh{name} m_{name}",
+    "integration/jmonkeyengine/assets/Bokeh/Bokeh.j3md": "Float {name} : {default}",
+    "integration/bevy/src/lib.rs": "{snaked}: f32,",
+    "integration/parameters/BokehParameters.h": "float {name};",
+    "integration/parameters/BokehParameters.cs": "public float {name};",
+    "integration/parameters/bokeh_parameters.rs": "pub {snaked}: f32,",
+    "integration/parameters/bokehParameters.js": '"{name}",',
 }
 
 
-def parameter_list(line: str, each: str, in_line: int) -> Iterator[str]:
-    """All parameters; where four are in a line, what fills the buffer up too."""
-    defaults = {name.removeprefix("Bokeh"): default for name, default in PARAMETERS.items()}
-    if in_line == 4:
-        defaults |= {f"Unused{i}": 0.0 for i in range(len(PARAMETERS), BLOCK_FLOATS)}
-    texts = []
-    for name, default in defaults.items():
+def parameter_list(path: str) -> Iterator[str]:
+    """All parameters as a file of PARAMETER_FORMS has them."""
+    unused = range(len(PARAMETERS), BLOCK_FLOATS) if "/parameters/" in path else ()
+    for name, default in (PARAMETERS | {f"BokehUnused{i}": 0.0 for i in unused}).items():
+        bare = name.removeprefix("Bokeh")
         # MaxCoC -> max_coc, AngleB -> angle_b
-        snaked = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.replace("CoC", "Coc")).lower()
-        texts.append(each.format(name=name, default=default, snaked=snaked))
-    return (line.format(", ".join(texts[first : first + in_line])) for first in range(0, len(texts), in_line))
+        snaked = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare.replace("CoC", "Coc")).lower()
+        yield PARAMETER_FORMS[path].format(name=bare, default=default, snaked=snaked)
 
 
 def parameter_table() -> Iterator[str]:
@@ -178,8 +166,6 @@ def parameter_table() -> Iterator[str]:
     for i, (name, parameter) in enumerate(BLOCK.items()):
         yield _cells(i, 4 * i, name, parameter.unit, parameter.readers)
 
-
-# ---------------------------------------------------------------------------------------------------------------- docs
 
 SHOWN = (("paper", "hexagon"), ("exact", "hexagon"), ("layered", "hexagon"))
 COUNTED = (
@@ -196,17 +182,16 @@ def passes_page() -> Iterator[str]:
     yield from ("## Other polygons, and one target a pass", "")
     shared = "every target's memory is used again as soon as it is free."
     yield from (f"At 1920 x 1080, linear depth, CoC map and result included; *shared*: {shared}", "")
-    heads = ("method, shape", "passes", "targets at once, at most", "colour fetches a pixel, at most", "MB", "shared")
-    yield from (_cells(*heads, "one target a pass"), "|---|---|---|---|---|---|---|")
+    yield "| method, shape | passes | colour fetches a pixel, at most | MB | shared | one target a pass |"
+    yield "|---|---|---|---|---|---|"
     for method, aperture in COUNTED:
         several, single = (
             plan.frame(methods.Settings(method, aperture, targets=targets), PAGE_SIZE) for targets in (True, False)
         )
-        most = max(len(step["targets"]) for step in several["passes"])
-        fewer = f"{len(single['passes'])} passes, {single['fetches']['color']:.0f} fetches" if most > 1 else "the same"
+        fewer = f"{len(single['passes'])} passes, {single['fetches']['color']:.0f} fetches"
         megabytes = (f"{several[key] / 1e6:.0f}" for key in ("bytes", "bytes_shared"))
         fetches = f"{several['fetches']['color']:.0f}"
-        yield _cells(f"{method}, {aperture}", len(several["passes"]), most, fetches, *megabytes, fewer)
+        yield _cells(f"{method}, {aperture}", len(several["passes"]), fetches, *megabytes, fewer)
 
 
 def _section(planned: dict) -> Iterator[str]:

@@ -1,12 +1,11 @@
 """The passes of a frame as the samples of integration/ list them: rows, and how each language writes one."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from math import degrees
 from typing import NamedTuple
 
 from bokeh_validation import shaders
-from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods, plan
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EXACT
 from bokeh_validation.shaders.passes import Pass
@@ -21,17 +20,6 @@ SIDED = ("BokehLayerFill", "BokehLayered")
 SIZE = (64, 64)
 
 
-def camel(name: str) -> str:
-    """'near target 2' -> 'nearTarget2'."""
-    first, *rest = name.split()
-    return first + "".join(word.capitalize() for word in rest)
-
-
-def snake(name: str) -> str:
-    """'near target 2' -> 'near_target_2'."""
-    return name.replace(" ", "_")
-
-
 class Language(NamedTuple):
     """How a table of passes is written.
 
@@ -42,7 +30,7 @@ class Language(NamedTuple):
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
-    named             camel or snake: how textures are called
+    camel             whether 'near target 2' is called nearTarget2; else near_target_2
     targets           whether a pass may write several
     spacing           of paper; 0: a fixed number of samples
     """
@@ -56,7 +44,7 @@ class Language(NamedTuple):
     its_end: str = ""
     quote: str = '"'
     replaced: tuple[str, str] = ("", "")
-    named: Callable[[str], str] = snake
+    camel: bool = False
     targets: bool = True
     spacing: float = 1.0
 
@@ -68,7 +56,7 @@ PYTHON = Language(
 JAVA = Language(
     "public static final BokehFilter.Step[] {} = {{",
     '    new BokehFilter.Step(BokehPass.{define}, "{reads}", "{writes}", {scale}, Map.of({sets})),', "}};",
-    '"{}", {:g}f', '"{}", {:g}f * FastMath.DEG_TO_RAD', replaced=("color", "scene"), named=camel,
+    '"{}", {:g}f', '"{}", {:g}f * FastMath.DEG_TO_RAD', replaced=("color", "scene"), camel=True,
 )  # fmt: skip
 DIRECT3D11 = Language(
     "static const std::vector<Pass> {} = {{",
@@ -82,11 +70,11 @@ OGRE = Language(
 )  # fmt: skip
 SCRIPT = Language(
     "const {} = {{", "    [[{quoted}], {scale}, '{call}'],", "}};",
-    polygon="  {}: [", its_end="  ],", quote="'", named=camel,
+    polygon="  {}: [", its_end="  ],", quote="'", camel=True,
 )  # fmt: skip
 LUA = Language(
     "FRAMES.{} = {{", '    {{ {{ {quoted} }}, {scale}, "{call}" }},', "}}",
-    polygon="  [{}] = {{", its_end="  }},", named=camel,
+    polygon="  [{}] = {{", its_end="  }},", camel=True,
 )  # fmt: skip
 GODOT = Language(
     "const {} := {{", '\t\t["{writes}", {scale}, "{call}"],', "}}",
@@ -112,7 +100,9 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     spacing = language.spacing if method == "paper" else 0.0
     settings = methods.Settings(method, aperture, targets=language.targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
-    names = {texture["name"]: language.named(texture["name"]) for texture in planned["textures"]}
+    names = {}
+    for name in (texture["name"] for texture in planned["textures"]):
+        names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
     names["depth"] = DEPTH_NAME
     word, replacement = language.replaced
     lines = []
@@ -139,14 +129,6 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     return lines
 
 
-def signature(function: str) -> tuple[str, list[list[str]]]:
-    """Type of a function of the GLSL library, type and name of its parameters. Raises UserError where there is none."""
-    head = re.search(rf"^(\w+) {function}\(([^)]*)\)\n\{{", shaders.text("glsl"), re.MULTILINE)
-    if head is None:
-        raise UserError(f"glsl: no function {function}")
-    return head[1], [parameter.split() for parameter in head[2].split(",")]
-
-
 def call(item: Pass, names: dict[str, str]) -> str:
     """The function of the library that a pass calls, with a sample's names of textures, uniforms and locals.
 
@@ -163,9 +145,10 @@ def call(item: Pass, names: dict[str, str]) -> str:
         other = textures.get("ColorSampB")
         return f"BokehCombine({line}, BokehFetch({other}, uv), false)" if other else line
     function = re.sub("Square|Hexagon|Octagon|Decagon", "" if entry.layers else "Exact", entry.whole or entry.name)
-    returned, parameters = signature(function)
+    head = rf"^(\w+) {function}\(([^)]*)\)\n\{{"
+    returned, parameters = re.search(head, shaders.text("glsl"), re.MULTILINE).groups()
     arguments, sampled, slots = [], "", iter(COLORS)
-    for kind, name in parameters:
+    for kind, name in (parameter.split() for parameter in parameters.split(",")):
         if kind == "sampler2D":
             # a slot that the polygon has no target for gets the one before, and does not read it
             sampled = textures.get(next(slots), sampled)
