@@ -21,7 +21,7 @@ from bokeh_validation import __version__, doctor, paths, shaders, terminal
 from bokeh_validation.drivers.base import TimedDriver, Timing, software_device
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import COPYING_ENTRIES, GRID, LINE
+from bokeh_validation.shaders.entries import GRID, LINE
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
 
@@ -31,26 +31,23 @@ SLOTS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "DepthSamp")
 
 
 def floor(item: Pass) -> Pass:
-    """The floor of a filter pass with a fixed number of samples; one that makes the CoC stays as it is."""
-    if item.entry in COPYING_ENTRIES:
+    """The floor of a filter pass along lines with a fixed number of samples; another pass stays as it is."""
+    along, count = lines(item), item.samples
+    if not along or item.spec.role == GRID:
         return item
-    role, along, count = item.spec.role, lines(item), item.samples
+    # the paper's samples are from end to end of a line, the others in the middle of equal parts
+    parts, offset = (count - 1, 0.0) if item.spec.role == LINE else (count, 0.5)
+    to_uv = np.array([1.0 / item.values()["BokehAspectRatio"], 1.0])
     deep = "; depth += BokehFetchNearest(BokehDepthSamp, {}).r" if "DepthSamp" in item.inputs else ""
     body = "vec4 center = BokehFetch(BokehColorSamp, uv); vec4 sum = center; float depth = 0.0; float coc = center.a"
     body += deep.format("uv")
-    if role == LINE and "ColorSampB" in item.inputs:
+    if item.spec.role == LINE and "ColorSampB" in item.inputs:
         body += "; sum += BokehFetch(BokehColorSampB, uv)"  # the other parallelogram of a final pass
-    for line in along[:1] if role == GRID else along:
-        to_uv = np.array([1.0 / item.values()["BokehAspectRatio"], 1.0])
-        middle, half = line.segment.middle * to_uv, line.segment.half * to_uv
-        # the paper's samples are from end to end of a line, the others in the middle of equal parts
-        parts, offset = (count - 1, 0.0) if role in (LINE, GRID) else (count, 0.5)
-        # a grid is its first line, moved until it is on the opposite side
-        rows, sideways = (count, -2.0 * middle / parts) if role == GRID else (1, 0.0 * middle)
-        place = f"uv + coc * ({_vector(middle - half)} + {_vector(sideways)} * float(j)"
-        place += f" + {_vector(2.0 * half / parts)} * (float(i) + {offset}))"
-        body += f"; for (int j = 0; j < {rows}; j++) {{ for (int i = 0; i < {count}; i++) {{ vec2 place = {place}"
-        body += f"; sum += BokehFetch(Bokeh{line.slot}, place){deep.format('place')}; }} }}"
+    for line in along:
+        first, step = (line.segment.middle - line.segment.half) * to_uv, 2.0 * line.segment.half * to_uv / parts
+        place = f"uv + coc * ({_vector(first)} + {_vector(step)} * (float(i) + {offset}))"
+        body += f"; for (int i = 0; i < {count}; i++) {{ vec2 place = {place}"
+        body += f"; sum += BokehFetch(Bokeh{line.slot}, place){deep.format('place')}; }}"
     # a mean of all; its alpha is what the next pass fetches by, so the sum's goes into the colour
     body += f"; vec3 mean = (sum.rgb + sum.a + depth) * {1.0 / (1 + count * len(along))!r}"
     targets = len(item.outputs)
@@ -107,7 +104,7 @@ class Row:
 
     naive    key of the naive row with as many effective samples
     against  key of the paper's row that it replaces
-    floor    passes that only fetch; none where a pass fetches as often as the CoC needs
+    floor    passes that only fetch; none for naive, and where a pass fetches as often as the CoC needs
     """
 
     key: str
@@ -124,7 +121,8 @@ def table_one(size: tuple[int, int], sides: Sequence[int] = SIDES) -> list[Row]:
     def add(key: str, method: str, aperture: str, samples: int, **others) -> None:
         settings = methods.Settings(method, aperture, samples, camera=methods.Camera(max_coc=1.0), coc=COC)
         passes = methods.plan(settings, size).passes
-        rows.append(Row(key, passes, floor=tuple(map(floor, passes)), **others))
+        floors = () if method == "naive-grid" else tuple(map(floor, passes))
+        rows.append(Row(key, passes, floor=floors, **others))
 
     for side in sides:
         naive = f"naive {side**2}"

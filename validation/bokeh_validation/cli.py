@@ -1,4 +1,4 @@
-"""The command line of validation/run. Each command is in its feature's own module, loaded when it is called."""
+"""The command line of validation/run. Each command is a function of its name in its feature's own module."""
 
 import importlib
 import os
@@ -8,73 +8,62 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 from typer.exceptions import TyperException
 
-from bokeh_validation import __version__
+from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.jobs import end_programs
 
 EXIT_BAD_INPUT = 2
 
-# name -> module and function
+# name -> module
 COMMANDS = {
-    "doctor": ("doctor", "doctor"),
-    "compile": ("compilers.compile", "compile_all"),
-    "check": ("check", "check"),
-    "render": ("render", "render"),
-    "compare": ("compare", "compare"),
-    "plan": ("frame.plan", "plan"),
-    "aperture": ("frame.aperture", "aperture"),
-    "truth": ("truth", "truth"),
-    "gallery": ("truth.gallery", "gallery"),
-    "peers": ("truth.peers", "peers"),
-    "demo": ("demo", "demo"),
-    "figures": ("figures", "figures"),
-    "probes": ("probes", "probes"),
-    "parity": ("shaders.parity", "parity"),
-    "bench": ("bench", "bench"),
-    "port": ("frame.port", "port"),
-    "isa": ("isa.isa_command", "isa"),
-    "mutants": ("mutants.mutants_command", "mutants"),
-    "engines": ("engines", "engines"),
-    "release": ("release", "release"),
+    "doctor": "doctor",
+    "compile": "compilers.compile",
+    "check": "check",
+    "render": "render",
+    "compare": "compare",
+    "plan": "frame.plan",
+    "aperture": "frame.aperture",
+    "truth": "truth",
+    "gallery": "truth.gallery",
+    "peers": "truth.peers",
+    "demo": "demo",
+    "figures": "figures",
+    "probes": "probes",
+    "parity": "shaders.parity",
+    "bench": "bench",
+    "port": "frame.port",
+    "isa": "isa.isa_command",
+    "mutants": "mutants.mutants_command",
+    "engines": "engines",
+    "release": "release",
 }
 
 
-class Commands(TyperGroup):
-    """Loads a command's module when it is asked for: the start stays quick."""
-
-    def list_commands(self, _):
-        """In the order of COMMANDS."""
-        return list(COMMANDS)
-
-    def get_command(self, _, name):
-        """The command, or None where there is none of that name."""
-        if name not in COMMANDS:
-            return None
-        module, function = COMMANDS[name]
-        one = typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=HELP)
-        one.command(name)(getattr(importlib.import_module(f"bokeh_validation.{module}"), function))
-        return typer.main.get_command(one)
-
-
-HELP = {"help_option_names": ["-h", "--help"]}
-app = typer.Typer(
-    cls=Commands, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=HELP
-)
+def application() -> typer.Typer:
+    """The command line with the command that is asked for, or with all for --help: so the start stays quick."""
+    app = typer.Typer(
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(invoke_without_command=True)(default)
+    asked = [word for word in sys.argv[1:] if word in COMMANDS][:1]
+    for name in asked or (COMMANDS if {"-h", "--help"} & set(sys.argv) else ()):
+        module = importlib.import_module(f"bokeh_validation.{COMMANDS[name]}")
+        app.command(name)(getattr(module, "compile_all" if name == "compile" else name))
+    return app
 
 
-@app.callback(invoke_without_command=True)
 def default(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
     full: Annotated[
         bool, typer.Option("--full", help="Every driver, compiler, probe, scene and engine's sample: eleven minutes.")
     ] = False,
-    adapter: Annotated[
-        str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")
-    ] = None,
+    adapter: terminal.Adapter = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="The report; else in the cache folder.")
     ] = None,
@@ -92,7 +81,7 @@ def main() -> None:
     """Run the command line; every refusal is one line on standard error and exit code 2."""
     signal.signal(signal.SIGTERM, _stop)
     try:
-        code = app(standalone_mode=False)
+        code = application()(standalone_mode=False)
     except UserError as error:
         code = _refuse(str(error))
     except Unavailable as error:

@@ -11,7 +11,6 @@ FUNCTION = re.compile(
     r"^(?P<doc>(?://[^\n]*\n)*)(?P<head>(?:@\w+ )?\w+ (?P<name>\w+)\([^{};]*)\n(?P<body>\{\n.*?^\})$",
     re.MULTILINE | re.DOTALL,
 )
-_HEADING = re.compile(r"^// -+\n// \[(\d+)\] .+\n// -+\n", re.MULTILINE)
 # A constant of the configuration, in HLSL and GLSL, and in WGSL
 SETTING = r"^#ifndef (\w+)\n#define \1 ([^\s/]+)\n#endif$"
 WGSL_SETTING = r"^(?:const|override) (\w+): (?:i32 = (-?\d+)|f32 = (-?\d+\.\d+));$"
@@ -33,12 +32,6 @@ def text(language: str) -> str:
     """Library, layers and passes of a language, in that order."""
     files = (paths.library(language), paths.layers(language), paths.passes(language))
     return "".join(file.read_text(encoding="ascii") for file in files)
-
-
-def sections(source: str) -> dict[int, str]:
-    """Number -> text of the numbered sections of a library or of the layers."""
-    parts = _HEADING.split(source)
-    return {int(number): part for number, part in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def presets(source: str) -> dict[str, dict[str, str]]:

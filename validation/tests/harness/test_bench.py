@@ -29,7 +29,7 @@ def counting(item):
     return replace(item, sources={"glsl": text})
 
 
-@pytest.mark.parametrize("row", bench.table_one(SIZE, (4, 12)), ids=lambda row: row.key)
+@pytest.mark.parametrize("row", [row for row in bench.table_one(SIZE, (4, 12)) if row.floor], ids=lambda row: row.key)
 def test_a_floor_fetches_what_its_method_does(row):
     """Counted on the device, in every pixel of every pass: as many fetches of each, and the sum of their places."""
     driver, images = load("osmesa"), bench.textures(SIZE)
@@ -47,7 +47,7 @@ def test_a_floor_fetches_what_its_method_does(row):
 @pytest.mark.parametrize("name", ["wgpu", "dxc"])
 def test_floors_are_the_same_in_every_language(name):
     """The same sums as GLSL's, within what half floats and the bilinear filters of the two may differ."""
-    for row in bench.table_one(SIZE, (4,)):
+    for row in (row for row in bench.table_one(SIZE, (4,)) if row.floor):
         glsl, other = (load(d).run(row.floor, bench.textures(SIZE), SIZE)["result"] for d in ("osmesa", name))
         np.testing.assert_allclose(other.astype(float), glsl.astype(float), rtol=0.01, atol=0.01, err_msg=row.key)
 
@@ -71,7 +71,7 @@ def test_command(tmp_path):
     assert rows["exact hexagon 144"]["ratios"]["against"]["rounds"] == pytest.approx(own / paper)
     assert rows["paper hexagon 144"]["ratios"]["naive"]["high"] >= 62 / 24, "as in the paper's Table 1"
     assert rows["exact hexagon 576"]["ratios"]["against"]["low"] <= 0.5
-    for key in ("naive 144", "paper hexagon 169", "exact hexagon 169", "exact octagon 169"):
+    for key in ("paper hexagon 169", "exact hexagon 169", "exact octagon 169"):
         assert rows[key]["ratios"]["floor"]["low"] <= 1.3, key
 
 
