@@ -78,30 +78,29 @@ def test_readme_shows_the_header():
         assert block.title == f"{original.title} Blending off.", block.title
 
 
-def library(language: str) -> str:
-    """The library's text."""
-    return paths.library(language).read_text(encoding="ascii")
+def program(language: str, block: Block, *head: str) -> str:
+    """The lines of `head`, the library and a block."""
+    return "\n".join([*head, paths.library(language).read_text(encoding="ascii") + block.code])
 
 
 @pytest.mark.parametrize("version", ["#version 330", "#version 300 es", "#version 450"])
-@pytest.mark.parametrize("index", range(4))
-def test_glsl_compiles(version, index):
+def test_glsl_compiles(version):
     """In each version that the header names."""
-    result = glslang.parse(f"{version}\n{library('glsl')}{header_blocks('glsl')[index].code}", "frag")
-    assert result.ok, result.messages
+    for block in header_blocks("glsl"):
+        result = glslang.parse(program("glsl", block, version), "frag")
+        assert result.ok, result.messages
 
 
 @pytest.mark.parametrize("model", [4, 5, 6])
-@pytest.mark.parametrize("index", range(4))
-def test_hlsl_compiles(model, index):
+def test_hlsl_compiles(model):
     """The blocks for shader model 4 to 6, by fxc and by DXC."""
-    block = header_blocks("hlsl")[4 + index]
-    text = f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{block.code}"
-    if model < 6:
-        assert fxc.bytecode(text, f"ps_{model}_0", block.entry)
-    else:
-        result = dxc.build(text, "frag", block.entry)
-        assert result.ok, result.messages
+    for block in header_blocks("hlsl")[4:]:
+        text = program("hlsl", block, f"#define BOKEH_HLSL_SM {model}")
+        if model < 6:
+            assert fxc.bytecode(text, f"ps_{model}_0", block.entry)
+        else:
+            result = dxc.build(text, "frag", block.entry)
+            assert result.ok, result.messages
 
 
 @cache
@@ -121,18 +120,19 @@ def size() -> tuple[int, int]:
 
 def values() -> dict[str, tuple[float, ...]]:
     """All variables of the blocks by name."""
-    return {
-        "zNear": (NEAR,),
-        "zFar": (FAR,),
-        "apertureDiameter": (CAMERA.aperture_diameter,),
-        "focalLength": (CAMERA.focal_length,),
-        "focusDistance": (CAMERA.focus_distance,),
-        "imageSize": tuple(map(float, size())),
-        "rotation": (float(np.radians(17.0)),),
-    }
+    diameter, length, distance = CAMERA.aperture_diameter, CAMERA.focal_length, CAMERA.focus_distance
+    lens = {"apertureDiameter": (diameter,), "focalLength": (length,), "focusDistance": (distance,)}
+    image = {"imageSize": tuple(map(float, size())), "rotation": (float(np.radians(17.0)),)}
+    return {"zNear": (NEAR,), "zFar": (FAR,), **lens, **image}
 
 
-def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
+def targets(driver, names: Sequence[str]) -> list[tuple]:
+    """(name, texture) of what a block writes, of an OpenGL or WebGPU driver: R32F for metres, else RGBA16F."""
+    kind = ("float", 1) if "metres" in names else ("half", 4)
+    return [(name, driver.texture(Image(name, size(), *kind))) for name in names]
+
+
+def on_opengl(blocks: Sequence[Block]) -> dict[str, bytes]:
     """GLSL 3.30. A linear filter everywhere: what is fetched texel by texel must not care."""
     driver = load("osmesa")
     driver.make_current()
@@ -146,75 +146,62 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
     }"""
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        program = context.program(vertex_shader=vertex, fragment_shader=f"#version 330\n{library('glsl')}{block.code}")
+        linked = context.program(vertex_shader=vertex, fragment_shader=program("glsl", block, "#version 330"))
         for unit, (name, texture) in enumerate(reads.items()):
-            program[f"{name}Samp"] = unit
+            linked[f"{name}Samp"] = unit
             live[texture].use(unit)
             driver.samplers[True].use(unit)
-        for name in set(values()) & set(program):
+        for name in set(values()) & set(linked):
             found = values()[name]
-            program[name] = found if len(found) > 1 else found[0]
-        storage, channels = ("float", 1) if "metres" in writes else ("half", 4)
-        targets = [driver.texture(Image(name, size(), storage, channels)) for name in writes]
-        context.framebuffer(targets).use()
-        context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
-        live.update(zip(writes, targets, strict=True))
-    shape = (size()[1], size()[0])
-    return {
-        "metres": np.frombuffer(live["metres"].read(alignment=1), np.float32).reshape(shape),
-        "result": np.frombuffer(live["result"].read(alignment=1), np.float16).reshape(*shape, 4),
-    }
+            linked[name] = found if len(found) > 1 else found[0]
+        live |= targets(driver, writes)
+        context.framebuffer([live[name] for name in writes]).use()
+        context.vertex_array(linked, []).render(moderngl.TRIANGLES, vertices=3)
+    return {name: live[name].read(alignment=1) for name in ("metres", "result")}
 
 
-def on_webgpu(blocks: Sequence[Block]) -> dict[str, np.ndarray]:
+def on_webgpu(blocks: Sequence[Block]) -> dict[str, bytes]:
     """WGSL with the layout 'auto', on a device that cannot filter 32-bit textures."""
     driver = copy(load("wgpu"))
     device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
     assert "float32-filterable" not in device.features
-    vertex = device.create_shader_module(code=shaders.wgsl())
+    vertex = {"module": device.create_shader_module(code=shaders.wgsl()), "entry_point": "BokehFullScreen_VS"}
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        storage, channels = ("float", 1) if "metres" in writes else ("half", 4)
-        targets = [driver.texture(Image(name, size(), storage, channels)) for name in writes]
-        module = device.create_shader_module(code=library("wgsl") + block.code)
+        live |= targets(driver, writes)
+        formats = [{"format": live[name].format} for name in writes]
+        module = device.create_shader_module(code=program("wgsl", block))
         pipeline = device.create_render_pipeline(
             layout="auto",
-            vertex={"module": vertex, "entry_point": "BokehFullScreen_VS"},
-            fragment={"module": module, "entry_point": block.entry, "targets": [{"format": t.format} for t in targets]},
+            vertex=vertex,
+            fragment={"module": module, "entry_point": block.entry, "targets": formats},
             primitive={"topology": "triangle-list"},
         )
-        fields = re.findall(
-            r"(\w+): (?:f32|vec2f)\b", re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
-        )
-        members = np.float32([*(number for name in fields for number in values()[name]), 0, 0, 0, 0])[:4]
+        struct = re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
+        fields = (values()[name] for name in re.findall(r"(\w+): (?:f32|vec2f)\b", struct))
+        members = np.float32([*(number for field in fields for number in field), 0, 0, 0, 0])[:4]
         buffer = device.create_buffer_with_data(data=members.tobytes(), usage=driver.wgpu.BufferUsage.UNIFORM)
         entries = []
         for name, binding in block.named("wgsl").items():
-            resource = {"buffer": buffer, "offset": 0, "size": members.nbytes}
-            if name in reads:
-                resource = live[reads[name]].create_view()
-            elif name == "Linear":
-                resource = linear
+            resource = linear if name == "Linear" else {"buffer": buffer, "offset": 0, "size": members.nbytes}
+            resource = live[reads[name]].create_view() if name in reads else resource
             entries.append({"binding": binding, "resource": resource})
-        bindings = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
         encoder = device.create_command_encoder()
-        written = [{"view": target.create_view(), "load_op": "clear", "store_op": "store"} for target in targets]
+        written = [{"view": live[name].create_view(), "load_op": "clear", "store_op": "store"} for name in writes]
         render = encoder.begin_render_pass(color_attachments=written)
         render.set_pipeline(pipeline)
-        render.set_bind_group(0, bindings)
+        render.set_bind_group(0, device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries))
         render.draw(3)
         render.end()
         device.queue.submit([encoder.finish()])
-        live.update(zip(writes, targets, strict=True))
 
-    def read(name: str, channels: int, dtype: type) -> np.ndarray:
+    def read(name: str, texel: int) -> bytes:
         width, height = size()
-        layout = {"bytes_per_row": width * channels * np.dtype(dtype).itemsize, "rows_per_image": height}
-        data = device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1))
-        return np.frombuffer(data, dtype).reshape(height, width, channels)
+        layout = {"bytes_per_row": width * texel, "rows_per_image": height}
+        return device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1))
 
-    return {"metres": read("metres", 1, np.float32)[..., 0], "result": read("result", 4, np.float16)}
+    return {"metres": read("metres", 4), "result": read("result", 8)}
 
 
 def with_values(code: str) -> str:
@@ -228,7 +215,7 @@ def with_values(code: str) -> str:
     return re.sub(r"^(float2?) (\w[\w, ]*);$", constant, code, flags=re.MULTILINE)
 
 
-def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
+def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, bytes]:
     """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11."""
     driver = load({3: "d3d9", 5: "d3d11"}[model])
     driver.ask("clear")
@@ -243,7 +230,7 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
     for name, pixels in scene().items():
         make(Image.of(name, pixels))
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        text = f"#define BOKEH_HLSL_SM {model}\n{library('hlsl')}{with_values(block.code)}"
+        text = with_values(program("hlsl", block, f"#define BOKEH_HLSL_SM {model}"))
         code = fxc.bytecode(text, f"ps_{model}_0", block.entry)
         shutil.copy(code, driver.server.folder)
         driver.ask("pixel", code.name)
@@ -256,7 +243,7 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, np.ndarray]:
         for name in writes:
             make(Image(name, size(), *(("float", 1) if name == "metres" else ("half", 4))))
         driver.ask("draw", *(live[name][0] for name in writes))
-    return {"metres": driver.pixels(*live["metres"])[..., 0], "result": driver.pixels(*live["result"])}
+    return {name: driver.pixels(*live[name]).tobytes() for name in ("metres", "result")}
 
 
 RUNS = {
@@ -275,8 +262,11 @@ def test_the_chain_runs(name):
     within its acceptance interval and the bounds in steps.
     """
     driver, run = RUNS[name]
-    driver = load(driver)
-    found = run()
+    driver, (width, height), pixels = load(driver), size(), run()
+    found = {
+        "metres": np.frombuffer(pixels["metres"], np.float32).reshape(height, width),
+        "result": np.frombuffer(pixels["result"], np.float16).reshape(height, width, 4),
+    }
     stored = scene()["depth buffer"].astype(np.float64)
     metres = listings.linear_depth(stored, WINDOW, NEAR, FAR)
     allowed = slope(metres, WINDOW) * 3 * 2.0**-24 + ROUNDINGS * metres
