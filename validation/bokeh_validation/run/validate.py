@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
@@ -14,8 +14,8 @@ from rich.text import Text
 from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
 from bokeh_validation.compilers.compile import Compilation, compile_programs
 from bokeh_validation.probes import REAL, sections
-from bokeh_validation.probes.model import compared, drawn
-from bokeh_validation.probes.sections import Panel, Run, Section, loaded, strip
+from bokeh_validation.probes.model import drawn
+from bokeh_validation.probes.sections import Panel, Section, loaded
 from bokeh_validation.shaders.variants import load
 from bokeh_validation.truth import ray_traced
 
@@ -31,9 +31,6 @@ BRIEF_PROBES = tuple(probe.name for probe in probes.PROBES if probe.name not in 
 # What takes longest is begun first
 SLOWEST = ("halo-hexagon", "exact-decagon", "exact-octagon", "layered-sweep", "layered-light-1", *engines.SLOWEST)
 MINUTES = {False: 2, True: 11}
-METHODS = ("layered", "exact", "paper")
-# The middle of a scene of 640 x 480, which every driver is compared on: layered takes the reference 16 s on the whole
-ROWS, COLUMNS = slice(150, 330), slice(200, 440)
 
 
 def market(name: str, adapter: str | None) -> Section:
@@ -55,27 +52,6 @@ def _exposed(image: np.ndarray) -> str:
     return pictures.jpeg_uri(pictures.filmic(image, truth.EXPOSURE["market_7"]), 640)
 
 
-def scene(name: str, aperture: str, method: str, names: Sequence[str], adapter: str | None) -> Section:
-    """A scene by a method: the whole by the first driver against the lens, its middle by all against the reference."""
-    (file,) = ray_traced.chosen([name])
-    case = ray_traced.scene_case(file, method, aperture)
-    settings = replace(case.settings, rotation=ray_traced.TRUTH_ROTATION[aperture])
-    case = replace(case, settings=settings)
-    present, devices = loaded(names, adapter)
-    title = f"{name}-{method}-{aperture}"
-    if not present:
-        return Section(title, title, **devices)
-    lens, whole = ray_traced.truth(file, aperture), drawn(present[0], case)
-    text = f"From the lens: {metrics.psnr(whole, lens):.1f} dB, untouched {metrics.psnr(case.color, lens):.1f} dB."
-    images = {"input": case.color, "ray traced through a lens": lens, f"{method}, {present[0].name}": whole}
-    panels = [Panel(k, pictures.jpeg_uri(pictures.display(v, tone_map=True), 320)) for k, v in images.items()]
-    middle = replace(case, color=case.color[ROWS, COLUMNS].copy(), depth=case.depth[ROWS, COLUMNS].copy())
-    results = {driver.name: compared(middle, driver) for driver in present}
-    strips = {"whole": panels, "the middle": strip("result", results)}
-    runs = [Run(driver, result.comparisons) for driver, result in results.items()]
-    return Section(title, f"{name}, {method}, {aperture}", text, runs, strips, **devices)
-
-
 def compiled(variant: str, brief: bool) -> Compilation:
     """The programs of a variant, through all of its compilers or the main ones."""
     return compile_programs(program for program in load(quick=brief, main=brief) if program.variant == variant)
@@ -83,23 +59,23 @@ def compiled(variant: str, brief: bool) -> Compilation:
 
 @dataclass(frozen=True)
 class Everything:
-    """All results of a run; `drawn`: probes and scenes."""
+    """All results of a run."""
 
     full: bool
     compilation: Compilation
-    drawn: Sequence[Section]
+    probes: Sequence[Section]
     market: Section
     engines: Sequence[Section]
 
     @property
     def missing(self) -> dict[str, str]:
         """Driver or sample -> why it was not run."""
-        return {k: v for section in (*self.drawn, *self.engines) for k, v in section.missing.items()}
+        return {k: v for section in (*self.probes, *self.engines) for k, v in section.missing.items()}
 
     @property
     def ok(self) -> bool:
         """Nothing failed; under CI nothing is missing either."""
-        passed = self.compilation.passed and all(section.ok for section in (*self.drawn, *self.engines))
+        passed = self.compilation.passed and all(section.ok for section in (*self.probes, *self.engines))
         return passed and not (os.environ.get("CI") and self.missing)
 
 
@@ -112,7 +88,7 @@ def write_report(path: Path, found: Everything) -> None:
         version=__version__,
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
         found=found,
-        drivers=sections.drivers_of(found.drawn),
+        drivers=sections.drivers_of(found.probes),
         difference_steps=sections.DIFFERENCE_STEPS,
     )
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
@@ -127,16 +103,16 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     results = everything(full, adapter)
     write_report(path, results)
     terminal.tell(results.compilation.summary, *results.compilation.failures())
-    sections.print_grid(results.drawn)
-    sections.print_details([*results.drawn, *results.engines], False)
+    sections.print_grid(results.probes)
+    sections.print_details([*results.probes, *results.engines], False)
     for panel in results.market.strips[""][1:-1]:
         terminal.tell(f"market_7, {panel.caption}: {panel.numbers} against the truth")
     terminal.tell(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
     if not full:
         more = [name for name in REAL if name not in BRIEF_DRIVERS]
         terminal.tell(
-            f"Not run: {', '.join(more)}; {len(FULL_PROBES)} probes; the other compilers and sample counts; scenes on "
-            f"every driver; the engines' samples. validation/run --full has them, in about {MINUTES[True]} minutes."
+            f"Not run: {', '.join(more)}; {len(FULL_PROBES)} probes; the other compilers and sample counts; "
+            f"the engines' samples. validation/run --full has them, in about {MINUTES[True]} minutes."
         )
     terminal.end(results.ok)
 
@@ -144,15 +120,11 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
 def everything(full: bool, adapter: str | None) -> Everything:
     """All jobs, side by side."""
     names = REAL if full else BRIEF_DRIVERS
-    scenes = [
-        (scene, (file.name, aperture, method, names, adapter))
-        for method in METHODS for file in ray_traced.DRIVER_SCENES for aperture in ray_traced.TRUTHS
-    ]  # fmt: skip
     samples = [(engines.section, (name,)) for name in engines.ENGINES if name not in engines.SLOW]
     chosen = [probe.name for probe in probes.PROBES] if full else BRIEF_PROBES
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     parts = {
-        "drawn": [(probes.section, (name, names, adapter)) for name in chosen] + (scenes if full else []),
+        "probes": [(probes.section, (name, names, adapter)) for name in chosen],
         "engines": samples if full else [],
         "compilation": [(compiled, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
@@ -163,4 +135,4 @@ def everything(full: bool, adapter: str | None) -> Everything:
     done = {part: [results[job] for job in some] for part, some in parts.items()}
     rows = [row for part in done["compilation"] for row in part.rows]
     compilation = Compilation(rows, sum(part.seconds for part in done["compilation"]))
-    return Everything(full, compilation, done["drawn"], done["market"][0], done["engines"])
+    return Everything(full, compilation, done["probes"], done["market"][0], done["engines"])
