@@ -46,10 +46,9 @@ class Mistake:
     def rendered(self, driver: Driver, scene: Scene) -> np.ndarray:
         """Its picture, (H, W, 3) float64. Raises Unavailable."""
         plan = methods.plan(self.settings, scene.size)
-        depth = np.ones(scene.color.shape[:2]) if scene.depth is None else self.depth(scene.depth)
-        color = scene.color.copy()
+        color, depth = scene.color.copy(), self.depth(scene.depth).astype(np.float32)
         color[..., :3] = self.color(color[..., :3].astype(np.float64))
-        textures = {"color": color, "depth": depth.astype(np.float32), **plan.tables}
+        textures = {"color": color, "depth": depth, **plan.tables}
         result = driver.run(plan.passes, textures, scene.size, self.storage)["result"]
         return self.result(result[..., :3].astype(np.float64))
 
@@ -70,9 +69,7 @@ def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
         turned = replace(settings, rotation=-settings.rotation)
         yield Mistake("the rotation's sign is the other one", "Angles go from +x towards +y, which is down.", turned)
     yield from _presets(settings)
-    if settings.coc is None:
-        yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
-        yield from _depths(settings, near, far)
+    yield from _depths(settings, near, far) if settings.coc is None else ()
 
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
@@ -99,6 +96,8 @@ def _depths(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
         inside = np.clip(depth.astype(np.float64), near, far)
         return linear_depth(stored_depth(inside, held, near, far), read, near, far)
 
+    flip = "Row 0 of the depth buffer is the top of the picture too."
+    yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
     if settings.method in options.POLYGON_METHODS:
         signed = "It is negative before the focus, and positive after it (docs/inputs.md)."
         yield Mistake("the CoC's sign is the other one", signed, settings, depth=mirrored)
@@ -148,15 +147,15 @@ def compare(
         f"{result} beside {settings.method} {settings.aperture} by {used.name} ({used.adapter}): {_shares(steps)}",
         f"nearest to {nearest.storage} targets; the input has {scene.storage} colour. Either kind of target is right",
     )
-    same = (steps <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE
-    if not same:
+    bound = metrics.CLOSE_STEPS
+    if (steps <= bound).mean() < metrics.CLOSE_SHARE:
         likeliest = _nearest(list(mistakes(settings, near, far)), used, scene, pixels)
-        if _score(likeliest[0][0]) < NEARER * _score(steps):
+        (explained, mistake), bound = likeliest[0], metrics.FAR_STEPS
+        if _score(explained) < NEARER * _score(steps):
             names = "; or ".join(mistake.name for _, mistake in likeliest)
-            explained, mistake = likeliest[0]
             terminal.tell(f"likeliest mistake: {names}. With it, {_shares(explained)}. {mistake.advice}")
             terminal.end(False)
-        same = (steps <= metrics.FAR_STEPS).mean() >= metrics.CLOSE_SHARE
+    same = (steps <= bound).mean() >= metrics.CLOSE_SHARE
     terminal.tell("the same" if same else "not the same, and by no mistake that compare knows. See docs/pitfalls.md.")
     terminal.end(same)
 

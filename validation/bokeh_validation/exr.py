@@ -20,11 +20,11 @@ class Scene:
     """An image with depth.
 
     color     (H, W, 4), float16 where R, G and B are half floats in the file, else float32; alpha is 1
-    depth     (H, W) float32, metres along the view axis; None where none was asked for
+    depth     (H, W) float32, metres along the view axis; 1 where none was asked for
     """
 
     color: np.ndarray
-    depth: np.ndarray | None
+    depth: np.ndarray
 
     @property
     def size(self) -> tuple[int, int]:
@@ -74,8 +74,8 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
     if len(parts) != len(headers):
         raise ValueError("not all of its pixels can be decoded")
     planes = [_plane(parts[index], name, is_depth=k == 3) for k, (index, name) in enumerate(places)]
-    color = np.stack([*planes[:3], np.ones_like(planes[0])], axis=-1)
-    return Scene(color, planes[3].astype(np.float32) if depth_channel is not None else None)
+    opaque = np.ones_like(planes[0])
+    return Scene(np.stack([*planes[:3], opaque], axis=-1), [*planes, opaque][3].astype(np.float32))
 
 
 def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
@@ -116,9 +116,10 @@ def _plane(part: OpenEXR.Part, name: str, is_depth: bool) -> np.ndarray:
     bad = np.isnan(pixels) if is_depth else ~np.isfinite(pixels)
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
-        problem = f"{int(bad.sum())} pixels of channel {name} are {'NaN' if is_depth else 'NaN or infinite'}"
-        advice = "Give every pixel metres; the sky may be infinite." if is_depth else "Clean it before it is blurred."
-        raise UserError(f"{problem}, the first at column {column}, row {row}. {advice}")
+        problem = (
+            "are NaN. The sky may be infinite" if is_depth else "are NaN or infinite. Clean it before it is blurred"
+        )
+        raise UserError(f"channel {name!r}: {bad.sum()} pixels, the first at column {column}, row {row}, {problem}.")
     return pixels
 
 

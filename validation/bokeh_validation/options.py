@@ -87,7 +87,7 @@ NOISE: Needs = (
 PRESET: Needs = (lambda s: s.method != "layered", "on layered, whose samples come from a preset", "Give --preset")
 JITTER: Needs = (lambda s: s.jitter > 0, "without noise", "Give --jitter as well, or leave it out")
 OCTAGON: Needs = (lambda s: s.aperture == "octagon", "on other polygons", "Give --aperture octagon, or leave it out")
-POLYGON_METHODS, LISTINGS = ("exact", "layered"), ("paper", "naive")
+POLYGON_METHODS = ("exact", "layered")
 APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
 
 TABLE = (
@@ -123,10 +123,6 @@ TABLE = (
     Option("sensor-height", "camera.sensor_height", float, "Metres.", POSITIVE, needs=(LENS,)),
     Option("max-coc", "camera.max_coc", float, "Largest CoC, fraction of the image height.", HEIGHTS),
     Option("coc", "coc", float, "The same CoC everywhere, instead of one from depth.", HEIGHTS),
-    Option("coc-blur", "blur_coc", bool, "paper, naive: average the CoC with the colour.", methods=LISTINGS,
-           needs=(LENS,)),
-    Option("leak-fix", "leak_fix", bool, "Listing 3's leakage test.", methods=("exact", "paper", "naive"),
-           needs=(LENS,)),
 )  # fmt: skip
 
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from typer import Argument, Option
 
 from bokeh_validation import exr, options, pictures, terminal
@@ -39,8 +38,7 @@ def render(
     terminal.check_writable(target, png)
     scene = read(source, settings, depth_channel, layer)
     used, plan = terminal.pick_driver(driver, adapter), methods.plan(settings, scene.size)
-    depth = scene.depth if scene.depth is not None else np.ones((scene.size[1], scene.size[0]), np.float32)
-    textures = {"color": scene.color, "depth": depth, **plan.tables}
+    textures = {"color": scene.color, "depth": scene.depth, **plan.tables}
     try:
         result = used.run(plan.passes, textures, scene.size, scene.storage)["result"]
     except Unavailable as error:

@@ -10,7 +10,7 @@ Not compared, because it is each language's own business, is
   in both          of a function that reads a texture itself, which rules.py allows in section [2] only: its body, and
                    its comment after the first line
 
-A statement that has to deviate ends in `// differs: reason`, and the reason stands in docs/paper.md.
+What has to deviate has a rule of its own here, and its reason in docs/paper.md.
 """
 
 import re
@@ -25,7 +25,6 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.shaders import rules
 from bokeh_validation.shaders.entries import ENTRIES
 
-PAPER = "docs/paper.md"
 LIBRARY, LAYERS, PASSES = (
     {language: f"{language}/{name}.{language}" for language in paths.LANGUAGES}
     for name in ("bokeh", "bokeh_layers", "bokeh_passes")
@@ -65,7 +64,8 @@ _EVERYWHERE: _Rewrites = (
     (r"^// PASTE(?s:.*?)(?=^// CONTENTS)", ""),
     (r"^(// \[2\] .*\n// -+\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
     (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
-    (r"^( *)(?! |//)(.*?) *// differs:.*$", "\\1\0\\2"),
+    # in shader model 3 a loop runs at most 255 times: the naive gather has two
+    (r"BOKEH_LOOP for.*BOKEH_LOOP_LIMIT\).*\n(.*)j; i < min\(j \+ BOKEH_LOOP_LIMIT, (\w+)\)", r"\g<1>0; i < \2"),
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
     # WGSL has no preprocessor: there the layers are always in the program
     (r"^#ifdef BOKEH_LAYERS\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),
@@ -108,7 +108,7 @@ _CODE: Mapping[str, _Rewrites] = {
 }
 # A blank line, comment or `#` line; the head of a loop; any other statement or head
 _LINE = re.compile(
-    r"^\n|//\d+|^#.*|\0?for\b(?:(?!//)[^{}])*[{}]?|(?!//)[^\s{};](?:(?!//)[^{};])*[{};]?|[{};]", re.MULTILINE
+    r"^\n|//\d+|^#.*|for\b(?:(?!//)[^{}])*[{}]?|(?!//)[^\s{};](?:(?!//)[^{};])*[{};]?|[{};]", re.MULTILINE
 )
 
 
@@ -124,7 +124,7 @@ class Difference(NamedTuple):
 
 
 class TextLine(NamedTuple):
-    """What _LINE finds, in common words, with a NUL before it where it is marked; number and text of its line."""
+    """What _LINE finds, in common words; number and text of its line."""
 
     common: str
     number: int
@@ -134,17 +134,14 @@ class TextLine(NamedTuple):
 def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
     """Every difference between the languages, and every broken rule; empty where all is well.
 
-    `texts`: path from the top of the checkout ('hlsl/bokeh.hlsl', ..., 'docs/paper.md') -> text that stands in for
-    that file; files not named are read from the checkout.
+    `texts`: path from the top of the checkout, 'hlsl/bokeh.hlsl' and so on -> text that stands in for that file; files
+    not named are read from the checkout.
     """
-    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values(), PAPER)} | (texts or {})
+    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values())} | (texts or {})
     found: list[Difference] = []
     for keys in (LIBRARY, LAYERS, PASSES):
         for language, key in keys.items():
             found += _ruled(language, key, files[key])
-            for reason in re.findall(r"^ *(?! |//).*// differs:(.*)$", files[key], re.MULTILINE):
-                if not reason.strip() or " ".join(reason.split()) not in " ".join(files[PAPER].split()):
-                    found.append(Difference(key, f"a deviation of which {PAPER} has no reason", (reason,)))
         for pair in combinations(keys, 2):
             found += _compared(pair, tuple((keys[language], files[keys[language]]) for language in pair))
     return found
@@ -153,7 +150,7 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
 def parity() -> None:
     """Compare the three languages statement by statement."""
     differences = check()
-    terminal.tell(*map(str, differences), f"{len(differences)} unmarked differences between HLSL, GLSL and WGSL")
+    terminal.tell(*map(str, differences), f"{len(differences)} differences between HLSL, GLSL and WGSL")
     terminal.end(not differences)
 
 
@@ -167,20 +164,19 @@ def _ruled(language: str, key: str, text: str) -> list[Difference]:
 def _read(key: str) -> str:
     try:
         # As it is: what is not UTF-8, and every kind of line end, is for the rules to see.
-        folder = paths.ROOT if key == PAPER else paths.shaders()
-        return (folder / key).read_bytes().decode("utf-8", errors="surrogateescape")
+        return (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
     except OSError as error:
         raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
 
 
 @lru_cache(maxsize=64)
 def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list[Difference]:
-    """Two languages' files, each a path and a text. A marked statement may differ from the one that it faces."""
+    """Two languages' files, each a path and a text."""
     sides = [_said(_lines(pair[i], files[i][1]), pair[1 - i]) for i in (0, 1)]
     one, other = ([line.common for line in side] for side in sides)
     found = []
     for tag, i, j, k, m in SequenceMatcher(None, one, other, autojunk=False).get_opcodes() if one != other else ():
-        if tag == "equal" or (j - i == m - k == 1 and "\0" in one[i] + other[k]):
+        if tag == "equal":
             continue
         places = [
             f"{path}:{part[0].number}  {' '.join(line.source for line in part[:4])}" if part else f"{path}  (nothing)"

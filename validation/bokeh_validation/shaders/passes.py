@@ -78,8 +78,7 @@ class Pass:
             raise ValueError(f"{self.entry}: scale is one of {', '.join(map(str, SCALES))}, not {self.scale}")
         if self.sources is None and len(self.outputs) != self.spec.targets:
             raise ValueError(f"{self.entry} writes {self.spec.targets} targets, not {self.outputs}")
-        unread = set(self.inputs) - set(SLOTS if self.sources else self.spec.textures)
-        if unread:
+        if unread := set(self.inputs) - set(SLOTS if self.sources else self.spec.textures):
             raise ValueError(f"{self.entry} does not read {', '.join(sorted(unread))}")
 
     @property
@@ -96,10 +95,9 @@ class Pass:
     def constants(self) -> dict[str, int]:
         """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
         values = self.values()
-        adaptive = values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0
         return {
             "BOKEH_NUM_SAMPLES": self.samples,
-            "BOKEH_ADAPTIVE_SAMPLES": int(adaptive),
+            "BOKEH_ADAPTIVE_SAMPLES": int(values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0),
             # to draw into a part of a target is one thing, to read a part of a texture another
             "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
             "BOKEH_CHARACTER": 2 if "BokehAxialRed" in self.parameters else int("BokehCatsEye" in self.parameters),
@@ -108,8 +106,7 @@ class Pass:
 
     def values(self) -> dict[str, float]:
         """All parameters, in layout order."""
-        unknown = set(self.parameters) - set(PARAMETERS)
-        if unknown:
+        if unknown := set(self.parameters) - set(PARAMETERS):
             raise KeyError(f"no such parameter: {', '.join(sorted(unknown))}")
         return {**PARAMETERS, **self.parameters}
 
