@@ -1,21 +1,18 @@
 """The command `validation/run mutants`."""
 
 import datetime
-import hashlib
-import json
 import random
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from bokeh_validation import paths, terminal
+from bokeh_validation import terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants import by_hand, hunt, operators
-from bokeh_validation.mutants.mutant import BAD, OUTCOMES, Mutant, originals
+from bokeh_validation.mutants.mutant import BAD, OUTCOMES, Mutant
 
 
 def mutants(
@@ -23,7 +20,7 @@ def mutants(
     sample: Annotated[int | None, typer.Option(metavar="N", help="So many of each kind, always the same.")] = None,
     json_file: terminal.JsonFile = None,
 ) -> None:
-    """Break the shaders, one mistake at a time: each must show. A complete run goes into the report."""
+    """Break the shaders, one mistake at a time: each must show."""
     some = chosen(all_mutants(), only, sample)
     terminal.check_writable(json_file)
     started = time.monotonic()
@@ -31,9 +28,6 @@ def mutants(
         results = hunt.run(some, step)
     found = as_json(some, results, time.monotonic() - started)
     terminal.write_json(json_file, found)
-    if not only and sample is None:
-        paths.ensured(default_path().parent)
-        terminal.write_json(default_path(), found)
     terminal.tell(*lines(found))
     terminal.end(not any(outcome in BAD for outcome, _ in results))
 
@@ -64,7 +58,7 @@ def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds:
         for mutant, (outcome, detail) in zip(some, results, strict=True)
     ]
     date = datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z")
-    return {"date": date, "seconds": round(seconds, 1), "shaders": _digest(), "mutants": rows}
+    return {"date": date, "seconds": round(seconds, 1), "mutants": rows}
 
 
 def lines(found: dict) -> Iterator[str]:
@@ -75,22 +69,3 @@ def lines(found: dict) -> Iterator[str]:
     count = Counter(row["outcome"] for row in found["mutants"])
     sums = ", ".join(f"{count[outcome]} {outcome}" for outcome in OUTCOMES)
     yield f"{len(found['mutants'])} mutants: {sums} ({found['seconds']:.0f} s)"
-
-
-def default_path() -> Path:
-    """Beside the report."""
-    return paths.cache_folder() / "report" / "mutants.json"
-
-
-def _digest() -> str:
-    """Tells whether results are of the shaders that are here."""
-    return hashlib.sha256("".join(originals().values()).encode()).hexdigest()
-
-
-def read() -> dict | None:
-    """What was written, and `current`: whether it is of these shaders. None where there is none that can be read."""
-    try:
-        found = json.loads(default_path().read_text(encoding="utf-8"))
-        return {**found, "current": found["shaders"] == _digest()}
-    except (OSError, ValueError, KeyError):
-        return None

@@ -8,17 +8,15 @@ import sys
 import time
 
 import pytest
-from test_validate import page_of
 
 from bokeh_validation import paths
 from bokeh_validation.errors import UserError
-from bokeh_validation.mutants import by_hand, mutants_command, operators
+from bokeh_validation.mutants import by_hand, operators
 from bokeh_validation.mutants.mutants_command import all_mutants, chosen
 
 EVERYTHING = all_mutants()
 NAMES = "caught alive refused equivalent broken"
-# `validation/run mutants` on one frame with mutants of one function, of which two do not end by themselves. It is a
-# sample of all of them: what is not a complete run does not go into the report
+# `validation/run mutants` on one frame with mutants of one function, of which two do not end by themselves
 COMMAND = """
 import signal, sys, time
 from dataclasses import replace
@@ -85,14 +83,6 @@ def test_interrupted():
     assert process.communicate(timeout=20)[1] == "" and process.returncode == 128 + signal.SIGINT
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
-
-
-def test_report(tmp_path, monkeypatch):
-    """What became of each, and whether the shaders have changed since."""
-    found = mutants_command.as_json(EVERYTHING[:1], [("equivalent", "it is the same")], 12.0)
-    monkeypatch.setattr(mutants_command, "read", lambda: {**found, "current": False})
-    page = page_of(tmp_path, [])
-    assert all(words in page for words in ("0 of 1 caught</b>, 1 equivalent", ">it is the same<", "have changed since"))
 
 
 def test_choice():
