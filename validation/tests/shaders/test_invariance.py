@@ -5,6 +5,7 @@ float cuts off of a faint edge would be size. layered: test_layers.py. Small ste
 """
 
 from dataclasses import replace
+from functools import partial
 
 import moments
 import numpy as np
@@ -99,11 +100,9 @@ def test_presets_never_change_the_size(size, driver):
     (moments.py). The lines of the paper have a sample at both ends: for each count the size that the closed form says.
     """
     edge = 0.5 * COC * size[1]
-    base = blur("exact", "hexagon", samples=33)
-    presets = [replace(base, spacing=spacing) for spacing in (1.0, 2.0, 4.0)]
-    presets += [replace(base, squeeze=0.5, spacing=1.0)]
-    presets += [replace(base, spacing=1.0, samples=7), *(replace(base, samples=samples) for samples in COUNTS)]
-    for settings in presets:
+    presets = [{"spacing": spacing} for spacing in (1.0, 2.0, 4.0)] + [{"samples": samples} for samples in COUNTS]
+    for changes in (*presets, {"spacing": 1.0, "squeeze": 0.5}, {"spacing": 1.0, "samples": 7}):
+        settings = blur("exact", "hexagon", **{"samples": 33, **changes})
         found = np.diag(check_spread(driver, settings, size).second)
         off = found - edge**2 * (2.0 + np.cos(np.pi / 3)) / 12.0 * np.array([settings.squeeze**2, 1.0])
         cell = max(settings.spacing, edge / settings.count)
@@ -123,10 +122,8 @@ def test_jitter_never_changes_the_size(driver):
     """
     size, frames = (96, 96), 24
     settings = blur("paper", "square", spacing=1.0, samples=7, jitter=1.0)
-    pixels = COC * size[1]
-    cell = pixels / 7
-    assert cell > 2
-    sums = []
+    pixels, sums = COC * size[1], []
+    assert pixels / 7 > 2
     for frame in range(frames):
         case, center = highlight(replace(settings, frame=frame), size, 5)
         found = moments.measured(float_result(driver, case)[..., 1], center)
@@ -138,13 +135,8 @@ def test_jitter_never_changes_the_size(driver):
     assert (mean >= wanted - 4 * error).all() and (mean <= wanted + 0.5 + 4 * error).all(), (mean, wanted, error)
 
 
-# ----------------------------------------------------------------------------------------------------------------------
-# pictures, on half floats, as in use
-# ----------------------------------------------------------------------------------------------------------------------
-
-
 def check_same(driver: Driver, case: Case, change, settings: Settings, border: int = 0) -> metrics.Comparison:
-    """change(blur(image)) is blur'(change(image)): within both acceptance intervals, which both may use up.
+    """change(blur(image)) is blur'(change(image)) on half floats: within both intervals, which both may use up.
 
     change  a function of arrays, of colour and of depth
     border  pixels at the image's edges that are left out
@@ -234,10 +226,5 @@ def test_translation(settings, driver):
     uv is a float32: a place is known to 8 2^-24 of the width, elsewhere another 8 2^-24 (reference/precision.py).
     """
     settings = replace(settings, coc=0.3)
-    size, shift = (96, 60), (17, -5)
-    case, _ = highlight(settings, size, 3)
-
-    def moved(image: np.ndarray) -> np.ndarray:
-        return np.roll(image, shift[::-1], axis=(0, 1))
-
-    check_same(driver, case, moved, settings)
+    case, _ = highlight(settings, (96, 60), 3)
+    check_same(driver, case, partial(np.roll, shift=(-5, 17), axis=(0, 1)), settings)

@@ -22,8 +22,11 @@ from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
 BLUR = 24  # pixels
 LAYERED = near_edges.settings()
 MOVES = np.arange(17) / 8
-# CoC of planes: gathered, going into the near and into the far layer, in a layer
-PLANES = (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)
+
+
+def plane(case: Case, coc: float) -> Case:
+    """The same with one CoC everywhere, pixels."""
+    return replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1])))
 
 
 def layered(driver: Driver, case: Case) -> np.ndarray:
@@ -45,16 +48,17 @@ def test_every_preset(preset, driver):
     case = noise_case((64, 32), settings)
     case.color[4::9, 5::11, :3] = lights.LIGHT
     for coc in (0.0, 0.9, -0.9):
-        found = result(driver, replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1]))))
+        found = result(driver, plane(case, coc))
         np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
     case = noise_case((61, 43), settings)
     case.color[..., :3] = 0.7, 0.3, 40.0
     noise = np.random.default_rng(5).uniform(0.8, 30.0, case.depth.shape).astype(np.float32)
-    planes = [depth_of(case.size, near_edges.metres(coc, case.size[1])) for coc in PLANES]
-    for depth in (case.depth, noise, *planes):
-        off = layered(driver, replace(case, depth=depth)) / case.color[..., :3].astype(np.float64) - 1.0
+    # gathered, going into the near and into the far layer, in a layer
+    planes = [plane(case, coc) for coc in (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)]
+    for each in (case, replace(case, depth=noise), *planes):
+        off = layered(driver, each) / case.color[..., :3].astype(np.float64) - 1.0
         # a mean of one colour: a layer and its share are cut off three times each, the picture once
-        assert np.abs(off).max() <= 4 * near_edges.STEP, depth[0]
+        assert np.abs(off).max() <= 4 * near_edges.STEP, each.depth[0]
     for coc in lights.LIGHT_COCS:
         case = lights.light_case(coc, 1, preset)
         around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
