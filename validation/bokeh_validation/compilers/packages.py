@@ -1,6 +1,5 @@
 """Libraries out of packages of PyPI, fetched once into the cache folder, pinned by version and hash."""
 
-import subprocess
 import sys
 import tarfile
 import tempfile
@@ -8,7 +7,7 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from bokeh_validation import locks
+from bokeh_validation import locks, process
 from bokeh_validation.errors import Unavailable
 
 DOWNLOAD_S = 540
@@ -51,13 +50,8 @@ class Package:
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", *self.options, "--require-hashes"]
         command += ["-r", str(requirements), "-d", str(folder)]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=DOWNLOAD_S)
-            problem = "" if done.returncode == 0 else done.stderr.strip() or "no message"
-        except subprocess.TimeoutExpired:
-            problem = f"it took over {DOWNLOAD_S} s"
-        if problem:
-            raise Unavailable(
-                f"could not download {self.name} {self.version} for {self.compiler}: {problem.splitlines()[-1]}; "
-                "validation/run doctor --install fetches it"
-            )
+            process.run(command, DOWNLOAD_S)
+        except RuntimeError as error:
+            problem = f"could not download {self.name} {self.version} for {self.compiler}"
+            raise Unavailable(f"{problem}: {str(error).splitlines()[-1]}") from error
         return folder / self.archive
