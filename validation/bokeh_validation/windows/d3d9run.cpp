@@ -102,23 +102,12 @@ struct D3D9 {
         TRY(copy->UnlockRect());
     }
 
-    /* States that no draw changes. */
+    /* What no draw changes. By default there is no depth test, no blending and no filter between mip levels. */
     void set_states()
     {
-        static const D3DVERTEXELEMENT9 ELEMENTS[] = {
-            {0, 0, D3DDECLTYPE_FLOAT4, D3DDECLMETHOD_DEFAULT, D3DDECLUSAGE_POSITION, 0},
-            {0, 16, D3DDECLTYPE_FLOAT2, D3DDECLMETHOD_DEFAULT, D3DDECLUSAGE_TEXCOORD, 0},
-            D3DDECL_END(),
-        };
-        ComPtr<IDirect3DVertexDeclaration9> declaration;
-        TRY(device->CreateVertexDeclaration(ELEMENTS, &declaration));
-        TRY(device->SetVertexDeclaration(declaration.Get()));
-        TRY(device->SetDepthStencilSurface(nullptr));
-        TRY(device->SetRenderState(D3DRS_ZENABLE, FALSE));
+        TRY(device->SetFVF(D3DFVF_XYZW | D3DFVF_TEX1));
         TRY(device->SetRenderState(D3DRS_CULLMODE, D3DCULL_NONE));
-        TRY(device->SetRenderState(D3DRS_ALPHABLENDENABLE, FALSE));
         for (int slot = 0; slot < NUM_SLOTS; slot++) {
-            TRY(device->SetSamplerState(slot, D3DSAMP_MIPFILTER, D3DTEXF_NONE));
             TRY(device->SetSamplerState(slot, D3DSAMP_ADDRESSU, D3DTADDRESS_CLAMP));
             TRY(device->SetSamplerState(slot, D3DSAMP_ADDRESSV, D3DTADDRESS_CLAMP));
         }
@@ -136,8 +125,6 @@ struct D3D9 {
         D3DPRESENT_PARAMETERS present{};
         present.Windowed = TRUE;
         present.SwapEffect = D3DSWAPEFFECT_DISCARD;
-        present.BackBufferWidth = present.BackBufferHeight = 16;
-        present.BackBufferFormat = D3DFMT_X8R8G8B8;
         present.hDeviceWindow = window;
         TRY(direct3d->CreateDevice(D3DADAPTER_DEFAULT, D3DDEVTYPE_HAL, window,
                                    D3DCREATE_HARDWARE_VERTEXPROCESSING | D3DCREATE_FPU_PRESERVE, &present, &device));
