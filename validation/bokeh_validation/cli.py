@@ -14,8 +14,6 @@ from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.jobs import end_programs
 
-EXIT_BAD_INPUT = 2
-
 # name -> module
 COMMANDS = {
     "doctor": "doctor",
@@ -82,10 +80,8 @@ def main() -> None:
     signal.signal(signal.SIGTERM, _stop)
     try:
         code = application()(standalone_mode=False)
-    except UserError as error:
+    except (UserError, Unavailable) as error:
         code = _refuse(str(error))
-    except Unavailable as error:
-        code = _refuse(f"not on this machine: {error}")
     except TyperException as error:
         text = error.format_message() if hasattr(error, "format_message") else str(error)
         code = _refuse(f"{' '.join(text.split())} See validation/run --help.")
@@ -109,4 +105,4 @@ def _stop(*_) -> None:
 
 def _refuse(message: str) -> int:
     print(f"error: {message}", file=sys.stderr)
-    return EXIT_BAD_INPUT
+    return 2

@@ -3,7 +3,6 @@
 import platform
 import sys
 from collections.abc import Callable
-from functools import partial
 from typing import Annotated
 
 import typer
@@ -12,25 +11,15 @@ from rich.table import Table
 from bokeh_validation import drivers, paths
 from bokeh_validation.compilers import dxc, fxc
 from bokeh_validation.compilers.registry import COMPILERS
-from bokeh_validation.errors import Unavailable
 from bokeh_validation.terminal import console
 
-FOUND, MISSING = "[green]found[/]", "[yellow]missing[/]"
 
-
-def find(name: str, check: Callable[[], str]) -> tuple[str, str]:
-    """FOUND with the version or adapter that `check` gives, or MISSING with how to install it."""
+def find(check: Callable[[], str]) -> tuple[str, str]:
+    """'found' with the version or adapter that `check` gives, or 'missing' with how to install it."""
     try:
-        detail = check()
-    except Unavailable as error:
-        return MISSING, str(error)
+        return "[green]found[/]", check()
     except Exception as error:  # a broken installation is a finding, not a crash
-        return MISSING, f"broken: {' '.join(str(error).split())[:200]}"
-    return FOUND, detail
-
-
-def _adapter(driver: str) -> str:
-    return drivers.load(driver).adapter
+        return "[yellow]missing[/]", " ".join(str(error).split())
 
 
 def environment() -> dict[str, str]:
@@ -52,9 +41,9 @@ def doctor(
         fxc.fetch()
     table = Table("", "", "", box=None, show_header=False, pad_edge=False)
     for tool, version in {compiler.tool: compiler.version for compiler in COMPILERS}.items():
-        table.add_row(f"compiler {tool}", *find(tool, version))
+        table.add_row(f"compiler {tool}", *find(version))
     for name in drivers.NAMES:
-        table.add_row(f"driver {name}", *find(name, partial(_adapter, name)))
+        table.add_row(f"driver {name}", *find(lambda name=name: drivers.load(name).adapter))
     for name, value in environment().items():
         table.add_row(name, "", value)
     console.print(table)

@@ -131,9 +131,5 @@ def _printable(text: str) -> str:
 def write(path: Path, pixels: np.ndarray) -> None:
     """Write (H, W, 4) float16 or float32 as R G B A, ZIP-compressed; the file appears complete or not at all."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-
-    def save(partial: Path) -> None:
-        with OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels)}) as file:
-            file.write(str(partial))
-
-    files.whole(path, save)
+    file = OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels)})
+    files.whole(path, lambda partial: file.write(str(partial)))

@@ -103,33 +103,29 @@ def _wrapped(text: str, width: int) -> list[str]:
     return lines
 
 
-def png_bytes(pixels: np.ndarray) -> bytes:
-    """8-bit rgb (H, W, 3) as a PNG."""
-    return _encoded(Image.fromarray(pixels), "PNG", optimize=True)
+def _encoded(pixels: np.ndarray, kind: str, **options: object) -> bytes:
+    """8-bit rgb (H, W, 3) as a PNG, JPEG or WebP."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, kind, **options)
+    return buffer.getvalue()
 
 
 def png_uri(pixels: np.ndarray) -> str:
     """8-bit rgb as a data: address, for a page without files beside it."""
-    return f"data:image/png;base64,{base64.b64encode(png_bytes(pixels)).decode('ascii')}"
+    return f"data:image/png;base64,{base64.b64encode(_encoded(pixels, 'PNG', optimize=True)).decode('ascii')}"
 
 
 def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
     """8-bit rgb as a data: address, not to the last bit, and at most so wide."""
-    picture = Image.fromarray(pixels)
-    if width and picture.width > width:
-        picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
-    return f"data:image/jpeg;base64,{base64.b64encode(_encoded(picture, 'JPEG', quality=85)).decode('ascii')}"
-
-
-def _encoded(picture: Image.Image, kind: str, **options: object) -> bytes:
-    buffer = io.BytesIO()
-    picture.save(buffer, kind, **options)
-    return buffer.getvalue()
+    if width and pixels.shape[1] > width:
+        height = round(pixels.shape[0] * width / pixels.shape[1])
+        pixels = np.asarray(Image.fromarray(pixels).resize((width, height), Image.Resampling.BOX))
+    return f"data:image/jpeg;base64,{base64.b64encode(_encoded(pixels, 'JPEG', quality=85)).decode('ascii')}"
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
     """Write 8-bit rgb; the file appears complete or not at all."""
-    data = png_bytes(pixels)
+    data = _encoded(pixels, "PNG", optimize=True)
     files.whole(path, lambda partial: partial.write_bytes(data))
 
 
@@ -138,8 +134,8 @@ def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
 
     All 24 bits are kept: a comparison of blur must not have bands of its own.
     """
-    data, path = png_bytes(pixels), folder / f"{name}.png"
+    data, path = _encoded(pixels, "PNG", optimize=True), folder / f"{name}.png"
     if len(data) > MAX_PNG_BYTES:
-        data, path = _encoded(Image.fromarray(pixels), "WEBP", lossless=True, quality=100), folder / f"{name}.webp"
+        data, path = _encoded(pixels, "WEBP", lossless=True, quality=100), folder / f"{name}.webp"
     files.whole(path, lambda partial: partial.write_bytes(data))
     return path

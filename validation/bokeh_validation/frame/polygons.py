@@ -59,15 +59,9 @@ def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, fl
     return inside(polygon, x, y).reshape(height, SUBPIXELS, width, SUBPIXELS).mean(axis=(1, 3))
 
 
-def moment_phase(weights: np.ndarray, center: tuple[float, float], folds: int) -> float:
-    """Orientation of a shape with `folds`-fold symmetry: phase of its moment of that order, degrees."""
+def turn_between(weights: np.ndarray, others: np.ndarray, center: tuple[float, float], folds: int) -> float:
+    """Smallest turn between two pictures of a shape with `folds`-fold symmetry, degrees: of its moment of that order."""
     height, width = weights.shape
     y, x = np.mgrid[0:height, 0:width] + 0.5
-    z = (x - center[0]) + 1j * (y - center[1])
-    return float(np.degrees(np.angle(np.sum(weights * z**folds))) / folds)
-
-
-def angle_between(a: float, b: float, folds: int) -> float:
-    """Smallest turn between two orientations of a `folds`-fold shape, degrees."""
-    fold = 360.0 / folds
-    return abs((a - b + fold / 2) % fold - fold / 2)
+    moment = ((x - center[0]) + 1j * (y - center[1])) ** folds
+    return abs(float(np.degrees(np.angle(np.sum(weights * moment) / np.sum(others * moment))))) / folds

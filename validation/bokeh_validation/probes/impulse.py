@@ -66,7 +66,7 @@ def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Che
     truth = analytic(aperture, rotation)
     seen = np.clip(value / plateau(aperture), 0.0, 1.0)
     area, edge = truth.sum(), _edge(aperture)
-    turn = polygons.angle_between(*(polygons.moment_phase(shape, center, folds) for shape in (seen, truth)), folds)
+    turn = polygons.turn_between(seen, truth, center, folds)
     radius = max(np.linalg.norm(shape, axis=1).max() for shape in outlines(aperture, rotation))
     least = (area - edge) / (area + edge)
     why, farthest = "the boundary is known to half a pixel", "half a pixel at the farthest corner"

@@ -115,24 +115,24 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
     """
     programs = []
     for language, profile, main_compilers, others in VARIANTS:
-        base = language if language == profile else f"{language}-{profile}"
+        variant = language if language == profile else f"{language}-{profile}"
         compilers = tuple((main_compilers if main else f"{main_compilers} {others}").split())
-        for switch, entry, count in _entries(profile, quick):
-            variant, values = (f"{base}-{switch}", SWITCHES[switch]) if switch else (base, {})
-            programs.append(Program(variant, language, profile, entry, count, compilers, values))
+        for entry, count in _entries(quick):
+            programs.append(Program(variant, language, profile, entry, count, compilers))
+        for switch, values in () if quick else SWITCHES.items():
+            no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
+            for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
+                if not any(part in entry.name for part in no_room):
+                    count, named = None if entry.layers else 7, f"{variant}-{switch}"
+                    programs.append(Program(named, language, profile, entry.name, count, compilers, values))
     return programs
 
 
-def _entries(profile: str, quick: bool) -> Iterator[tuple[str, str, int | None]]:
-    """(switch or '', entry, sample count) of a profile."""
-    yield "", VERTEX, None
+def _entries(quick: bool) -> Iterator[tuple[str, int | None]]:
+    """Each entry with its sample counts."""
+    yield VERTEX, None
     for entry in entries.ENTRIES.values():
         counts = (None,) if entry.layers else SAMPLES.get(entry.role, (None,))
         if quick:
             counts = (PAPER_SAMPLES,) if PAPER_SAMPLES in counts else counts[:1]
-        yield from (("", entry.name, count) for count in counts)
-    for switch in () if quick else SWITCHES:
-        no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
-        for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
-            if not any(part in entry.name for part in no_room):
-                yield switch, entry.name, None if entry.layers else 7
+        yield from ((entry.name, count) for count in counts)
