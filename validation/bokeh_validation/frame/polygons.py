@@ -60,7 +60,7 @@ def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, fl
 
 
 def turn_between(weights: np.ndarray, others: np.ndarray, center: tuple[float, float], folds: int) -> float:
-    """Smallest turn between two pictures of a shape with `folds`-fold symmetry, degrees: of its moment of that order."""
+    """Smallest turn between two pictures of a shape with `folds`-fold symmetry, degrees: that of their moments."""
     height, width = weights.shape
     y, x = np.mgrid[0:height, 0:width] + 0.5
     moment = ((x - center[0]) + 1j * (y - center[1])) ** folds

@@ -109,11 +109,9 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
         terminal.tell(f"market_7, {panel.caption}: {panel.numbers} against the truth")
     terminal.tell(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
     if not full:
-        more = [name for name in REAL if name not in BRIEF_DRIVERS]
-        terminal.tell(
-            f"Not run: {', '.join(more)}; {len(FULL_PROBES)} probes; the other compilers and sample counts; "
-            f"the engines' samples. validation/run --full has them, in about {MINUTES[True]} minutes."
-        )
+        more = ", ".join(name for name in REAL if name not in BRIEF_DRIVERS)
+        rest = f"{len(FULL_PROBES)} probes; the other compilers and sample counts; the engines' samples"
+        terminal.tell(f"Not run: {more}; {rest}. validation/run --full has them, in {MINUTES[True]} minutes.")
     terminal.end(results.ok)
 
 
