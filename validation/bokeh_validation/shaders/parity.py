@@ -21,7 +21,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 from bokeh_validation import paths, shaders, terminal
-from bokeh_validation.errors import UserError
 from bokeh_validation.shaders import rules
 from bokeh_validation.shaders.entries import ENTRIES
 
@@ -137,7 +136,11 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
     `texts`: path from the top of the checkout, 'hlsl/bokeh.hlsl' and so on -> text that stands in for that file; files
     not named are read from the checkout.
     """
-    files = {key: _read(key) for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values())} | (texts or {})
+    files: dict[str, str] = dict(texts or {})
+    for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values()):
+        if key not in files:
+            # as it is: what is not UTF-8, and every kind of line end, is for the rules to see
+            files[key] = (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
     found: list[Difference] = []
     for keys in (LIBRARY, LAYERS, PASSES):
         for language, key in keys.items():
@@ -159,14 +162,6 @@ def parity() -> None:
 def _ruled(language: str, key: str, text: str) -> list[Difference]:
     found = rules.findings(text, language, key != PASSES[language])
     return [Difference(f"{key}:{number}", what, (row,)) for number, what, row in found]
-
-
-def _read(key: str) -> str:
-    try:
-        # As it is: what is not UTF-8, and every kind of line end, is for the rules to see.
-        return (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
-    except OSError as error:
-        raise UserError(f"{key}: cannot be read ({error.strerror}). Run this in a complete checkout.") from error
 
 
 @lru_cache(maxsize=64)
