@@ -7,31 +7,28 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.mutants.mutant import Mutant, originals
 from bokeh_validation.shaders import calls
 
-LIBRARY, PASSES = "bokeh", "bokeh_passes"
 # Every slot and every way to read a texture, with depth that is none
 FRAMES = ("map, lens", "paper star", "naive", "naive, many", "exact decagon", "layered hexagon")
 # driver, file, function or '' for all of the file, what stands there, and what does now; '<->': each for the other
 MISTAKES = (
-    ("dxc", LIBRARY, "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
-    ("d3d9", LIBRARY, "FetchTexture", "coords, 0.0, 0.0", "coords + 0.01, 0.0, 0.0"),
-    ("wgpu", LIBRARY, "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
-    ("dxc", LIBRARY, "FetchNearest", "min(texel,", "min(texel + int2(1, 0),"),
-    ("wgpu", LIBRARY, "FetchNearest", "(uv)", "(uv.yx)"),
-    ("wgpu", LIBRARY, "FetchNearest", "min(texel,", "min(texel + vec2i(1, 0),"),
-    ("d3d9", LIBRARY, "FetchTable", "float(i) + 0.5", "float(i) + 1.5"),
-    ("wgpu", LIBRARY, "FetchTable", "min(i, count - 1)", "min(i, count - 2)"),
-    ("d3d9", LIBRARY, "NaiveGather", "int i = j;", "int i = 0;"),
-    ("d3d9", LIBRARY, "NaiveGather", "j + BOKEH_LOOP_LIMIT, BOKEH", "j + BOKEH_LOOP_LIMIT - 1, BOKEH"),
+    ("dxc", "bokeh", "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
+    ("d3d9", "bokeh", "FetchTexture", "coords, 0.0, 0.0", "coords + 0.01, 0.0, 0.0"),
+    ("wgpu", "bokeh", "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
+    ("dxc", "bokeh", "FetchNearest", "min(texel,", "min(texel + int2(1, 0),"),
+    ("wgpu", "bokeh", "FetchNearest", "min(texel,", "min(texel + vec2i(1, 0),"),
+    ("d3d9", "bokeh", "FetchTable", "float(i) + 0.5", "float(i) + 1.5"),
+    ("wgpu", "bokeh", "FetchTable", "min(i, count - 1)", "min(i, count - 2)"),
+    ("d3d9", "bokeh", "NaiveGather", "j + BOKEH_LOOP_LIMIT, BOKEH", "j + BOKEH_LOOP_LIMIT - 1, BOKEH"),
     # the same in all languages, but only Direct3D 9 takes NaN for farther than every sample
-    ("d3d9", LIBRARY, "DepthOfField", "BokehSafeDepth(BokehFetchNearest", "(BokehFetchNearest"),
-    ("dxc", PASSES, "", "BokehColorSampB : register(t", "<->BokehColorSampC : register(t"),
-    ("d3d9", PASSES, "", "BokehColorSampB : register(s", "<->BokehColorSampC : register(s"),
-    ("wgpu", PASSES, "", " var BokehColorSampB:", "<-> var BokehColorSampC:"),
-    ("dxc", PASSES, "FullScreen_VS", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
-    ("d3d9", PASSES, "FullScreen_VS", "float2(-1.0, 1.0)", "float2(0.0, 0.0)"),
-    ("egl", PASSES, "FullScreen_VS", "vec4(BokehUV * 2.0 - 1.0,", "vec4(1.0 - BokehUV * 2.0,"),
-    ("egl", PASSES, "FullScreen_VS", "== 1 ? 2.0", "== 1 ? 1.0"),
-    ("wgpu", PASSES, "FullScreen_VS", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
+    ("d3d9", "bokeh", "DepthOfField", "BokehSafeDepth(BokehFetchNearest", "(BokehFetchNearest"),
+    ("dxc", "bokeh_passes", "", "BokehColorSampB : register(t", "<->BokehColorSampC : register(t"),
+    ("d3d9", "bokeh_passes", "", "BokehColorSampB : register(s", "<->BokehColorSampC : register(s"),
+    ("wgpu", "bokeh_passes", "", " var BokehColorSampB:", "<-> var BokehColorSampC:"),
+    ("dxc", "bokeh_passes", "FullScreen_VS", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
+    ("d3d9", "bokeh_passes", "FullScreen_VS", "float2(-1.0, 1.0)", "float2(0.0, 0.0)"),
+    ("egl", "bokeh_passes", "FullScreen_VS", "vec4(BokehUV * 2.0 - 1.0,", "vec4(1.0 - BokehUV * 2.0,"),
+    ("egl", "bokeh_passes", "FullScreen_VS", "== 1 ? 2.0", "== 1 ? 1.0"),
+    ("wgpu", "bokeh_passes", "FullScreen_VS", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
 )
 LANGUAGES = {"egl": "glsl", "dxc": "hlsl", "d3d9": "hlsl", "wgpu": "wgsl"}
 
@@ -39,8 +36,8 @@ LANGUAGES = {"egl": "glsl", "dxc": "hlsl", "d3d9": "hlsl", "wgpu": "wgsl"}
 def mutants() -> Iterator[Mutant]:
     """Each of them. Raises UserError where one does not fit the shaders."""
     for number, (driver, file, function, old, new) in enumerate(MISTAKES, 1):
-        language = LANGUAGES[driver]
-        key, place = f"{language}/{file}.{language}", f"Bokeh{function}" if function else file
+        key = f"{LANGUAGES[driver]}/{file}.{LANGUAGES[driver]}"
+        place = f"Bokeh{function}" if function else file
         pairs = {old: new.removeprefix("<->")}
         if new.startswith("<->"):
             pairs |= {after: before for before, after in pairs.items()}

@@ -26,9 +26,10 @@ LIMIT_S = 300
 # What a driver says of a program that does not compile
 COMPILER = re.compile("GLSL Compiler failed|GLSL Linker failed")
 FORK = multiprocessing.get_context("fork")
+_loaded = cache(drivers.load)
 
 
-def run(mutants: Sequence[Mutant], step: Callable[[str], None] = lambda _: None) -> list[tuple[str, str]]:
+def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[str, str]]:
     """Outcome and detail of each, in their order. Raises UserError where the shaders as they are do not pass."""
     judges = _prepared(mutants)
     results: dict[str, tuple[str, str]] = {}
@@ -66,11 +67,6 @@ def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
             labels = [label for label in everything if label in asked]
             result[driver] = sum(pool.map(_judges, [driver] * len(labels), labels), [])
     return result
-
-
-@cache
-def _loaded(driver: str) -> drivers.Driver:
-    return drivers.load(driver)
 
 
 def _judges(name: str, label: str) -> list[Judge]:

@@ -29,6 +29,7 @@ for pair in f"{PAIRS}, {SWIZZLES}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
+GUARDS = r"(?:clamp|abs|BokehSafe\w+|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
 
 
@@ -36,26 +37,11 @@ def _other(found: re.Match, _: Types) -> str:
     return OTHER[found[0]]
 
 
-def _without(_: re.Match, __: Types) -> str:
-    return ""
-
-
 def _number(found: re.Match, _: Types) -> str:
     """Another number: one less where it is the end of a loop, else one more or twice as much."""
     if "." not in found[0]:
         return str(int(found[0]) + (-1 if found.string[: found.start()].endswith("< ") else 1))
     return repr(2.0 * float(found[0])) if float(found[0]) else "1.0"
-
-
-def _first_argument(found: re.Match, _: Types) -> str:
-    """Of a call, in brackets."""
-    begin = found[0].index("(")
-    depth = 0
-    for place in range(begin, len(found[0])):
-        depth += {"(": 1, ")": -1}.get(found[0][place], 0)
-        if depth == 0 or (depth == 1 and found[0][place] == ","):
-            return f"{found[0][begin:place]})"
-    return found[0]
 
 
 def _swapped(found: re.Match, types: Types) -> str:
@@ -75,8 +61,8 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
     "axis": (r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|T\d)\b(?!\()", _other),
     "constant": (r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])", _number),
     "operands": (rf"{ORDERED}({NAME}), ({NAME})\b(?![.(])", _swapped),
-    "guard": (rf"\b(?:clamp|abs|BokehSafe\w+|BokehToTexture|BokehGridCoords|min|max){CALL}", _first_argument),
-    "term": (rf"(?<!= 1\.0) [-+*/] {TERM}(?=[;,) ])|(?<![\w)] )-(?=[\w(])", _without),
+    "guard": (rf"\b{GUARDS}\(((?:[^(),]|{CALL})*)(?:,(?:[^()]|{CALL})*)?\)", lambda found, _: f"({found[1]})"),
+    "term": (rf"(?<!= 1\.0) [-+*/] {TERM}(?=[;,) ])|(?<![\w)] )-(?=[\w(])", lambda *_: ""),
     "never": (r"(?<=if )\(.*\)\Z", lambda *_: "(false)"),
     "always": (r"(?<=if )\(.*\)\Z", lambda *_: "(true)"),
     "dropped": (r"\A(?!return|break|for|if|else)[\w.]+(?: [-+*]?=|\().*;\Z", lambda *_: ";"),
