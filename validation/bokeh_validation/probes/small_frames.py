@@ -37,8 +37,7 @@ ALL = {
     "bleeding_mult": 30.0,
     "camera": Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
 }
-# up to 64 the noise is the same with the number of the frame and that of the pass in each other's place
-ADAPTIVE = {"spacing": 1.5, "jitter": 1.0, "frame": 125}
+ADAPTIVE = {"spacing": 1.5, "jitter": 1.0, "frame": 61}
 CUT = {"cats_eye": 0.7, "roundness": 0.5}
 AXIAL = {"axial": (0.05, -0.03), **CUT, **ADAPTIVE}
 WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels of 50
