@@ -1,6 +1,5 @@
 """The command `validation/run mutants`."""
 
-import datetime
 import random
 import time
 from collections import Counter
@@ -57,8 +56,7 @@ def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds:
         {"name": mutant.name, "change": mutant.change, "outcome": outcome, "detail": detail}
         for mutant, (outcome, detail) in zip(some, results, strict=True)
     ]
-    date = datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z")
-    return {"date": date, "seconds": round(seconds, 1), "mutants": rows}
+    return {"seconds": round(seconds, 1), "mutants": rows}
 
 
 def lines(found: dict) -> Iterator[str]:

@@ -39,7 +39,7 @@ for name in sys.argv.pop(1).split():
     mutants.append(replace(some, name=name, texts=texts, argued="so" if name == "equivalent" else ""))
 hunt._judged, mutants_command.all_mutants = judged, lambda: mutants
 small_frames.all_frames = lambda: {"paper": small_frames.of_settings(small_frames.PAPER)}
-sys.argv[1:] = ["mutants", "--sample", "9", *sys.argv[1:]]
+sys.argv[1:] = ["mutants", *sys.argv[1:]]
 cli.main()
 """
 
@@ -69,9 +69,9 @@ def test_outcomes(tmp_path):
     process = command(NAMES, "--json", str(tmp_path / "found.json"))
     said, errors = process.communicate()
     assert (process.returncode, errors) == (1, "")
-    found = json.loads((tmp_path / "found.json").read_text())["mutants"]
-    assert {row["name"] for row in found if row["name"] == row["outcome"]} == set(NAMES.split())
     assert "5 mutants: 1 caught, 1 equivalent, 1 refused, 1 alive, 1 broken" in said
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert {row["name"] for row in found["mutants"] if row["name"] == row["outcome"]} == set(NAMES.split())
 
 
 def test_interrupted():
