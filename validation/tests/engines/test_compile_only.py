@@ -42,18 +42,15 @@ def text(path: Path) -> str:
 class Sample(NamedTuple):
     """The shaders of a sample.
 
-    library  how they name bokeh.hlsl
     suffix   of an entry, behind the name of its pass
-    first    where the functions begin that the package's passes have as well, and what they need before that
+    first    where the functions begin that the package's passes have as well
     names    pattern of theirs -> the package's; alpha is the CoC there
     without  passes that the package has in another way: some read the engine's own textures
     """
 
     shader: Path
-    library: str
     suffix: str
     first: str
-    before: str
     names: dict[str, str]
     without: tuple[str, ...]
 
@@ -61,10 +58,8 @@ class Sample(NamedTuple):
 SAMPLES = {
     "unity": Sample(
         UNITY / "BokehDepthOfField.shader",
-        "bokeh.hlsl",
         "Fragment",
         "    float4 SignedCoCMapFragment",
-        "struct Varyings { float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; };\n",
         {
             r"float4\(color.rgb, 1.0\)": "color",
             "_BlitTexture": "BokehColorSamp",
@@ -77,10 +72,8 @@ SAMPLES = {
     ),
     "unreal": Sample(
         PLUGIN / "Shaders/BokehDepthOfField.usf",
-        "/Plugin/BokehDepthOfField/bokeh.ush",
         "PS",
         "BokehFilter BokehSettings()",
-        "",
         {
             r"float4\(Color.rgb, 0.0\)": "Color",
             r"LinePS\(SvPosition\)": "LinePS(SvPosition, uv)",
@@ -103,6 +96,9 @@ LEFT_OUT = {
     "BokehLineLength": "1.0",
     "BokehJitter|BokehLineCenter[XY]": "0.0",
 }
+UNITY_INPUT = "struct Varyings { float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; };\n"
+# What the samples call bokeh.hlsl
+LIBRARY = ("bokeh.hlsl", "/Plugin/BokehDepthOfField/bokeh.ush")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
@@ -117,7 +113,7 @@ def source(engine: str) -> str:
     """The same with what it includes, each file once."""
     folder = STUBS / engine
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
-    files |= {f"/{name}": path for name, path in files.items()} | {SAMPLES[engine].library: paths.library("hlsl")}
+    files |= {f"/{name}": path for name, path in files.items()} | dict.fromkeys(LIBRARY, paths.library("hlsl"))
     result, found = code(engine), 1
     while found:
         result, found = INCLUDE.subn(lambda line: text(files.pop(line[1])) if line[1] in files else "", result, count=1)
@@ -171,7 +167,7 @@ def test_passes_are_those_of_the_package(engine):
     model = f"#define BOKEH_HLSL_SM 5\n#define BOKEH_NUM_SAMPLES 33\n{text(paths.library('hlsl'))}{head}"
     package = model + replaced("// pixel shaders\n" + bodies, LEFT_OUT)
     functions = code(engine)[code(engine).index(sample.first) :]
-    own = model + sample.before + replaced(functions, sample.names)
+    own = model + UNITY_INPUT + replaced(functions, sample.names)
     entries = {"Line": "Adaptive", "LineFinal": "AdaptiveFinal"}
     for name in PASSES:
         if name not in sample.without:
