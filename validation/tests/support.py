@@ -81,8 +81,8 @@ def compiled(step: Callable[[], CompileResult]) -> CompileResult:
 
 def disassembled(module: bytes) -> str:
     """The text of a SPIR-V module."""
-    disassembler = tool.Tool("spirv-dis", "apt-get install -y spirv-tools", "--version", "^(.*)")
-    return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).output
+    disassembler = tool.Tool("spirv-dis", "apt-get install -y spirv-tools")
+    return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).messages
 
 
 def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:

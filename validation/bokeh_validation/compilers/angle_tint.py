@@ -9,10 +9,9 @@ from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.shaders.passes import SAMPLE_TYPES
 
 
-def version(api: str) -> str:
-    """Chromium, which both have the version of, and the device below 'webgl2' or 'webgpu'. Raises Unavailable."""
-    session = browser.session()
-    return f"Chromium {session.version}, {session.call(f'{api}.describe', limit=browser.COMPILE_LIMIT)['device']}"
+def version() -> str:
+    """Chromium's, which both are a part of. Raises Unavailable."""
+    return f"Chromium {browser.session().version}"
 
 
 def angle(vertex: str, fragment: str) -> CompileResult:
@@ -25,12 +24,7 @@ def angle(vertex: str, fragment: str) -> CompileResult:
 
 
 def tint(vertex: Stage, fragment: Stage) -> CompileResult:
-    """Make a WGSL module and a render pipeline of two of its entry points, with the package's bindings.
-
-    Both stages are of one module: they have the same code.
-    """
-    if vertex.code != fragment.code:
-        raise ValueError("the stages are of different modules")
+    """Make a WGSL module, the code of both stages, and a render pipeline of them, with the package's bindings."""
     job = {
         "code": fragment.code,
         "slots": SAMPLE_TYPES,

@@ -2,43 +2,33 @@
 
 import os
 import re
-import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
 
 from rich.table import Table
 
-from bokeh_validation import paths, terminal
-from bokeh_validation.compilers.registry import COMPILERS, Compiler
+from bokeh_validation import jobs, paths, terminal
+from bokeh_validation.compilers.registry import COMPILERS
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.variants import Program, load
 
 OK, FAILED, MISSING = "ok", "failed", "missing"
-STYLES = {OK: "green", FAILED: "bold red", MISSING: "yellow"}
-THREADS = 2  # for the compilers that need not stay in one
+STYLES = {FAILED: "bold red", MISSING: "yellow", OK: "green"}
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Outcome of one compiler for one program.
-
-    status   OK, FAILED or MISSING
-    message  what the compiler printed; for MISSING how to install it
-    facts    see CompileResult; warnings = number of lines printed although it is ok
-    follows  the compiler whose failure left this one without input, else empty
-    """
+    """Outcome of one compiler for one program: what it printed, or how to install it where it is MISSING."""
 
     status: str
     message: str = ""
     facts: dict[str, int] = field(default_factory=dict)
-    follows: str = ""
 
 
 @dataclass(frozen=True)
 class Row:
-    """A program, and compiler -> its outcome: of those that the program goes through."""
+    """A program, and compiler -> its outcome: of those that the program goes through, unless their input failed."""
 
     program: Program
     cells: dict[str, Cell]
@@ -46,10 +36,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Compilation:
-    """Programs that were compiled, in the order in which they were given, and the seconds that it took."""
+    """Programs that were compiled, in the order in which they were given."""
 
     rows: list[Row]
-    seconds: float
 
     @property
     def counts(self) -> dict[str, int]:
@@ -63,27 +52,18 @@ class Compilation:
         return not self.counts[FAILED] and not (os.environ.get("CI") and self.counts[MISSING])
 
     @property
-    def columns(self) -> list[str]:
-        """Names of the compilers that some row goes through."""
-        return [compiler.name for compiler in COMPILERS if any(compiler.name in row.cells for row in self.rows)]
-
-    @property
     def summary(self) -> str:
-        """One line: how many cells of each kind, and the time."""
+        """One line: how many cells of each kind."""
         counts = self.counts
         parts = [f"{len(self.rows)} programs", f"{counts[OK]} of {sum(counts.values())} compilations ok"]
-        parts += [f"{counts[kind]} {kind}" for kind in (FAILED, MISSING) if counts[kind]]
-        return ", ".join(parts) + f", {self.seconds:.1f} s"
+        return ", ".join(parts + [f"{counts[kind]} {kind}" for kind in (FAILED, MISSING) if counts[kind]])
 
     def failures(self, lines: int = 3) -> list[str]:
-        """What failed or is missing: each compiler's own first lines, once for all programs that have them in common.
-
-        Cells that only lack the output of a failed one are left out.
-        """
+        """What failed or is missing: the compiler's own first lines, once for all programs that have them in common."""
         names: dict[tuple[str, str, str], list[str]] = defaultdict(list)
         for row in self.rows:
             for column, cell in row.cells.items():
-                if cell.status != OK and not cell.follows:
+                if cell.status != OK:
                     names[column, cell.status, cell.message].append(row.program.name)
         return [
             "\n    ".join([f"{column} {status}: {len(programs)}, {programs[0]}", *message.splitlines()[:lines]])
@@ -95,70 +75,37 @@ class Compilation:
         table = Table("variant", "programs", "compilers", box=None, pad_edge=False)
         for variant in dict.fromkeys(row.program.variant for row in self.rows):
             rows = [row for row in self.rows if row.program.variant == variant]
-            words = [_words(name, [row.cells[name] for row in rows]) for name in rows[0].program.compilers]
-            table.add_row(variant, str(len(rows)), ", ".join(words))
+            cells = {name: [row.cells[name] for row in rows if name in row.cells] for name in rows[0].program.compilers}
+            table.add_row(variant, str(len(rows)), ", ".join(_words(*item) for item in cells.items() if item[1]))
         return table
 
     def as_json(self) -> dict[str, object]:
         """All of it: lists, dicts, texts and numbers only."""
-        versions = {compiler.name: _version(compiler) for compiler in COMPILERS if compiler.name in self.columns}
         rows = [{"name": row.program.name, **asdict(row)} for row in self.rows]
-        return {"ok": self.passed, "summary": self.summary, "counts": self.counts, "versions": versions, "rows": rows}
+        return {"ok": self.passed, "summary": self.summary, "counts": self.counts, "rows": rows}
 
 
-def _words(column: str, cells: Sequence[Cell]) -> str:
+def _words(column: str, cells: list[Cell]) -> str:
     """Such as 'fxc ok (up to 426 slots)' or 'naga failed 3'."""
     statuses = [cell.status for cell in cells]
-    worst = next(status for status in (FAILED, MISSING, OK) if status in statuses)
+    worst = next(status for status in STYLES if status in statuses)
     text = f"{column} [{STYLES[worst]}]{worst}[/]" + (f" {statuses.count(worst)}" if worst != OK else "")
     slots = [cell.facts["slots"] for cell in cells if "slots" in cell.facts]
     return text + (f" (up to {max(slots)} slots)" if slots else "")
 
 
-def _version(compiler: Compiler) -> str:
-    try:
-        return f"{compiler.tool} {compiler.version()}"
-    except Unavailable:
-        return ""
+def compile_programs(programs: Iterable[Program], edit: Callable[[str], str] | None = None) -> Compilation:
+    """Compile all programs. `edit` changes the text of each shader before it is compiled."""
+    return Compilation([_row(program, edit(program.source) if edit else program.source) for program in programs])
 
 
-def compile_programs(
-    programs: Iterable[Program],
-    progress: Callable[[str], None] | None = None,
-    edit: Callable[[str], str] | None = None,
-) -> Compilation:
-    """Compile all programs.
-
-    progress  called with the name of each that is finished
-    edit      changes the text of each shader before it is compiled
-    """
-    start = time.perf_counter()
-    pool = ThreadPoolExecutor(THREADS)
-    waiting = []
-    try:
-        for program in programs:
-            row, source, binaries = Row(program, {}), edit(program.source) if edit else program.source, {}
-            # OpenGL, wgpu and DXC stay in this thread while the pool runs the other compilers of earlier programs
-            _fill(row, source, binaries, True)
-            waiting.append(pool.submit(_fill, row, source, binaries, False))
-            if progress:
-                waiting[-1].add_done_callback(lambda _, name=program.name: progress(name))
-        rows = [future.result() for future in waiting]
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return Compilation(rows, time.perf_counter() - start)
-
-
-def _fill(row: Row, source: str, binaries: dict[str, bytes], one_thread: bool) -> Row:
-    """Add the cells of the compilers that need one thread, or of the others; `binaries` is what each has made."""
-    program, cells = row.program, row.cells
+def _row(program: Program, source: str) -> Row:
+    cells, binaries = {}, {}
     for compiler in COMPILERS:
-        if compiler.name not in program.compilers or compiler.one_thread != one_thread:
+        if compiler.name not in program.compilers:
             continue
         producer = next((name for name in compiler.takes if name in program.compilers), "")
-        if producer and cells[producer].status != OK:
-            message = cells[producer].message if cells[producer].status == MISSING else f"no input: {producer} failed"
-            cells[compiler.name] = Cell(cells[producer].status, message, follows=producer)
+        if producer and producer not in binaries:
             continue
         try:
             result = compiler.run(program, binaries[producer] if producer else source)
@@ -167,8 +114,9 @@ def _fill(row: Row, source: str, binaries: dict[str, bytes], one_thread: bool) -
             continue
         message = result.messages if producer else located(result.messages, source, program.language)
         cells[compiler.name] = Cell(OK if result.ok else FAILED, message, result.facts)
-        binaries[compiler.name] = result.binary
-    return row
+        if result.ok:
+            binaries[compiler.name] = result.binary
+    return Row(program, cells)
 
 
 # How each compiler writes a place, up to the line number: glslang and mesa, DXC and fxc, naga and tint
@@ -193,12 +141,18 @@ def located(message: str, source: str, language: str) -> str:
     return _PLACE.sub(place, message) if head >= 0 else message
 
 
+def compile_variant(variant: str, quick: bool = False) -> Compilation:
+    """The programs of a variant, through all of its compilers; quick: fewer, through the main ones."""
+    return compile_programs(program for program in load(quick=quick, main=quick) if program.variant == variant)
+
+
 def compile_all(json_file: terminal.JsonFile = None) -> None:
     """Every shader program through every compiler."""
     terminal.check_writable(json_file)
-    programs = load()
-    with terminal.progress("compile", len(programs)) as step:
-        compilation = compile_programs(programs, step)
+    variants = list(dict.fromkeys(program.variant for program in load()))
+    with terminal.progress("compile", len(variants)) as step:
+        parts = jobs.run([(compile_variant, (variant,)) for variant in variants], step)
+    compilation = Compilation([row for part in parts for row in part.rows])
     terminal.console.print(compilation.table())
     terminal.tell(compilation.summary, *compilation.failures())
     terminal.write_json(json_file, compilation.as_json())

@@ -20,12 +20,10 @@ PACKAGE = Package(
     "dxc",
     "compushady",
     VERSION,
-    f"compushady-{VERSION}.tar.gz",
     "5052caf9e955d8e7a48e22f536e82b44b72e83af46e824a9e99157c7809de691",
     ("--no-binary=:all:",),
     f"compushady-{VERSION}/compushady/backends/libdxcompiler_{platform.machine()}.so.3.7",
 )
-MACHINES = ("x86_64", "aarch64")
 
 CLSID_COMPILER = uuid.UUID("73e22d93-e6ce-47f3-b5bf-f0664f39c1b0").bytes_le
 IID_COMPILER3 = uuid.UUID("228B4687-5A6A-4730-900C-9702B2203F54").bytes_le
@@ -79,58 +77,25 @@ def _output(result: ctypes.c_void_p, kind: int) -> bytes:
     return data
 
 
-def _leave_without_it() -> None:
-    """End the process, once Python is done, without the library's own clean-up.
-
-    Beside Mesa's LLVM it waits for ever for a lock that is gone, or aborts the process that had succeeded.
-    """
-    program = ctypes.CDLL(None) if sys.platform == "linux" else None
-    # GNU's; its handlers are called with the exit status, which is what _exit takes
-    if hasattr(program, "on_exit"):
-        program.on_exit(program._exit, None)
-
-
-class Library:
-    """A loaded DXC."""
-
-    def __init__(self, library: Path):
-        loaded = ctypes.CDLL(str(library))
-        _leave_without_it()
-        self.instance = ctypes.c_void_p()
-        status = loaded.DxcCreateInstance(CLSID_COMPILER, IID_COMPILER3, ctypes.byref(self.instance))
-        if status or not self.instance:
-            raise Unavailable(f"libdxcompiler gave no compiler (status {status & 0xFFFFFFFF:08x})")
-
-    def compile(self, source: str, profile: str, entry: str, spirv: bool = True) -> CompileResult:
-        """Compile HLSL text to SPIR-V, or to DXIL with spirv=False."""
-        options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(spirv_options(source) if spirv else ())]
-        arguments = ((ctypes.c_wchar_p * len(options))(*options), ctypes.c_uint32(len(options)))
-        data = source.encode("ascii")
-        buffer, result = Buffer(data, len(data), UTF8), ctypes.c_void_p()
-        given = (ctypes.byref(buffer), *arguments, ctypes.c_void_p(None), IID_RESULT, ctypes.byref(result))
-        status = _call(self.instance, SLOT_FIRST, *given)
-        if status or not result:
-            return refused(f"Compile() failed with status {status & 0xFFFFFFFF:08x}")
-        outcome = ctypes.c_int32()
-        _call(result, SLOT_FIRST, ctypes.byref(outcome))
-        lines = _output(result, OUT_ERRORS).rstrip(b"\0").decode("utf-8", "replace").splitlines()
-        messages = "\n".join(line for line in lines if line.strip() != UNSIGNED)
-        binary = _output(result, OUT_OBJECT) if outcome.value == 0 else b""
-        _call(result, SLOT_RELEASE, returns=ctypes.c_uint32)
-        return accepted(messages, binary) if outcome.value == 0 else refused(messages)
-
-
 def fetch() -> Path:
     """The library, downloaded if it was not there. Raises Unavailable."""
-    if sys.platform != "linux" or platform.machine() not in MACHINES:
+    if sys.platform != "linux" or platform.machine() not in ("x86_64", "aarch64"):
         raise Unavailable(f"no DXC library for {sys.platform} {platform.machine()} in {PACKAGE.name} {VERSION}")
     return PACKAGE.fetch()
 
 
 @once
-def load() -> Library:
-    """The library, fetched on first use. Raises Unavailable."""
-    return Library(fetch())
+def load() -> ctypes.c_void_p:
+    """The compiler object of the library, which is fetched on first use. Raises Unavailable."""
+    library, program, instance = ctypes.CDLL(str(fetch())), ctypes.CDLL(None), ctypes.c_void_p()
+    # Beside Mesa's LLVM the library's own clean-up waits for ever for a lock that is gone, or aborts the process that
+    # had succeeded: leave before it. GNU's on_exit calls its handlers with the exit status, which is what _exit takes.
+    if hasattr(program, "on_exit"):
+        program.on_exit(program._exit, None)
+    status = library.DxcCreateInstance(CLSID_COMPILER, IID_COMPILER3, ctypes.byref(instance))
+    if status or not instance:
+        raise Unavailable(f"libdxcompiler gave no compiler (status {status & 0xFFFFFFFF:08x})")
+    return instance
 
 
 def version() -> str:
@@ -144,4 +109,19 @@ def build(source: str, stage: str, entry: str, to_spirv: bool = True) -> Compile
 
     Not for several threads at once: there is one compiler object. Raises Unavailable.
     """
-    return load().compile(source, {"vert": "vs_6_0", "frag": "ps_6_0"}[stage], entry, to_spirv)
+    profile = {"vert": "vs_6_0", "frag": "ps_6_0"}[stage]
+    options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(spirv_options(source) if to_spirv else ())]
+    arguments = ((ctypes.c_wchar_p * len(options))(*options), ctypes.c_uint32(len(options)))
+    data = source.encode("ascii")
+    buffer, result = Buffer(data, len(data), UTF8), ctypes.c_void_p()
+    given = (ctypes.byref(buffer), *arguments, ctypes.c_void_p(None), IID_RESULT, ctypes.byref(result))
+    status = _call(load(), SLOT_FIRST, *given)
+    if status or not result:
+        return refused(f"Compile() failed with status {status & 0xFFFFFFFF:08x}")
+    outcome = ctypes.c_int32()
+    _call(result, SLOT_FIRST, ctypes.byref(outcome))
+    lines = _output(result, OUT_ERRORS).rstrip(b"\0").decode("utf-8", "replace").splitlines()
+    messages = "\n".join(line for line in lines if line.strip() != UNSIGNED)
+    binary = _output(result, OUT_OBJECT)
+    _call(result, SLOT_RELEASE, returns=ctypes.c_uint32)
+    return accepted(messages, binary) if outcome.value == 0 else refused(messages)

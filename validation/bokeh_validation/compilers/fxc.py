@@ -5,7 +5,6 @@ A small program of ours (windows/fxc.cpp) loads it, under Wine.
 
 import hashlib
 import re
-import threading
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -25,66 +24,58 @@ BUDGETS = {
 fetch = wine.COMPILER.fetch
 
 
-class Process:
-    """The running compiler, for any number of programs. Several threads may call it: they take turns."""
+@once
+def load() -> server.Server:
+    """The running compiler, fetched, built and started on first use. Raises Unavailable."""
+    running = server.Server(programs.build("fxc", "-ld3dcompiler_47"))
+    running.start()
+    return running
 
-    def __init__(self) -> None:
-        self._server = server.Server(programs.build("fxc", "-ld3dcompiler_47"))
-        self._server.start()
-        self._turn = threading.Lock()
 
-    def compile(self, source: str, profile: str, entry: str) -> CompileResult:
-        """One program, with facts. A hang or a crash of the compiler is a refusal that says so.
-
-        profile  ps_ or vs_ and the shader model, such as ps_3_0
-        """
-        with self._turn:
-            kept = {name: self._server.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
-            for file in kept.values():
-                file.write_bytes(b"")
-            (self._server.folder / "fxc.source").write_bytes(source.encode("ascii"))
-            problem = ""
-            try:
-                self._server.ask(f"{profile} {entry}", COMPILE_S)
-            except RuntimeError as error:
-                problem = str(error)
-            said, bytecode, listing = (file.read_bytes() for file in kept.values())
-        said, listing = (text.decode("utf-8", "replace").replace("\r", "").strip("\0") for text in (said, listing))
-        messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said).strip()
-        if problem:
-            return refused(messages or problem)
-        known = facts(listing)
-        problem = over_budget(known, profile) or dead_break(listing)
-        if problem:
-            return CompileResult(False, f"{problem}\n{messages}".strip(), b"", known)
-        return accepted(messages, bytecode, known)
+def compiled(source: str, profile: str, entry: str) -> CompileResult:
+    """One program at a time, of a profile such as ps_3_0. A hang or a crash is a refusal. Raises Unavailable."""
+    running, problem = load(), ""
+    kept = {name: running.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
+    for file in kept.values():
+        file.write_bytes(b"")
+    (running.folder / "fxc.source").write_bytes(source.encode("ascii"))
+    try:
+        running.ask(f"{profile} {entry}", COMPILE_S)
+    except RuntimeError as error:
+        problem = str(error)
+    said, bytecode, listing = (file.read_bytes() for file in kept.values())
+    said, listing = (text.decode("utf-8", "replace").replace("\r", "").strip("\0") for text in (said, listing))
+    messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said).strip()
+    if problem:
+        return refused(messages or problem)
+    known = facts(listing)
+    problem = over_budget(known, profile) or dead_break(listing)
+    if problem:
+        return CompileResult(False, f"{problem}\n{messages}".strip(), b"", known)
+    return accepted(messages, bytecode, known)
 
 
 # fxc names the file with the whole path of its working directory, and (line,column); DXC writes bokeh.hlsl:12:5
 _PLACE = re.compile(r"^.*?bokeh\.hlsl\((\d+),([\d-]+)\)", re.MULTILINE)
-_SLOTS = re.compile(
-    r"approximately (\d+) instruction slots? used(?: \((\d+) texture, (\d+) arithmetic\))?", re.IGNORECASE
-)
+_SLOTS = re.compile(r"approximately (\d+) instruction slots? used", re.IGNORECASE)
 
 
 def facts(listing: str) -> dict[str, int]:
     """Counts from a disassembly.
 
-    slots, texture_slots, arithmetic_slots  as fxc counts them; without texture instructions all are arithmetic
-    temporaries, constants, samplers        registers rN, cN and sN that the code names, of shader model 3
+    slots                             as fxc counts them
+    temporaries, constants, samplers  registers rN, cN and sN that the code names, of shader model 3
     """
     code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
-    known: dict[str, int] = {}
-    if match := _SLOTS.search(listing):
-        total, texture, arithmetic = match.groups()
-        known |= {"slots": int(total), "texture_slots": int(texture or 0), "arithmetic_slots": int(arithmetic or total)}
+    match = _SLOTS.search(listing)
+    known = {"slots": int(match[1])} if match else {}
     for name, letter in {"temporaries": "r", "constants": "c", "samplers": "s"}.items():
         known[name] = len(set(re.findall(rf"(?<![\w.]){letter}\d+(?!\w)", code)))
     return known
 
 
-# break_ne and its like: a comparison, two operands
-_BREAK = re.compile(r"^\s*break_(ne|lt|gt)\s+(\S+),\s*(\S+)\s*$", re.MULTILINE)
+# break_ne and its like, of a register with itself
+_DEAD_BREAK = re.compile(r"^\s*(break_(?:ne|lt|gt)\s+(\S+),\s*\2)\s*$", re.MULTILINE)
 
 
 def dead_break(listing: str) -> str:
@@ -93,10 +84,8 @@ def dead_break(listing: str) -> str:
     fxc writes `break` as 'break_ne 1, -1' and takes the two from its constants. Where it holds -1 alone, it has been
     seen to write 'break_ne -c0.w, -c0.w', which is never taken.
     """
-    for comparison, left, right in _BREAK.findall(listing):
-        if left == right:
-            return f"miscompiled: 'break_{comparison} {left}, {right}' is never taken, the loop runs to its end"
-    return ""
+    dead = _DEAD_BREAK.search(listing)
+    return f"miscompiled: '{dead[1]}' is never taken, the loop runs to its end" if dead else ""
 
 
 def over_budget(known: Mapping[str, int], profile: str) -> str:
@@ -109,12 +98,6 @@ def over_budget(known: Mapping[str, int], profile: str) -> str:
     )
 
 
-@once
-def load() -> Process:
-    """The compiler, fetched, built and started on first use. Raises Unavailable."""
-    return Process()
-
-
 def version() -> str:
     """Of the library. Raises Unavailable."""
     load()
@@ -124,7 +107,7 @@ def version() -> str:
 def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResult:
     """HLSL of shader model 3, 4 or 5 to bytecode, with facts. `stage` is 'vert' or 'frag'. Raises Unavailable."""
     profile = {"vert": "vs", "frag": "ps"}[stage] + f"_{shader_model}_0"
-    return load().compile(source, profile, entry)
+    return compiled(source, profile, entry)
 
 
 def bytecode(source: str, profile: str, entry: str) -> Path:
@@ -135,7 +118,7 @@ def bytecode(source: str, profile: str, entry: str) -> Path:
     key = hashlib.sha256("\0".join((wine.VERSION, profile, entry, source)).encode()).hexdigest()[:32]
     kept = paths.ensured(paths.cache_folder() / "bytecode") / f"{key}.{profile}"
     if not kept.exists():
-        result = load().compile(source, profile, entry)
+        result = compiled(source, profile, entry)
         if not result.ok:
             raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
         files.whole(kept, lambda partial: partial.write_bytes(result.binary))

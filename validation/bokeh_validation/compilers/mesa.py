@@ -1,26 +1,19 @@
-"""The compiler inside an OpenGL driver (Mesa's, or a GPU vendor's), asked through a live context."""
+"""Mesa's compiler, asked through a live context."""
 
 import os
 
 import moderngl
 
 from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
-from bokeh_validation.drivers.gl import EGL, GLDriver, OSMesa
-from bokeh_validation.errors import Unavailable
+from bokeh_validation.drivers.gl import OSMesa
 
 
 @once
-def driver() -> GLDriver:
-    """OSMesa, or EGL where there is no OSMesa. Raises Unavailable."""
+def driver() -> OSMesa:
+    """Raises Unavailable."""
     # Mesa does not compile what it finds in its cache of compiled shaders
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
-    try:
-        return OSMesa()
-    except Unavailable as no_osmesa:
-        try:
-            return EGL()
-        except Unavailable:
-            raise no_osmesa from None
+    return OSMesa()
 
 
 def version() -> str:

@@ -9,18 +9,12 @@ from bokeh_validation.compilers.tool import CompileResult, Tool, accepted, once,
 from bokeh_validation.drivers.webgpu import WGPU
 
 TARGET_FORMAT = "rgba16float"
-PROGRAM = Tool("naga", "cargo install naga-cli", "--version", "^(.*)")
+PROGRAM = Tool("naga", "cargo install naga-cli")
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of a pipeline.
-
-    code       WGSL text or SPIR-V
-    entry      its entry point
-    constants  values of its override constants
-    targets    how many targets it writes, of a fragment stage
-    """
+    """One stage of a pipeline: WGSL text or SPIR-V, its override constants, and how many targets it writes."""
 
     code: str | bytes
     entry: str
@@ -69,6 +63,4 @@ def _module(code: str | bytes):
 def spirv(source: str, entry: str, constants: Mapping[str, int]) -> CompileResult:
     """SPIR-V of an entry point of WGSL, with its override constants, by naga's own program. Raises Unavailable."""
     values = [word for name, value in constants.items() for word in ("--override", f"{name}={value}")]
-    return PROGRAM.compile(
-        ["--entry-point", entry, *values, "in.wgsl", "out.spv"], {"in.wgsl": source.encode()}, "out.spv"
-    )
+    return PROGRAM.run(["--entry-point", entry, *values, "in.wgsl", "out.spv"], {"in.wgsl": source.encode()}, "out.spv")

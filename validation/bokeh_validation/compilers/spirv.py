@@ -3,22 +3,21 @@
 from bokeh_validation.compilers.tool import CompileResult, Tool
 from bokeh_validation.shaders import passes
 
-VAL = Tool("spirv-val", "apt-get install -y spirv-tools", "--version", r"^SPIRV-Tools (\S+)")
-CROSS = Tool("spirv-cross", "apt-get install -y spirv-cross", "--revision", r"^(.*)")
+VAL = Tool("spirv-val", "apt-get install -y spirv-tools")
+CROSS = Tool("spirv-cross", "apt-get install -y spirv-cross", "--revision")
 
 # HLSL's registers on the bindings of the WGSL file, all in set 0
 REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
     f"t{register}": binding for register, binding in enumerate(passes.BINDINGS.values())
 }
 
-OPENGL_RULES, VULKAN_RULES = "opengl4.5", "vulkan1.0"
 
-
-def validate(binary: bytes, environment: str = VULKAN_RULES) -> CompileResult:
-    """Check a module against the rules of an environment that spirv-val knows."""
-    return VAL.compile(["--target-env", environment, "shader.spv"], {"shader.spv": binary})
+def validate(binary: bytes, profile: str = "450") -> CompileResult:
+    """Check a module against the rules of OpenGL 4.5, for the profile 330, or else of Vulkan 1.0."""
+    environment = "opengl4.5" if profile == "330" else "vulkan1.0"
+    return VAL.run(["--target-env", environment, "shader.spv"], {"shader.spv": binary})
 
 
 def msl(binary: bytes) -> CompileResult:
     """The Metal Shading Language of a module; the text is the result's `binary`."""
-    return CROSS.compile(["shader.spv", "--msl", "--output", "out.txt"], {"shader.spv": binary}, "out.txt")
+    return CROSS.run(["shader.spv", "--msl", "--output", "out.txt"], {"shader.spv": binary}, "out.txt")

@@ -181,17 +181,18 @@ class DXC(WGPU):
     def __init__(self, adapter: str | None = None):
         from bokeh_validation.compilers import dxc
 
-        self.compiler = dxc.load()
+        dxc.load()
+        self._build = dxc.build
         super().__init__(adapter)
         self.adapter += f", DXC {dxc.RELEASE}"
-        self.vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vs_6_0")
+        self.vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vert")
 
     def modules(self, item: Pass) -> tuple:
         code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, item.constants)
-        return self.vertex, self._compile(code, item.entry + "_PS", "ps_6_0"), {}
+        return self.vertex, self._compile(code, item.entry + "_PS", "frag"), {}
 
-    def _compile(self, code: str, entry: str, profile: str):
-        result = self.compiler.compile(code, profile, entry, spirv=True)
+    def _compile(self, code: str, entry: str, stage: str):
+        result = self._build(code, stage, entry)
         if not result.ok:
-            raise RuntimeError(f"DXC refused {entry} ({profile}):\n{result.messages}")
+            raise RuntimeError(f"DXC refused {entry}:\n{result.messages}")
         return self.module(result.binary)

@@ -12,7 +12,7 @@ import numpy as np
 from rich.text import Text
 
 from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
-from bokeh_validation.compilers.compile import Compilation, compile_programs
+from bokeh_validation.compilers.compile import Compilation, compile_variant
 from bokeh_validation.probes import REAL, sections
 from bokeh_validation.probes.model import drawn
 from bokeh_validation.probes.sections import Panel, Section, loaded
@@ -50,11 +50,6 @@ def market(name: str, adapter: str | None) -> Section:
 
 def _exposed(image: np.ndarray) -> str:
     return pictures.jpeg_uri(pictures.filmic(image, truth.EXPOSURE["market_7"]), 640)
-
-
-def compiled(variant: str, brief: bool) -> Compilation:
-    """The programs of a variant, through all of its compilers or the main ones."""
-    return compile_programs(program for program in load(quick=brief, main=brief) if program.variant == variant)
 
 
 @dataclass(frozen=True)
@@ -124,13 +119,12 @@ def everything(full: bool, adapter: str | None) -> Everything:
     parts = {
         "probes": [(probes.section, (name, names, adapter)) for name in chosen],
         "engines": samples if full else [],
-        "compilation": [(compiled, (variant, not full)) for variant in variants],
+        "compilation": [(compile_variant, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }
     ordered = sorted((job for some in parts.values() for job in some), key=lambda job: job[1][0] not in SLOWEST)
     with terminal.progress("validate", len(ordered)) as step:
         results = dict(zip(ordered, jobs.run(ordered, step), strict=True))
     done = {part: [results[job] for job in some] for part, some in parts.items()}
-    rows = [row for part in done["compilation"] for row in part.rows]
-    compilation = Compilation(rows, sum(part.seconds for part in done["compilation"]))
+    compilation = Compilation([row for part in done["compilation"] for row in part.rows])
     return Everything(full, compilation, done["probes"], done["market"][0], done["engines"])

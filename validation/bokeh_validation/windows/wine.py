@@ -35,7 +35,6 @@ COMPILER = Package(
     "fxc",
     "kivy-deps-angle",
     VERSION,
-    f"kivy_deps_angle-{VERSION}-cp311-cp311-win_amd64.whl",
     "d16d68cc45a2a326a3f8f738c649bb00ae5d7c3e58cff70f415fa57bd1d28713",
     ("--only-binary=:all:", "--platform", "win_amd64", "--python-version", "3.11"),
     f"kivy_deps_angle-{VERSION}.data/data/share/angle/bin/{LIBRARY}",

@@ -180,11 +180,11 @@ def test_passes_are_those_of_the_package(engine):
 
 def check_compiled(program: str, package: str, arguments: list[str], files: dict[str, str]) -> None:
     """Without a warning. `files` are what is there, by name; those that are not headers are compiled."""
-    with needed(program):
-        found = tool.find(program, f"apt-get install -y --no-install-recommends {package}")
     names = [name for name in files if not name.endswith(".h")]
-    done = tool.run(found, [*arguments, *names], {name: code.encode("ascii") for name, code in files.items()})
-    assert done.ok and not done.output, done.output
+    compiler = tool.Tool(program, f"apt-get install -y --no-install-recommends {package}")
+    with needed(program):
+        done = compiler.run([*arguments, *names], {name: code.encode("ascii") for name, code in files.items()})
+    assert done.ok and not done.messages, done.messages
 
 
 CSHARP = {

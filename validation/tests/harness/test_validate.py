@@ -34,7 +34,7 @@ class Dark(Reference):
 def page_of(tmp_path, shown: list[Section]) -> str:
     """The report of some sections."""
     market = Section("market_7", "", strips={"": []})
-    validate.write_report(tmp_path / "page.html", validate.Everything(True, Compilation([], 0.0), shown, market, []))
+    validate.write_report(tmp_path / "page.html", validate.Everything(True, Compilation([]), shown, market, []))
     return (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
@@ -72,7 +72,7 @@ def test_missing_driver(tmp_path, monkeypatch):
     section = probes.section("leakage", ("egl",), None)
     assert section.missing == {"egl": "no egl here"} and not section.runs
     assert "egl was not run: no egl here" in page_of(tmp_path, [section])
-    results = validate.Everything(False, Compilation([], 0.0), [section], section, [])
+    results = validate.Everything(False, Compilation([]), [section], section, [])
     monkeypatch.delenv("CI", raising=False)
     assert results.ok
     monkeypatch.setenv("CI", "1")

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.shaders import parity
+from bokeh_validation.shaders import parity, passes
 
 # the passes from their entries on, and the whole of them
 FILES = {"library": parity.LIBRARY, "layers": parity.LAYERS, "passes": parity.PASSES, "bindings": parity.PASSES}
@@ -165,3 +165,13 @@ def test_a_rule_broken_in_all_languages_is_found(name):
         texts |= mutated("library", language, ALIKE[name])
     found = {difference.where.partition("/")[0] for difference in parity.check(texts)}
     assert found == ({"hlsl", "glsl"} if name == "nine parameters" else set(paths.LANGUAGES))
+
+
+@pytest.mark.parametrize(
+    ("language", "pattern"),
+    [("glsl", r"binding = (\d)\) uniform sampler2D Bokeh(\w+);"), ("wgsl", r"@binding\((\d)\) var Bokeh(\w+): tex")],
+)
+def test_bindings(language, pattern):
+    """Of the textures: those that the drivers give them. HLSL's have registers, which the compilers are told."""
+    found = re.findall(pattern, paths.passes(language).read_text(encoding="ascii"))
+    assert {slot: int(binding) for binding, slot in found} == passes.BINDINGS

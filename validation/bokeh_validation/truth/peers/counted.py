@@ -97,5 +97,5 @@ def _preprocessed(text: str) -> str:
     """Without its macros, comments and directives."""
     done = GLSLANG.run(["-E", "shader.frag"], {"shader.frag": text.encode()})
     if not done.ok:
-        raise ValueError(done.output)
-    return re.sub(r"^\s*#.*$", "", done.output, flags=re.MULTILINE)
+        raise ValueError(done.messages)
+    return re.sub(r"^\s*#.*$", "", done.messages, flags=re.MULTILINE)
