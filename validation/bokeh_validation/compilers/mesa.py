@@ -25,7 +25,7 @@ def build(vertex: str, fragment: str) -> CompileResult:
     """Compile both stages and link them to a program. Raises Unavailable."""
     driver().make_current()
     try:
-        driver().context.program(vertex_shader=vertex, fragment_shader=fragment).release()
+        driver().context.program(vertex_shader=vertex, fragment_shader=fragment)
     except moderngl.Error as error:
         return refused(str(error))
     return accepted("")
