@@ -33,7 +33,7 @@ class Option:
     help     for --help
     allowed  the words it takes, or the least and the most of a number, and the same in words
     methods  those that it has an effect on
-    needs    (test of the settings, why it has no effect where that fails, what to do)
+    needs    test of the settings, why it has no effect where that fails, what to do
     """
 
     name: str
@@ -42,7 +42,7 @@ class Option:
     help: str
     allowed: tuple = ()
     methods: tuple[str, ...] = apertures.METHODS
-    needs: tuple[Needs, ...] = ()
+    needs: Needs | None = None
 
     @property
     def parameter(self) -> inspect.Parameter:
@@ -85,7 +85,6 @@ NOISE: Needs = (
     "on paper's fixed number of samples", "Give --spacing as well, or leave it out",
 )  # fmt: skip
 PRESET: Needs = (lambda s: s.method != "layered", "on layered, whose samples come from a preset", "Give --preset")
-JITTER: Needs = (lambda s: s.jitter > 0, "without noise", "Give --jitter as well, or leave it out")
 OCTAGON: Needs = (lambda s: s.aperture == "octagon", "on other polygons", "Give --aperture octagon, or leave it out")
 POLYGON_METHODS = ("exact", "layered")
 APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
@@ -95,20 +94,18 @@ TABLE = (
     Option("aperture", "aperture", str, APERTURES, apertures.NAMES),
     Option("preset", "preset", str, "layered: low, medium, high or ultra.", tuple(methods.PRESETS), ("layered",)),
     Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: as close together.",
-           (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=(PRESET,)),
+           (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=PRESET),
     Option("spacing", "spacing", float, "Pixels between samples, as many as the CoC needs. 0: a fixed number.",
            (0, INF, "0 (a fixed number of samples) or more"), methods=("exact", "paper")),
     Option("jitter", "jitter", float, "Noise, 0 to 1, on places of samples more than a pixel apart.", UNIT,
-           methods=("exact", "layered", "paper"), needs=(NOISE,)),
-    Option("frame", "frame", int, "Number of the frame; the noise is another in each.", NOT_NEGATIVE,
-           methods=("exact", "layered", "paper"), needs=(JITTER,)),
+           methods=("exact", "layered", "paper"), needs=NOISE),
     Option("rotation", "rotation", float, "Degrees, from +x towards +y (down).", ANY),
     Option("squeeze", "squeeze", float, "Width of the bokeh over its height: 0.5 for an anamorphic lens.",
            (TINY, 16, "more than 0, at most 16")),
     Option("cats-eye", "cats_eye", float, "exact, layered: share of the bokeh's width cut off in corners.",
            (0, 0.9, "0 to 0.9, a share of the bokeh's width"), POLYGON_METHODS),
     Option("roundness", "roundness", float, "exact, layered, octagon: 0 makes a square, 1 a regular octagon.",
-           (0, 1, "0 (a square) to 1 (an octagon)"), POLYGON_METHODS, needs=(OCTAGON,)),
+           (0, 1, "0 (a square) to 1 (an octagon)"), POLYGON_METHODS, needs=OCTAGON),
     Option("axial-red", "axial.0", float, "exact, axial colour: how much more signed CoC red has.", SIGNED_HEIGHTS,
            ("exact",)),
     Option("axial-blue", "axial.1", float, "The same of blue, a fraction of the image height.", SIGNED_HEIGHTS,
@@ -116,11 +113,11 @@ TABLE = (
     Option("lateral", "lateral", float, "Lateral colour: red larger, blue smaller, a share of the image.",
            (-0.1, 0.1, "-0.1 to 0.1, a share of the image")),
     Option("mrt", "targets", bool, "exact, layered: write several targets in a pass.", methods=POLYGON_METHODS),
-    Option("aperture-diameter", "camera.aperture_diameter", float, "Metres.", NOT_NEGATIVE, needs=(LENS,)),
-    Option("focal-length", "camera.focal_length", float, "Metres.", POSITIVE, needs=(LENS,)),
+    Option("aperture-diameter", "camera.aperture_diameter", float, "Metres.", NOT_NEGATIVE, needs=LENS),
+    Option("focal-length", "camera.focal_length", float, "Metres.", POSITIVE, needs=LENS),
     Option("focus-distance", "camera.focus_distance", float, "Metres, more than the focal length.", POSITIVE,
-           needs=(LENS,)),
-    Option("sensor-height", "camera.sensor_height", float, "Metres.", POSITIVE, needs=(LENS,)),
+           needs=LENS),
+    Option("sensor-height", "camera.sensor_height", float, "Metres.", POSITIVE, needs=LENS),
     Option("max-coc", "camera.max_coc", float, "Largest CoC, fraction of the image height.", HEIGHTS),
     Option("coc", "coc", float, "The same CoC everywhere, instead of one from depth.", HEIGHTS),
 )  # fmt: skip
@@ -162,9 +159,8 @@ def check(settings: Settings, given: Iterable[Option] = ()) -> None:
         told, others = option.told(settings), " or ".join(option.methods)
         if settings.method not in option.methods:
             raise UserError(f"{told}: no effect on {settings.method}. Give --method {others}, or leave it out.")
-        for has_effect, why, advice in option.needs:
-            if not has_effect(settings):
-                raise UserError(f"{told}: no effect {why}. {advice}.")
+        if option.needs and not option.needs[0](settings):
+            raise UserError(f"{told}: no effect {option.needs[1]}. {option.needs[2]}.")
     method, aperture, count = settings.method, settings.aperture, settings.count
     camera, coc = settings.camera, settings.coc
     if method in POLYGON_METHODS and aperture not in methods.EXACT:

@@ -27,7 +27,6 @@ render --axial-red 0.01 --driver d3d9 | --driver d3d9; shader model 4
 render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give --method exact or layered
 render --roundness 1 | --roundness 1: no effect on other polygons. Give --aperture octagon
 render --preset high | --preset high: no effect on exact. Give --method layered
-render --frame 0 | --frame 0: no effect without noise. Give --jitter
 render --samples 5 --method layered | --samples 5: no effect on layered; --preset
 render --coc 0.1 --depth-channel Z | --depth-channel Z: no effect with --coc
 render --rotation inf | --rotation inf

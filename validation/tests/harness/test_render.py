@@ -61,18 +61,15 @@ def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
 def test_every_option_reaches_the_settings():
     """Each option on the command line does to the passes what its field of the settings does."""
     for option in options.TABLE:
-        jitter = 0.5 if option.name in ("jitter", "frame") else 0.0
-        settings = Settings(option.methods[0], "octagon", jitter=jitter, spacing=1.0 if jitter else 0.0)
-        given = ["--jitter", 0.5, "--spacing", 1] if jitter else []
-        settings = option.put(settings, VALUES[option.name])
-        done = called("plan", "--method", settings.method, "--aperture", settings.aperture, *given,
-                      *option.told(settings).split(), "--size", "64x48")  # fmt: skip
+        settings = option.put(Settings(option.methods[0], "octagon"), VALUES[option.name])
+        given = ["--method", settings.method, "--aperture", settings.aperture, *option.told(settings).split()]
+        done = called("plan", *given, "--size", "64x48")
         assert json.loads(done.stdout) == json.loads(json.dumps(plan.frame(settings, (64, 48)))), option.name
 
 
 VALUES = {
     "method": "paper", "aperture": "decagon", "preset": "ultra", "samples": 5, "spacing": 1.5, "jitter": 0.7,
-    "frame": 3, "rotation": 20.0, "squeeze": 0.5, "cats-eye": 0.6, "roundness": 0.3, "axial-red": 0.02,
+    "rotation": 20.0, "squeeze": 0.5, "cats-eye": 0.6, "roundness": 0.3, "axial-red": 0.02,
     "axial-blue": -0.02, "lateral": 0.03, "mrt": False, "aperture-diameter": 0.08, "focal-length": 0.06,
     "focus-distance": 3.0, "sensor-height": 0.03, "max-coc": 0.7, "coc": 0.08,
 }  # fmt: skip
