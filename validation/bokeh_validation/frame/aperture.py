@@ -55,15 +55,12 @@ class LinePass:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Decomposition:
-    """The passes of a polygon (n, 2), in order; `directions` of its sides, parallel ones counted once.
+class Decomposition(NamedTuple):
+    """The passes of a polygon, in order, and what min leaves of the light of an isolated highlight.
 
-    `light` is what min leaves of the light of an isolated highlight: `bound` at most, by however many parallelograms.
+    `bound` is the most of it that any number of parallelograms leaves.
     """
 
-    polygon: np.ndarray
-    directions: int
     passes: tuple[LinePass, ...]
     light: float
     bound: float
@@ -136,7 +133,7 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
     area = abs(polygons.signed_area(polygon))
     light = area / max(chord * hub.width for hub, _, chord in stars)
     smallest = (min(i.chord(j) * j.width for i in strips if i is not j) for j in strips)
-    return Decomposition(rotated(polygon, rotation), len(strips), tuple(passes), light, area / max(smallest))
+    return Decomposition(tuple(passes), light, area / max(smallest))
 
 
 def _checked(vertices: np.ndarray) -> np.ndarray:
@@ -235,8 +232,7 @@ def aperture(
         }
         for number, line in enumerate(shape.passes, start=1)
     ]
-    whole = {"polygon": shape.polygon.tolist(), "passes": passes, "light": shape.light, "bound": shape.bound}
-    typer.echo(json.dumps(whole, indent=1))
+    typer.echo(json.dumps({"passes": passes, "light": shape.light, "bound": shape.bound}, indent=1))
 
 
 def parsed(text: str) -> np.ndarray:
