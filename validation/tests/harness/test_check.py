@@ -21,9 +21,7 @@ def edit(tmp_path, monkeypatch):
     def replaced(file: str, old: str, new: str, languages=paths.LANGUAGES) -> None:
         for language in languages:
             path = tmp_path / language / f"{file}.{language}"
-            text = path.read_text(encoding="ascii")
-            assert old in text
-            path.write_text(text.replace(old, new, 1), encoding="ascii")
+            path.write_text(path.read_text(encoding="ascii").replace(old, new, 1), encoding="ascii")
         shaders.text.cache_clear()
 
     shaders.text.cache_clear()

@@ -46,9 +46,8 @@ cli.main()
 
 def command(*arguments: str, **more) -> subprocess.Popen:
     """The command above."""
-    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
-    return subprocess.Popen([sys.executable, "-P", "-c", COMMAND, *arguments], env=environment, **pipes, **more)
+    return subprocess.Popen([sys.executable, "-c", COMMAND, *arguments], cwd=paths.VALIDATION, **pipes, **more)
 
 
 def test_every_function_is_changed(monkeypatch):
