@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bokeh_validation.frame import apertures, methods
-from bokeh_validation.reference import segments
+from bokeh_validation.reference.lines import Segment, line_segment, parallelogram, polygon_edge
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 
@@ -117,18 +117,18 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
     if settings.method == "paper":
         (shape,) = apertures.PARALLELOGRAMS[settings.aperture]
         angles = [radians(angle) + rotation for angle in (shape.first, shape.second)]
-        lines = [segments.line_segment(angle, 1.0, (0.0, 0.0), settings.squeeze) for angle in angles]
+        lines = [line_segment(angle, 1.0, (0.0, 0.0), settings.squeeze) for angle in angles]
         return [(1.0, [_line(line, pixels, settings) for line in lines])]
     sides, paths = methods.EXACT[settings.aperture], []
     for k in range(2, sides // 2 + 1):
-        second = _line(segments.polygon_edge(k, sides, rotation, settings.squeeze, True), pixels, settings)
+        second = _line(polygon_edge(k, sides, rotation, settings.squeeze, True), pixels, settings)
         for i in range(1, k):
-            first = _line(segments.polygon_edge(i, sides, rotation, settings.squeeze, False), pixels, settings)
-            paths.append((segments.parallelogram(k, i, sides), [first, second]))
+            first = _line(polygon_edge(i, sides, rotation, settings.squeeze, False), pixels, settings)
+            paths.append((parallelogram(k, i, sides), [first, second]))
     return paths
 
 
-def _line(segment: segments.Segment, pixels: float, settings: methods.Settings) -> Filter:
+def _line(segment: Segment, pixels: float, settings: methods.Settings) -> Filter:
     """One line at a CoC of so many pixels, its covariance in closed form."""
     whole = 2.0 * segment.half * pixels
     if settings.method == "paper" and settings.spacing <= 0.0:

@@ -18,9 +18,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bokeh_validation.reference import precision, segments
-from bokeh_validation.reference.lines import lines
-from bokeh_validation.reference.segments import Segment
+from bokeh_validation.reference import precision
+from bokeh_validation.reference.formulas import filter_coc
+from bokeh_validation.reference.lines import Segment, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, LINE
 from bokeh_validation.shaders.passes import Pass
 
@@ -48,7 +48,7 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
 def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
     """The sum in the module's text, for one line."""
     (height, width), spacing = before.shape[:2], item.values()["BokehSpacing"]
-    used = [segments.filter_coc(c, height, spacing) * height for c in coc]
+    used = [filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
     reach = np.abs(line.middle) + np.abs(line.half)
     # a sample reads the texels around it

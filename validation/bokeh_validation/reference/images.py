@@ -28,6 +28,19 @@ class Image:
         fields = (self.value, self.error, self.undecided)
         return Image(*(None if field is None else field[rows, columns] for field in fields))
 
+    def drawn_over(self, part: "Image", rows: slice, columns: slice) -> "Image":
+        """With another image in a rectangle of it."""
+        fields = []
+        for name in ("value", "error", "undecided"):
+            drawn, whole = getattr(part, name), getattr(self, name)
+            if drawn is not None:
+                whole = (
+                    np.zeros((*self.value.shape[:2], *drawn.shape[2:]), drawn.dtype) if whole is None else whole.copy()
+                )
+                whole[rows, columns] = drawn
+            fields.append(whole)
+        return Image(*fields)
+
 
 def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
     """The image as a render target of `dtype` keeps it; the interval gets wider by one step.

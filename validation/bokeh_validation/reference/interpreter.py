@@ -11,7 +11,7 @@ Two places know more than the operations alone:
   * BokehRotated: the error of a direction is a disc, which a turn does not make larger.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -20,15 +20,16 @@ from pycparser import c_ast
 
 from bokeh_validation.reference import glsl
 from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
-from bokeh_validation.reference.intervals import Condition, Interval, chosen, replaced
+from bokeh_validation.reference.intervals import Condition, Interval, chosen
 from bokeh_validation.reference.precision import FLOAT_STEP
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
-FETCHES = ("BokehFetchTexture", "BokehFetchNearest")
+# what reads a texture -> the method that does
+FETCHES = {"BokehFetchTexture": "linear", "BokehFetchNearest": "nearest", "BokehFetchTable": "row"}
+# Listing 3's comparisons
+LEAKAGE = ("BokehLeakageWeight", "BokehSignedLeakageWeight")
 # the image fills its textures here: there is no viewport to set
 SET_UP = ("BokehUseViewport", "BokehSetViewport")
-# of the pixels that are still in a loop or a branch: with fewer it is run for these alone
-MOST = 0.6
 
 Variables = dict[str, object]
 
@@ -66,49 +67,48 @@ def _is_floor(node: c_ast.Node | None) -> bool:
     return is_call and isinstance(node.args.exprs[0], c_ast.ID)
 
 
-def _picked(value, pixels: np.ndarray):
-    """A variable in some of the pixels."""
-    if isinstance(value, dict):
-        return {name: _picked(member, pixels) for name, member in value.items()}
-    return value.pixels(pixels) if isinstance(value, Interval) else value
-
-
 @dataclass
 class Run:
     """A pass over some pixels.
 
     given    uniforms, constants, BokehUV; of a texture's name the name itself
-    fetch    a texture's name and uv (2, pixels) -> its filtered texel (4, pixels)
-    line     Precision.line: how far off sin and cos may be
+    textures   by their names
+    line       Precision.line: how far off sin and cos may be
+    count      of the pixels
+    undecided  (count,): where one of Listing 3's comparisons, or the jitter's side, is open and changes something
     """
 
     given: Mapping[str, object]
-    fetch: Callable[[str, Interval], Interval]
+    textures: Mapping[str, object]
     line: float
+    count: int
+    undecided: np.ndarray = field(init=False)
 
-    def main(self, entry: str, count: int) -> Variables:
-        """What a pass writes to `count` pixels, by the names of its targets."""
+    def __post_init__(self):
+        self.undecided = np.zeros(self.count, bool)
+
+    def main(self, entry: str) -> Variables:
+        """What a pass writes, by the names of its targets."""
         variables: Variables = {}
         with np.errstate(all="ignore"):
-            _Call(self, count).visit(glsl.main(entry).body, variables)
+            _Call(self, np.ones(self.count, bool)).visit(glsl.main(entry).body, variables)
         return variables
 
 
 @dataclass
 class _Loop:
-    """Pixels (count,) that are still in a loop, on some device and in float64; and with what the others left it."""
+    """Pixels (count,) that are still in a loop in float64, and with what the others left it."""
 
-    possible: np.ndarray
     value: np.ndarray
     exits: list[tuple[Condition, Variables]] = field(default_factory=list)
     stopped: bool = False
 
 
 class _Call:
-    """One call of a function, for `count` pixels."""
+    """One call of a function, for all pixels; `here` are those that some device takes to where it is."""
 
-    def __init__(self, run: Run, count: int):
-        self.run, self.count = run, count
+    def __init__(self, run: Run, here: np.ndarray, name: str = "main"):
+        self.run, self.here, self.name = run, here, name
         self.loop: _Loop | None = None
         self.result = None
 
@@ -120,13 +120,9 @@ class _Call:
         """Compute an expression."""
         return getattr(self, f"_{type(node).__name__}")(node, variables)
 
-    def on_some(self, pixels: np.ndarray, nodes: Sequence[c_ast.Node], variables: Variables, action: Callable):
-        """What `action(call, variables)` changes of the variables that some nodes mention, for some pixels only."""
-        mentioned = frozenset().union(*map(_names, nodes))
-        before = {name: _picked(value, pixels) for name, value in variables.items() if name in mentioned}
-        after = dict(before)
-        action(_Call(self.run, len(pixels)), after)
-        return {name: after[name] for name in before if after[name] is not before[name]}
+    def undecided(self, where: np.ndarray) -> None:
+        """Some of the pixels are."""
+        self.run.undecided |= where & self.here
 
     # ------------------------------------------------------------------------------------------------------ statements
 
@@ -151,7 +147,7 @@ class _Call:
         if not is_open.any():
             return False
         others = np.where(is_open, floor.low + floor.high - floor.value, floor.value)
-        before = dict(variables)
+        before, here = dict(variables), self.here
         two = len(is_open) == 2
         for swapped in ([[False]], [[True]]) if not two else ([[0], [0]], [[1], [0]], [[0], [1]], [[1], [1]]):
             swapped = np.array(swapped, bool)
@@ -159,19 +155,21 @@ class _Call:
             low = np.where(is_open, np.maximum(number.low, side), number.low)
             high = np.where(is_open, np.minimum(number.high, side + 1.0), number.high)
             limits = np.where(is_open, side, floor.low), np.where(is_open, side, floor.high)
-            here = {name: Interval(side, *limits), source: Interval(np.clip(number.value, low, high), low, high)}
-            if not swapped.any():
-                variables |= here
-                self.sequence(rest, variables)
+            after = before | {
+                name: Interval(side, *limits),
+                source: Interval(np.clip(number.value, low, high), low, high),
+            }
+            self.here = here & (is_open | ~swapped).all(axis=0)
+            if not self.here.any():
                 continue
-            pixels = np.flatnonzero((is_open | ~swapped).all(axis=0))
-            if len(pixels):
-                nodes = (node, *rest)
-                changed = self.on_some(pixels, nodes, before | here, lambda call, part: call.sequence(rest, part))
-                for changed_name in set(changed) & set(before) - {name, source}:
-                    whole = variables[changed_name]
-                    variables[changed_name] = replaced(whole, changed[changed_name], pixels, self.count, widened=True)
-        variables[source] = number
+            self.sequence(rest, after)
+            if not swapped.any():
+                variables |= after
+            else:
+                # for these pixels the interval around both
+                other = Condition(np.ones_like(here), ~self.here, np.ones_like(here))
+                variables |= {k: chosen(other, variables[k], after[k]) for k in set(before) - {name, source}}
+        self.here, variables[source] = here, number
         return True
 
     def _DeclList(self, node: c_ast.DeclList, variables: Variables) -> None:
@@ -210,43 +208,31 @@ class _Call:
             yes = self.branch(node.iftrue, variables, where.possible)
             no = self.branch(node.iffalse, variables, ~where.sure)
             variables |= {name: chosen(where, yes[name], no[name]) for name in variables}
+            if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
+                weight = variables["weight"]
+                self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])
 
     def of_all(self, where: Condition) -> Condition:
         """A condition of every pixel by itself."""
-        return Condition(*(np.broadcast_to(each, self.count) for each in (where.value, where.sure, where.possible)))
+        return Condition(*(np.broadcast_to(each, self.run.count) for each in (where.value, where.sure, where.possible)))
 
     def branch(self, node: c_ast.Node | None, variables: Variables, where: np.ndarray) -> Variables:
         """All variables after a branch that some pixels take."""
-        if node is None or not where.any():
-            return variables
-        after = dict(variables)
-        if where.mean() > MOST:
+        after, here = dict(variables), self.here
+        self.here = here & where
+        if node is not None and self.here.any():
             self.visit(node, after)
-            return after
-        pixels = np.flatnonzero(where)
-        changed = self.on_some(pixels, [node], variables, lambda call, part: call.visit(node, part))
-        return after | {name: replaced(after[name], part, pixels, self.count) for name, part in changed.items()}
+        self.here = here
+        return after
 
     def _For(self, node: c_ast.For, variables: Variables) -> None:
-        known = set(variables)
+        known, outer, here = set(variables), self.loop, self.here
+        loop = self.loop = _Loop(np.ones_like(here))
         self.visit(node.init, variables)
-        self.iterate(node, variables)
-        for name in set(variables) - known:
-            del variables[name]
-
-    def iterate(self, node: c_ast.For, variables: Variables) -> None:
-        """A loop from its condition on."""
-        outer, every = self.loop, np.ones(self.count, bool)
-        loop = self.loop = _Loop(every, every)
         while (going := self.value(node.cond, variables)) is not False:
             if going is not True:
                 self.leave(~going, variables)
-            if not loop.possible.any():
-                break
-            if loop.possible.mean() <= MOST:
-                pixels = np.flatnonzero(loop.possible)
-                changed = self.on_some(pixels, [node], variables, lambda call, part: call.iterate(node, part))
-                variables |= {k: replaced(variables[k], part, pixels, self.count) for k, part in changed.items()}
+            if not self.here.any():
                 break
             self.visit(node.stmt, variables)
             if loop.stopped:
@@ -254,15 +240,17 @@ class _Call:
             self.value(node.next, variables)
         for where, left_with in reversed(loop.exits):
             variables |= {name: chosen(where, value, variables[name]) for name, value in left_with.items()}
-        self.loop = outer
+        self.loop, self.here = outer, here
+        for name in set(variables) - known:
+            del variables[name]
 
     def leave(self, where: Condition, variables: Variables) -> None:
         """Pixels leave the loop where a condition holds."""
         loop, where = self.loop, self.of_all(where)
-        where = Condition(where.value & loop.value, where.sure & loop.possible, where.possible & loop.possible)
+        where = Condition(where.value & loop.value, where.sure & self.here, where.possible & self.here)
         if where.possible.any():
             loop.exits.append((where, dict(variables)))
-        loop.possible, loop.value = loop.possible & ~where.sure, loop.value & ~where.value
+        self.here, loop.value = self.here & ~where.sure, loop.value & ~where.value
 
     def _Break(self, node: c_ast.Break, variables: Variables) -> None:
         del node, variables
@@ -289,6 +277,8 @@ class _Call:
         if node.op == "-" and _is_floor(node.right) and _names(node.left) == _names(node.right.args):
             # x - floor(x): from 0 to 1 on either side of a whole number
             wraps = right.low != right.high
+            if self.name == "BokehNoise" and self.run.given["BokehJitter"].value > 0.0:
+                self.undecided(np.broadcast_to(wraps[0], self.run.count))
             limits = np.where(wraps, 0.0, difference.low), np.where(wraps, 1.0, difference.high)
             return Interval(difference.value, *limits)
         return difference
@@ -297,6 +287,8 @@ class _Call:
         value = self.value(node.expr, variables)
         if node.op == "p++":
             variables[node.expr.name] = value + 1
+        if node.op == "!":
+            return not value if isinstance(value, bool) else ~value
         return -value
 
     def _StructRef(self, node: c_ast.StructRef, variables: Variables):
@@ -314,7 +306,7 @@ class _Call:
             return None
         arguments = [self.value(argument, variables) for argument in node.args.exprs] if node.args else []
         if name in FETCHES:
-            return self.run.fetch(*arguments[:2])
+            return getattr(self.run.textures[arguments[0]], FETCHES[name])(*arguments[1:])
         if name == "BokehRotated" and all(isinstance(argument, Interval) for argument in arguments):
             return _rotated(*arguments)
         if name in ("sin", "cos"):
@@ -325,6 +317,6 @@ class _Call:
             return Interval(value, value - off, value + off)
         if name in FUNCTIONS:
             return FUNCTIONS[name](*arguments)
-        function, call = glsl.functions()[name], _Call(self.run, self.count)
+        function, call = glsl.functions()[name], _Call(self.run, self.here, name)
         call.visit(function.body, dict(zip(function.parameters, arguments, strict=True)))
         return call.result

@@ -75,16 +75,6 @@ class Interval:
         fields = (self.value, self.low, self.high)
         return Interval(*(np.broadcast_to(field, (len(field), count)) for field in fields))
 
-    def pixels(self, chosen: np.ndarray) -> "Interval":
-        """Some of the pixels, by their numbers."""
-        if self.value.shape[1] == 1:
-            return self
-        fields = (self.value,) if self.is_exact else (self.value, self.low, self.high)
-        turned = None if self.turned is None else np.broadcast_to(self.turned, self.value.shape[1])[chosen]
-        picked = Interval(*(field[:, chosen] for field in fields))
-        picked.turned = turned
-        return picked
-
     def __add__(self, other):
         other = interval(other)
         sums = (getattr(self, name) + getattr(other, name) for name in ("value", "low", "high"))
@@ -132,8 +122,9 @@ class Interval:
         return Interval(np.abs(self.value), low, np.maximum(self.high, -self.low))
 
     def __lt__(self, other):
+        """NaN may be smaller or not: Direct3D 9 finds that it is, IEEE 754 not, and GLSL and WGSL leave it open."""
         other = interval(other)
-        return condition(self.value < other.value, self.high < other.low, self.low < other.high)
+        return condition(self.value < other.value, self.high < other.low, ~(self.low >= other.high))
 
     def __le__(self, other):
         other = interval(other)
@@ -260,18 +251,3 @@ def chosen(where: Condition, yes, no):
         fields[1] = np.where(is_open, np.maximum(yes.high, no.high), fields[1])
     value = np.where(where.value, yes.value, no.value)
     return Interval(value) if yes.is_exact and no.is_exact and not is_open.any() else Interval(value, *fields)
-
-
-def replaced(whole, part, pixels: np.ndarray, count: int, widened: bool = False):
-    """`whole`, of `count` pixels, with `part` in some of them, or `widened` there by its limits. Structs by member."""
-    if isinstance(part, dict):
-        return {name: replaced(whole.get(name, part[name]), part[name], pixels, count, widened) for name in part}
-    whole, part = interval(whole), interval(part)
-    shape = (max(len(whole.value), len(part.value)), count)
-    value, low, high = (np.array(np.broadcast_to(field, shape)) for field in (whole.value, whole.low, whole.high))
-    if widened:
-        low[:, pixels] = np.minimum(low[:, pixels], part.low)
-        high[:, pixels] = np.maximum(high[:, pixels], part.high)
-    else:
-        value[:, pixels], low[:, pixels], high[:, pixels] = part.value, part.low, part.high
-    return Interval(value, low, high)

@@ -1,13 +1,35 @@
-"""The lines that a filter pass averages along: sections [2], [5] and [8] of the libraries."""
+"""The lines that a filter pass averages along: sections [2], [5] and [8] of the libraries, in float64.
 
+An exact polygon of n sides is tiled by the parallelograms of its edges i < k <= n / 2: a pass along one edge of each,
+and a second along the other. A polygon that the lens barrel cuts (cat's eye) has other lengths of its edges in each
+pixel. Lengths and places are in units of the CoC, x right, y down.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import cos, pi, sin
 
 import numpy as np
 
-from bokeh_validation.reference import cuts
-from bokeh_validation.reference.segments import Segment, line_segment, parallelogram, polygon_edge, weight
+from bokeh_validation.frame import apertures
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
 from bokeh_validation.shaders.passes import Pass
+
+# of an edge, and of the cat's eye
+LEAST, MOST = 0.001, 0.9
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A line: its middle and half of it, each (2,), or (2, H, W) where pixels differ."""
+
+    middle: np.ndarray
+    half: np.ndarray
+
+    @property
+    def half_length(self) -> float | np.ndarray:
+        """Half its length."""
+        return np.hypot(*self.half)
 
 
 @dataclass(frozen=True)
@@ -20,7 +42,7 @@ class Line:
 
     slot: str
     segment: Segment
-    shares: tuple[float, ...] = (1.0,)
+    shares: tuple[float | np.ndarray, ...] = (1.0,)
 
 
 def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
@@ -44,7 +66,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
         return ()
     sides = entry.sides or round(values["BokehSides"])
     last = sides // 2
-    lengths = cuts.of_target(size, sides, values, item.constants) if size else None
+    lengths = lengths_in(size, sides, values) if size and item.constants["BOKEH_CHARACTER"] else None
 
     def edge(k: int, second_pass: bool) -> Segment:
         return polygon_edge(k, sides, angle, squeeze, second_pass, lengths)
@@ -56,3 +78,88 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
         Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
         for i in range(1, max(targets))
     )
+
+
+def line_segment(angle: float, length: float, middle: tuple[float, float], squeeze: float) -> Segment:
+    """A line at an angle in radians."""
+    shape = np.array([squeeze, 1.0])
+    return Segment(np.array(middle) * shape, 0.5 * length * apertures.direction(angle) * shape)
+
+
+def polygon_edge(
+    k: int, sides: int, rotation: float, squeeze: float, second_pass: bool, lengths: np.ndarray | None = None
+) -> Segment:
+    """Edge k of a polygon as it is filtered along in one of the two passes.
+
+    The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k, its middle is M_k.
+    The first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
+    put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
+
+    lengths  of edges 1 .. n, (n, ...), from edge_lengths; None: all alike, inscribed in the CoC
+    """
+    step, count = 2.0 * pi / sides, sides // 2
+    long = np.full(count, sin(0.5 * step)) if lengths is None else lengths
+    along = [apertures.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
+    edges = [np.multiply.outer(direction, one) for direction, one in zip(along, long, strict=True)]
+    corner = [-0.5 * sum(edges)]
+    for edge in edges:
+        corner.append(corner[-1] + edge)
+    middles = [(corner[j] + corner[j + 1]) / 2 for j in range(count)]
+    middle = middles[k - 1] - sum(middles[:-1]) / (count - 1)
+    if second_pass:
+        middle = -middle - corner[0]
+    shape = np.array([squeeze, 1.0]).reshape(2, *(1 for _ in middle.shape[1:]))
+    return Segment(middle * shape, 0.5 * edges[k - 1] * shape)
+
+
+def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
+    """Area of the parallelogram of edges i < k, 0 for other edges; in units of a rhombus with a right angle. Where
+    `lengths` says how long the edges are: for an edge k of length 1.
+    """
+    area = sin((k - i) * 2.0 * pi / sides) if i < k else 0.0
+    return area if lengths is None else area * lengths[i - 1]
+
+
+def weight(k: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
+    """Area of the parallelograms of edge k with all edges before it."""
+    area = sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
+    return area if lengths is None else area * lengths[k - 1]
+
+
+def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -> np.ndarray:
+    """`edge_lengths` in each pixel of a target, (n, H, W): the farther from the middle, the more is cut."""
+    y, x = np.mgrid[0 : size[1], 0 : size[0]] + 0.5
+    image = np.array([values["BokehImageWidth"], values["BokehImageHeight"]])
+    place = np.stack([2.0 * x / size[0] - 1.0, 2.0 * y / size[1] - 1.0]) * (image / np.hypot(*image))[:, None, None]
+    c, s = cos(values["BokehAngle"]), sin(values["BokehAngle"])
+    turned = np.tensordot(np.array([[c, s], [-s, c]]), place, 1)
+    amount = min(max(values["BokehCatsEye"], 0.0), MOST)
+    return edge_lengths(sides, amount * turned, min(max(values["BokehRoundness"], 0.0), 1.0))
+
+
+def edge_lengths(sides: int, along: np.ndarray, roundness: float = 1.0) -> np.ndarray:
+    """Of edges 1 .. n of a polygon that is cut along `along` (2, ...): (n, ...).
+
+    The polygon and the same moved along d by half of it to both sides have an intersection with the polygon's edge
+    directions: it lies within |x n_k| <= h_k (1 - |c n_k|), n_k the normal of edge k, h_k half the width along it,
+    c = d / (2 h). Each edge is a piece of its line, between the nearest lines that cross it.
+
+    roundness  of an octagon: its odd edges take so much of their eighth of the circle, the even ones the rest
+    """
+    count, step = sides // 2, 2.0 * pi / sides
+    normals = [np.array([cos(k * step), sin(k * step)]) for k in range(count)]
+    part = [roundness if k % 2 else 2.0 - roundness for k in range(count)] if sides == 8 else [1.0] * count
+    shrunk = [1.0 - np.abs(np.tensordot(normal, along, 1)) for normal in normals]
+    half = [0.5 * cos(one * step / 2) * left for one, left in zip(part, shrunk, strict=True)]
+
+    def distance(k: int, other: int) -> np.ndarray:
+        """From the foot of the normal of line k to where line k + other crosses it."""
+        angle = abs(other) * step
+        return (half[(k + other) % count] - half[k % count] * cos(angle)) / sin(angle)
+
+    others = range(1, count)
+    found = [
+        np.min([distance(k, i) for i in others], axis=0) + np.min([distance(k, -i) for i in others], axis=0)
+        for k in range(1, count + 1)
+    ]
+    return np.maximum(np.array(found), LEAST)

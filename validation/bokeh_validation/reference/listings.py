@@ -1,22 +1,12 @@
-"""Listings 1 to 4 in float64: the arbiter of every driver.
-
-Images are (H, W, 4) float64, rgb = linear colour, a = CoC as a fraction of the image height; depth is (H, W) in metres.
-Places are in texels, from the image's corner, y down. `Image.error` is the acceptance interval that
-reference/precision.py derives; it is None where no precision was asked for. The filters are in reference/gather.py.
-"""
+"""Listings 1 and 3 in float64, and what depth buffers hold; depth in metres, CoC as a fraction of the image height."""
 
 import numpy as np
-
-from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.precision import FLOAT_STEP
 
 MAX_COLOR = 65504.0
 MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
 # So much of a signed CoC counts as its own surface: half floats and filters round
 SIGNED_SHARE = 0.999
-# A division counts for 2.5, as Vulkan allows; the formula of the CoC has three, five other operations, and margin.
-COC_ROUNDINGS = 16
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
@@ -92,19 +82,6 @@ def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.n
     }[kind]()
 
 
-def coc_map(color: np.ndarray, coc: np.ndarray | float, with_error: bool = False) -> Image:
-    """Listing 1: colour beside a CoC that was computed already, (H, W) or one number."""
-    value = np.empty((*color.shape[:2], 4))
-    value[..., :3] = safe_color(color[..., :3].astype(np.float64))
-    value[..., 3] = coc
-    if not with_error:
-        return Image(value)
-    # the colour is copied from the nearest texel; the CoC takes a handful of float32 operations
-    error = np.zeros_like(value)
-    error[..., 3] = COC_ROUNDINGS * FLOAT_STEP * np.abs(value[..., 3])
-    return Image(value, error, np.zeros(value.shape[:2], bool))
-
-
 def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mult):
     """Listing 3: a nearer and clearly sharper sample counts by its own CoC, all others fully."""
     leaks = (sample_depth < center_depth) & (center_coc > sample_coc + bias)
@@ -115,12 +92,3 @@ def signed_leakage_weight(sample_coc, center_coc, bias, mult):
     """`BokehSignedLeakageWeight`: the same test from signed CoC alone, which grow with depth; the weight squared."""
     leaks = np.abs(sample_coc) < center_coc * SIGNED_SHARE - bias
     return np.where(leaks, np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2, 1.0)
-
-
-def combine(a: Image, b: Image, use_max: bool) -> Image:
-    """Listing 4: min or max of two images, CoC included."""
-    value = (np.maximum if use_max else np.minimum)(a.value, b.value)
-    if a.error is None or b.error is None:
-        return Image(value)
-    # |min(a', b') - min(a, b)| <= max(|a' - a|, |b' - b|), and so for max
-    return Image(value, np.maximum(a.error, b.error), a.undecided | b.undecided)

@@ -32,12 +32,12 @@ def bilinear(pixels: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return upper * (1 - fy) + lower * fy
 
 
-def neighbourhood(pixels: np.ndarray, combine=np.maximum) -> np.ndarray:
-    """Maximum (or minimum) over 3 x 3 texels with clamp, per channel."""
+def neighbourhood(pixels: np.ndarray) -> np.ndarray:
+    """Maximum over 3 x 3 texels with clamp, per channel."""
     rows = np.concatenate([pixels[:1], pixels, pixels[-1:]])
-    rows = combine(combine(rows[:-2], rows[1:-1]), rows[2:])
+    rows = np.maximum(np.maximum(rows[:-2], rows[1:-1]), rows[2:])
     columns = np.concatenate([rows[:, :1], rows, rows[:, -1:]], axis=1)
-    return combine(combine(columns[:, :-2], columns[:, 1:-1]), columns[:, 2:])
+    return np.maximum(np.maximum(columns[:, :-2], columns[:, 1:-1]), columns[:, 2:])
 
 
 def slopes(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from support_cases import CAMERA, evaluated, everything, noise_case, result
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, polygons
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.reference import cuts, segments
+from bokeh_validation.reference.lines import LEAST, edge_lengths, parallelogram, polygon_edge
 
 
 @pytest.mark.parametrize("rotation, squeeze", [*product((0.0, 0.3), (1.0, 0.5))])
@@ -23,23 +23,23 @@ def test_tiling(sides, amount, towards, rotation, squeeze):
     towards  degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
     """
     cut = amount * apertures.direction(np.radians(towards))
-    polygon, moved, found = apertures.even_polygon(sides), 0.5 * np.cos(np.pi / sides) * cut, cuts.lengths(sides, cut)
+    polygon, moved, found = apertures.even_polygon(sides), 0.5 * np.cos(np.pi / sides) * cut, edge_lengths(sides, cut)
     whole = polygons.clip_convex(polygon + moved, polygon - moved)
     corners = apertures.rotated(whole, np.degrees(rotation)) * [squeeze, 1.0]
     x, y = np.random.default_rng(sides).uniform(-0.6, 0.6, (2, 20000))
     held, total = np.zeros(x.shape, int), 0.0
     for k in range(2, sides // 2 + 1):
-        second = segments.polygon_edge(k, sides, rotation, squeeze, True, found)
+        second = polygon_edge(k, sides, rotation, squeeze, True, found)
         for i in range(1, k):
-            first = segments.polygon_edge(i, sides, rotation, squeeze, False, found)
+            first = polygon_edge(i, sides, rotation, squeeze, False, found)
             middle, u, v = first.middle + second.middle, first.half, second.half
             shape = np.array([middle + u + v, middle + u - v, middle - u - v, middle - u + v])
             held += polygons.inside(shape, x, y)
             area = abs(polygons.signed_area(shape))
-            assert area == pytest.approx(squeeze * segments.parallelogram(k, i, sides, found) * found[k - 1], rel=1e-9)
+            assert area == pytest.approx(squeeze * parallelogram(k, i, sides, found) * found[k - 1], rel=1e-9)
             total += area
     # an edge that is gone is still LEAST long, and moves the others by so much
-    off = sides / 2 * cuts.LEAST if (found <= cuts.LEAST).any() else 1e-12
+    off = sides / 2 * LEAST if (found <= LEAST).any() else 1e-12
     assert total == pytest.approx(abs(polygons.signed_area(corners)), abs=off)
     assert (held != polygons.inside(corners, x, y)).mean() <= 4 * off
 
@@ -50,7 +50,7 @@ def test_rounded_outline(roundness):
     its quarter. The chords, in turn.
     """
     chords = np.sin(np.radians([22.5 * roundness, 45.0 - 22.5 * roundness]))
-    np.testing.assert_allclose(cuts.lengths(8, np.zeros(2), roundness), [*chords, *chords], rtol=1e-12)
+    np.testing.assert_allclose(edge_lengths(8, np.zeros(2), roundness), [*chords, *chords], rtol=1e-12)
 
 
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
@@ -60,7 +60,7 @@ def test_made_for_a_cut(sides):
     2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
     """
     body = f"BokehResult = BokehPolygonEdge(2, BokehMakePolygon({sides}, 0.5, 0.75), true);"
-    wanted = segments.polygon_edge(2, sides, 0.5, 0.75, True)
+    wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
     np.testing.assert_allclose(evaluated(body, BOKEH_CHARACTER=1), [*wanted.middle, *wanted.half], atol=2.0**-12)
 
 

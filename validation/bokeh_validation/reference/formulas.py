@@ -1,0 +1,205 @@
+"""What each pass computes but those of the layers: the paper's formulas and the polygons' geometry, in float64.
+
+Written without a look at the shaders' text, which interpreter.py runs: tests/shaders/test_reference.py holds one to the
+other. Textures are (H, W, 4): linear colour, CoC in alpha.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bokeh_validation.frame import apertures
+from bokeh_validation.reference import listings, sampling
+from bokeh_validation.reference.lines import Line, lines
+from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, TABLE, VIEW
+from bokeh_validation.shaders.passes import Pass
+
+# Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times
+NOISE = (0.06711056, 0.00583715, 52.9829189)
+FRAME_STEP, FRAMES, PASS_STEPS = 33 / 64, 64, 8
+MOST_LATERAL = 0.1
+# a sample of every pixel: its texture, its place relative to the pixel, texels, and its weight
+Sample = tuple[int, np.ndarray, np.ndarray, np.ndarray | float]
+
+
+def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+    """What a pass writes to each of its targets, from the textures in its slots."""
+    values, role = item.given(), item.spec.role
+    depth = inputs["DepthSamp"][..., 0] if "DepthSamp" in inputs else None
+    if role == DEPTH:
+        kind, near, far = (values[f"Bokeh{name}"] for name in ("DepthKind", "Near", "Far"))
+        metres = listings.linear_depth(depth, round(kind), near, far)
+        return [np.stack([metres, metres, metres, np.ones_like(metres)], axis=-1)]
+    color = inputs["ColorSamp"]
+    if role == COPY:
+        return [_coc_map(item.entry, values, color, depth)]
+    if role == LATERAL:
+        return [_lateral(color, values["BokehLateral"])]
+    if role == VIEW:
+        return [_debug(color, depth, values)]
+    if role in (LINE, GRID, TABLE):
+        samples = list(_scaled(_offsets(item, inputs, color), color))
+        filtered = [gather([color], depth, samples, values, blur_coc=values["BokehBlurCoC"] > 0.5)]
+    else:
+        filtered = _along_lines(item, inputs, depth)
+    if "ColorSampB" in inputs and role in (LINE, ADAPTIVE):
+        # Listing 4
+        combine = np.maximum if values["BokehUseMax"] > 0.5 else np.minimum
+        return [combine(filtered[0], inputs["ColorSampB"])]
+    return filtered
+
+
+def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: np.ndarray | None) -> np.ndarray:
+    """Listing 1."""
+    if entry == "BokehConstantCoC":
+        coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
+    else:
+        camera = ("ApertureDiameter", "FocalLength", "FocusDistance", "SensorHeight", "MaxCoC")
+        safe = listings.safe_depth(depth)
+        coc = listings.circle_of_confusion(safe, *(values[f"Bokeh{name}"] for name in camera))
+        if "Signed" in entry:
+            coc = listings.signed_coc(safe, coc, values["BokehFocusDistance"])
+    value = np.empty((*color.shape[:2], 4))
+    value[..., :3], value[..., 3] = listings.safe_color(color[..., :3]), coc
+    return value
+
+
+def _offsets(item: Pass, inputs: Mapping[str, np.ndarray], color: np.ndarray) -> np.ndarray:
+    """Sample offsets in units of the image height, (N, 2): the shaders' uv offsets times the aspect ratio in x.
+
+    The shaders divide x by the aspect ratio that they are told; uv times the real size undoes it only if that is right.
+    """
+    values, (height, width) = item.given(), color.shape[:2]
+    aspect = values["BokehAspectRatio"] / values["BokehSqueeze"]
+    if item.spec.role == TABLE:
+        offsets = inputs["KernelSamp"][0, :, :2] / [aspect, 1.0]
+    else:
+        offsets = apertures.make_offsets(values["BokehAngle"], aspect, item.samples)
+    if item.spec.role == GRID:
+        rows = apertures.make_offsets(values["BokehAngleB"], aspect, item.samples)
+        offsets = (rows[:, None] + offsets[None, :]).reshape(-1, 2)
+    return offsets * [width / height, 1.0]
+
+
+def _scaled(offsets: np.ndarray, color: np.ndarray) -> Iterator[Sample]:
+    """The same samples for every pixel, scaled by its CoC."""
+    for x, y in offsets * len(color):
+        yield 0, x * color[..., 3], y * color[..., 3], 1.0
+
+
+def gather(
+    sources: Sequence[np.ndarray],
+    depth: np.ndarray | None,
+    samples: Sequence[Sample],
+    values: Mapping[str, float],
+    blur_coc: bool,
+) -> np.ndarray:
+    """Listing 3: weighted mean of samples around each pixel; the pixel itself where every one was rejected.
+
+    sources  what is sampled; the first has the pixels in the middle
+    depth    None: the CoC are signed, and the leakage test needs no depth
+    """
+    center, leakage = sources[0], (values["BokehBleedingBias"], values["BokehBleedingMult"])
+    size, (row, column) = center.shape[1::-1], np.mgrid[0 : len(center), 0 : center.shape[1]] + 0.5
+    color, total = np.zeros_like(center), np.zeros(center.shape[:2])
+    for source, x, y, weight in samples:
+        sample = sampling.bilinear(sources[source], column + x, row + y)
+        if depth is None:
+            leak = listings.signed_leakage_weight(sample[..., 3], center[..., 3], *leakage)
+        else:
+            near = depth.reshape(-1)[sampling.nearest_index(column + x, row + y, size)]
+            leak = listings.leakage_weight(near, sample[..., 3], listings.safe_depth(depth), center[..., 3], *leakage)
+        color += sample * (leak * weight)[..., None]
+        total += leak * weight
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(total[..., None] > 0.0, color / total[..., None], center)
+    return mean if blur_coc else np.concatenate([mean[..., :3], center[..., 3:]], axis=-1)
+
+
+def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray | None) -> list[np.ndarray]:
+    """`BokehAdaptive` and the passes of exact polygons: for each target the lines that have a share in it."""
+    values, size = item.given(), inputs["ColorSamp"].shape[1::-1]
+    found, targets = lines(item, size), []
+    slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in found)]))
+    # red, green and blue each have a CoC of their own where the lens has axial colour
+    has_axial = item.constants["BOKEH_CHARACTER"] > 1
+    shifts = (values["BokehAxialRed"], 0.0, values["BokehAxialBlue"]) if has_axial else (0.0,)
+    blur_coc = item.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
+    for target in range(len(found[0].shares)):
+        channels = []
+        for shift in shifts:
+            sources = [inputs[slot] + [0.0, 0.0, 0.0, shift] for slot in slots]
+            samples = [
+                (slots.index(line.slot), x, y, weight * line.shares[target])
+                for line in found
+                if np.any(line.shares[target])
+                for x, y, weight in _cells(item, line, sources[0][..., 3])
+            ]
+            channels.append(gather(sources, depth, samples, values, blur_coc))
+        if has_axial:
+            red, green, blue = channels
+            channels = [np.stack([red[..., 0], green[..., 1], blue[..., 2], green[..., 3]], axis=-1)]
+        targets += channels
+    return targets
+
+
+def _cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Samples of a line, one in each of its cells: x and y, texels, and the share of the line that is the cell's.
+
+    With a spacing, cells have that length, counted from the line's beginning, and the last one is shorter.
+    """
+    values, (height, width), segment = item.given(), coc.shape, line.segment
+    spacing = values["BokehSpacing"]
+    used = filter_coc(np.abs(coc), height, spacing) * height
+    length = 2.0 * segment.half_length * used
+    cells = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
+    # the exact passes know which they are
+    index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
+    jitter = max(values["BokehJitter"], 0.0) * noise((width, height), values["BokehFrame"], index)
+    phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
+    middle, half = (field.reshape(2, *(field.shape[1:] or (1, 1))) for field in (segment.middle, segment.half))
+    # x is divided by the aspect ratio that the shaders are told, a float32
+    told = width / height / values["BokehAspectRatio"]
+    for i in range(int(np.ceil(cells.max()))):
+        begin = np.minimum(i, cells)
+        width_of_cell = np.minimum(i + 1.0, cells) - begin
+        t = 2.0 * (begin + width_of_cell * phase) / cells - 1.0
+        x, y = (middle + half * t) * used
+        yield x * told, y, width_of_cell / cells
+
+
+def filter_coc(coc, image_height: float, spacing: float):
+    """The CoC that a line uses: 0 below half a pixel, its own from one pixel up."""
+    if spacing <= 0.0:
+        return coc
+    return coc * np.clip(2.0 * coc * image_height - 1.0, 0.0, 1.0)
+
+
+def noise(size: tuple[int, int], frame: float, pass_index: float = 0) -> np.ndarray:
+    """Interleaved gradient noise of a pass of a frame, (H, W), -0.5 .. 0.5."""
+    steps = FRAME_STEP * ((PASS_STEPS * pass_index + 1) * (frame % FRAMES) + pass_index)
+    y, x = np.mgrid[0 : size[1], 0 : size[0]]
+    return (NOISE[2] * ((NOISE[0] * x + NOISE[1] * y) % 1.0) + steps) % 1.0 - 0.5
+
+
+def _lateral(picture: np.ndarray, amount: float) -> np.ndarray:
+    """Lateral colour: red imaged larger by `amount` of its size than green, blue smaller."""
+    (height, width), amount = picture.shape[:2], min(max(amount, -MOST_LATERAL), MOST_LATERAL)
+    value, (y, x) = picture.copy(), np.mgrid[0:height, 0:width] + 0.5
+    for channel, scale in ((0, 1.0 + amount), (2, 1.0 - amount)):
+        at_x, at_y = (x - width / 2) / scale + width / 2, (y - height / 2) / scale + height / 2
+        value[..., channel] = sampling.bilinear(picture[..., channel : channel + 1], at_x, at_y)[..., 0]
+    return value
+
+
+def _debug(image: np.ndarray, depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
+    """Colour, depth, CoC, or near and far field."""
+    mode, focus, s2 = values["BokehDebugMode"], values["BokehFocusDistance"], listings.safe_depth(depth)
+    amount = np.clip(np.abs(image[..., 3]) / max(values["BokehMaxCoC"], listings.MIN_DEPTH), 0.0, 1.0)
+    one = np.ones_like(amount)
+    if mode > 2.5:
+        near = np.stack([amount, 0.5 * amount, 0 * amount, one], axis=-1)
+        far = np.stack([0.1 * amount, 0.4 * amount, amount, one], axis=-1)
+        return np.where((s2 < focus)[..., None], near, far)
+    grey = amount if mode > 1.5 else s2 / (s2 + focus)
+    return np.stack([grey, grey, grey, one], axis=-1) if mode > 0.5 else image

@@ -1,0 +1,140 @@
+"""Passes as their own GLSL says, executed on intervals (interpreter.py): the value, and how far off a device may be."""
+
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+
+import numpy as np
+
+from bokeh_validation.reference import sampling
+from bokeh_validation.reference.images import Image
+from bokeh_validation.reference.interpreter import Run
+from bokeh_validation.reference.intervals import Interval, interval
+from bokeh_validation.reference.precision import FLOAT_STEP, Precision
+from bokeh_validation.shaders.entries import Entry
+
+THREADS = 2
+RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
+# how far off the rasteriser's uv may be: the roundings of two products and two sums
+UV = 4 * FLOAT_STEP
+# so many run at once: their variables stay in the processor's cache
+PIXELS = 8192
+
+
+class Texture:
+    """A texture with clamp, as the shaders read it. uv is (2, pixels), what is read (channels, pixels).
+
+    precision  None: without doubt
+    """
+
+    def __init__(self, image: Image, precision: Precision | None):
+        self.image, self.precision = image, precision
+        self.value = image.value.reshape(-1, image.value.shape[2])
+        self.error = None if image.error is None else image.error.reshape(self.value.shape)
+
+    @cached_property
+    def around(self) -> tuple[np.ndarray, np.ndarray]:
+        """Around each texel, in the channels of one array: how far off a filtered sample is that is where it should
+        be, and how much more for each texel that it is off its place, across and down. First of 3 x 3 texels, for
+        places off by half a texel; then of 5 x 5, by one and a half.
+
+        A shifted lookup changes by no more than the shift times the steepest slope; the filter rounds by a share of the
+        largest texel.
+        """
+        value = self.image.value
+        still = self.precision.filter * sampling.neighbourhood(np.abs(value))
+        if self.error is not None:
+            still += sampling.neighbourhood(self.image.error)
+        near = np.concatenate([still, *sampling.slopes(value)], axis=2)
+        wide = sampling.neighbourhood(near)
+        return near.reshape(-1, near.shape[2]), wide.reshape(-1, near.shape[2])
+
+    def off(self, uv: Interval) -> np.ndarray:
+        """How far off a place may be, texels: uv, its product with the size, and what the sampler makes of it."""
+        size = np.array(self.image.size)[:, None]
+        return self.precision.subtexel + uv.error * size + 2 * FLOAT_STEP * np.abs(uv.value * size)
+
+    def linear(self, uv: Interval) -> Interval:
+        """With a linear filter."""
+        x, y = uv.value * np.array(self.image.size)[:, None]
+        value = np.ascontiguousarray(sampling.bilinear(self.image.value, x, y).T)
+        if self.precision is None:
+            return Interval(value)
+        texel, off, (near, wide) = sampling.nearest_index(x, y, self.image.size), self.off(uv), self.around
+        farthest = off.max(axis=0)
+        error = _error(near[texel], off)
+        beyond = farthest > 0.5
+        if beyond.any():
+            error[:, beyond] = _error(wide[texel[beyond]], off[:, beyond])
+            # of what is farther off the slopes say nothing
+            error[:, farthest > 1.5] = np.inf
+        return Interval(value, value - error, value + error)
+
+    def nearest(self, uv: Interval) -> Interval:
+        """The nearest texel; where devices may take different ones, the interval around them. May be NaN."""
+        place = uv.value * np.array(self.image.size)[:, None]
+        texel = sampling.nearest_index(*place, self.image.size)
+        value = self.value[texel].T
+        if self.precision is None:
+            return Interval(value)
+        off = self.off(uv)
+        first, last = place - off, place + off
+        if self.error is None and (np.floor(first) == np.floor(last)).all():
+            return Interval(value)
+        low, high = value, value
+        for x in (first[0], last[0]):
+            for y in (first[1], last[1]):
+                texel = sampling.nearest_index(x, y, self.image.size)
+                error = 0.0 if self.error is None else self.error[texel].T
+                low, high = np.minimum(low, self.value[texel].T - error), np.maximum(high, self.value[texel].T + error)
+        return Interval(value, low, high)
+
+    def row(self, i: int, count: int) -> Interval:
+        """Texel i of the first row."""
+        return Interval(self.value[min(i, count - 1)][:, None])
+
+
+def _error(around: np.ndarray, off: np.ndarray) -> np.ndarray:
+    still, across, down = around.T.reshape(3, -1, off.shape[1])
+    return still + off[0] * across + off[1] * down
+
+
+def run_pass(
+    entry: Entry,
+    inputs: Mapping[str, Image],
+    size: tuple[int, int],
+    values: Mapping[str, float],
+    constants: Mapping[str, int],
+    precision: Precision | None,
+) -> list[Image]:
+    """What an entry writes to each of its targets; textures by their slots."""
+    width, height = size
+    textures = {f"Bokeh{slot}": Texture(image, precision) for slot, image in inputs.items()}
+    uniforms = {name: interval(value) for name, value in values.items()}
+    # a viewport is cut out beforehand
+    given = {**uniforms, **constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
+
+    def part(start: int) -> tuple[list[Interval], np.ndarray]:
+        pixels = np.arange(start, min(start + PIXELS, width * height))
+        uv = np.stack([(pixels % width + 0.5) / width, (pixels // width + 0.5) / height])
+        place = Interval(uv, uv - UV, uv + UV) if precision else Interval(uv)
+        run = Run({**given, "BokehUV": place}, textures, precision.line if precision else 0.0, len(pixels))
+        written = run.main(entry.name)
+        return [written[name].spread(len(pixels)) for name in RESULTS[: entry.targets]], run.undecided
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        parts = list(pool.map(part, range(0, width * height, PIXELS)))
+    undecided = np.concatenate([part[1] for part in parts]).reshape(height, width) & (not entry.layers)
+    for image in inputs.values():
+        if image.undecided is not None and image.size == size:
+            undecided = undecided | image.undecided
+    return [_image([targets[k] for targets, _ in parts], undecided, precision) for k in range(entry.targets)]
+
+
+def _image(parts: list[Interval], undecided: np.ndarray, precision: Precision | None) -> Image:
+    shape = (*undecided.shape, 4)
+    value = np.concatenate([part.value.T for part in parts]).reshape(shape)
+    if precision is None:
+        return Image(value)
+    error = np.concatenate([part.error.T for part in parts]).reshape(shape)
+    return Image(value, np.where(np.isnan(error), np.inf, error), undecided)
