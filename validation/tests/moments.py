@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bokeh_validation.frame import apertures, methods
-from bokeh_validation.reference.lines import Segment, line_segment, parallelogram, polygon_edge
+from bokeh_validation.reference.lines import Segment, edge_lengths, line_segment, parallelogram, polygon_edge
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 
@@ -120,11 +120,12 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
         lines = [line_segment(angle, 1.0, (0.0, 0.0), settings.squeeze) for angle in angles]
         return [(1.0, [_line(line, pixels, settings) for line in lines])]
     sides, paths = methods.EXACT[settings.aperture], []
+    lengths = edge_lengths(sides)
     for k in range(2, sides // 2 + 1):
-        second = _line(polygon_edge(k, sides, rotation, settings.squeeze, True), pixels, settings)
+        second = _line(polygon_edge(k, sides, rotation, settings.squeeze, True, lengths), pixels, settings)
         for i in range(1, k):
-            first = _line(polygon_edge(i, sides, rotation, settings.squeeze, False), pixels, settings)
-            paths.append((parallelogram(k, i, sides), [first, second]))
+            first = _line(polygon_edge(i, sides, rotation, settings.squeeze, False, lengths), pixels, settings)
+            paths.append((parallelogram(k, i, sides, lengths), [first, second]))
     return paths
 
 

@@ -55,9 +55,7 @@ def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str
 
 
 def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
-    """The result, and how far it is from the reference's. Fails where it is outside of the interval, or any target of
-    layered is.
-    """
+    """The result, and how far it is from the reference's. Fails where any pass's target is outside of its interval."""
     found = model.compared(case, driver)
     outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
     assert not outside, (driver.name, outside, case.settings)

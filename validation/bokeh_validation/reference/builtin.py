@@ -13,24 +13,25 @@ class FromUniform(int):
     """An integer that a uniform says: what follows from it is computed by the device, not by the compiler."""
 
 
+def _either(of_numbers: Callable, of_intervals: Callable | None = None) -> Callable:
+    """A function of two numbers, or of intervals where one of them is."""
+
+    def function(a, b):
+        if isinstance(a, Interval) or isinstance(b, Interval):
+            return (of_intervals or of_numbers)(interval(a), interval(b))
+        return of_numbers(a, b)
+
+    return function
+
+
 def _divided(a, b):
     both = isinstance(a, int) and isinstance(b, int)
     return a // b if both else truediv(a, b)
 
 
-OPERATORS = {"+": add, "-": sub, "*": mul, "/": _divided, "<": lt, ">": gt, "<=": le, ">=": ge, "==": eq, "&&": and_}
-
-
-def _limit(of_numbers: Callable, of_intervals: Callable) -> Callable:
-    def limited(a, b):
-        if isinstance(a, Interval) or isinstance(b, Interval):
-            return of_intervals(a, b)
-        return type(a)(of_numbers(a, b))
-
-    return limited
-
-
-_least, _most = _limit(min, intervals.smaller), _limit(max, intervals.larger)
+_SYMBOLS = {"+": add, "-": sub, "*": mul, "/": _divided, "<": lt, ">": gt, "<=": le, ">=": ge}
+OPERATORS = {**{symbol: _either(function) for symbol, function in _SYMBOLS.items()}, "==": eq, "&&": and_}
+_least, _most = _either(min, intervals.smaller), _either(max, intervals.larger)
 
 
 def _whole(number):

@@ -4,11 +4,10 @@ Written without a look at the shaders' text, which interpreter.py runs: tests/sh
 other. Textures are (H, W, 4): linear colour, CoC in alpha.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bokeh_validation.frame import apertures
 from bokeh_validation.reference import listings, sampling
 from bokeh_validation.reference.lines import Line, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, TABLE, VIEW
@@ -38,8 +37,7 @@ def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
     if role == VIEW:
         return [_debug(color, depth, values)]
     if role in (LINE, GRID, TABLE):
-        samples = list(_scaled(_offsets(item, inputs, color), color))
-        filtered = [gather([color], depth, samples, values, blur_coc=values["BokehBlurCoC"] > 0.5)]
+        filtered = [gather([color], depth, _fixed(item, inputs), values, values["BokehBlurCoC"] > 0.5)]
     else:
         filtered = _along_lines(item, inputs, depth)
     if "ColorSampB" in inputs and role in (LINE, ADAPTIVE):
@@ -64,33 +62,27 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
     return value
 
 
-def _offsets(item: Pass, inputs: Mapping[str, np.ndarray], color: np.ndarray) -> np.ndarray:
-    """Sample offsets in units of the image height, (N, 2): the shaders' uv offsets times the aspect ratio in x.
+def _texels(item: Pass, size: tuple[int, int]) -> tuple[float, float]:
+    """In an image's height, across and down: x is divided by the aspect ratio that the shaders are told."""
+    return size[0] / item.given()["BokehAspectRatio"], size[1]
 
-    The shaders divide x by the aspect ratio that they are told; uv times the real size undoes it only if that is right.
-    """
-    values, (height, width) = item.given(), color.shape[:2]
-    aspect = values["BokehAspectRatio"] / values["BokehSqueeze"]
+
+def _fixed(item: Pass, inputs: Mapping[str, np.ndarray]) -> Iterator[Sample]:
+    """The same samples for every pixel, scaled by its CoC: on lines from end to end (Listing 2), or from a table."""
+    coc = inputs["ColorSamp"][..., 3]
     if item.spec.role == TABLE:
-        offsets = inputs["KernelSamp"][0, :, :2] / [aspect, 1.0]
+        places = inputs["KernelSamp"][0, :, :2] * [item.given()["BokehSqueeze"], 1.0]
     else:
-        offsets = apertures.make_offsets(values["BokehAngle"], aspect, item.samples)
-    if item.spec.role == GRID:
-        rows = apertures.make_offsets(values["BokehAngleB"], aspect, item.samples)
-        offsets = (rows[:, None] + offsets[None, :]).reshape(-1, 2)
-    return offsets * [width / height, 1.0]
-
-
-def _scaled(offsets: np.ndarray, color: np.ndarray) -> Iterator[Sample]:
-    """The same samples for every pixel, scaled by its CoC."""
-    for x, y in offsets * len(color):
-        yield 0, x * color[..., 3], y * color[..., 3], 1.0
+        t = np.linspace(-1.0, 1.0, item.samples)[:, None]
+        places = np.concatenate([line.segment.middle + t * line.segment.half for line in lines(item)])
+    for x, y in places * _texels(item, coc.shape[::-1]):
+        yield 0, x * coc, y * coc, 1.0
 
 
 def gather(
     sources: Sequence[np.ndarray],
     depth: np.ndarray | None,
-    samples: Sequence[Sample],
+    samples: Iterable[Sample],
     values: Mapping[str, float],
     blur_coc: bool,
 ) -> np.ndarray:
@@ -150,22 +142,21 @@ def _cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[tuple[np.ndarray
     """
     values, (height, width), segment = item.given(), coc.shape, line.segment
     spacing = values["BokehSpacing"]
-    used = filter_coc(np.abs(coc), height, spacing) * height
-    length = 2.0 * segment.half_length * used
+    used = filter_coc(np.abs(coc), height, spacing)
+    length = 2.0 * segment.half_length * used * height
     cells = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
     # the exact passes know which they are
     index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
     jitter = max(values["BokehJitter"], 0.0) * noise((width, height), values["BokehFrame"], index)
     phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
     middle, half = (field.reshape(2, *(field.shape[1:] or (1, 1))) for field in (segment.middle, segment.half))
-    # x is divided by the aspect ratio that the shaders are told, a float32
-    told = width / height / values["BokehAspectRatio"]
+    across, down = _texels(item, (width, height))
     for i in range(int(np.ceil(cells.max()))):
         begin = np.minimum(i, cells)
         width_of_cell = np.minimum(i + 1.0, cells) - begin
         t = 2.0 * (begin + width_of_cell * phase) / cells - 1.0
         x, y = (middle + half * t) * used
-        yield x * told, y, width_of_cell / cells
+        yield x * across, y * down, width_of_cell / cells
 
 
 def filter_coc(coc, image_height: float, spacing: float):

@@ -1,8 +1,9 @@
 """Runs the GLSL of a pass on intervals: what each target gets, and how far off a correct device may be.
 
-All pixels run at once. Where devices may take different branches, a pixel takes both, and its variables get the
-interval around both outcomes; the same where it may have left a loop. Constants are Python's own numbers, with which
-the compiler computes; what a uniform says is an Interval. A struct is a dictionary of its members.
+All pixels run every branch that any of them takes, and every turn of a loop. Where devices may take different branches,
+a pixel's variables get the interval around both outcomes; the same where it may have left a loop. Constants are
+Python's own numbers, with which the compiler computes; what a uniform says is an Interval. A struct is a dictionary of
+its members.
 
 Two places know more than the operations alone:
 
@@ -14,6 +15,7 @@ Two places know more than the operations alone:
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import product
 
 import numpy as np
 from pycparser import c_ast
@@ -71,8 +73,8 @@ def _is_floor(node: c_ast.Node | None) -> bool:
 class Run:
     """A pass over some pixels.
 
-    given    uniforms, constants, BokehUV; of a texture's name the name itself
-    textures   by their names
+    given      uniforms, constants, BokehUV; of a texture's name the name itself
+    textures   programs.Texture, by their names
     line       Precision.line: how far off sin and cos may be
     count      of the pixels
     undecided  (count,): where one of Listing 3's comparisons, or the jitter's side, is open and changes something
@@ -146,12 +148,11 @@ class _Call:
         is_open = floor.high - floor.low == 1.0
         if not is_open.any():
             return False
-        others = np.where(is_open, floor.low + floor.high - floor.value, floor.value)
+        other_side = floor.low + floor.high - floor.value
         before, here = dict(variables), self.here
-        two = len(is_open) == 2
-        for swapped in ([[False]], [[True]]) if not two else ([[0], [0]], [[1], [0]], [[0], [1]], [[1], [1]]):
-            swapped = np.array(swapped, bool)
-            side = np.where(swapped, others, floor.value)
+        for sides in product((False, True), repeat=len(is_open)):
+            swapped = np.array(sides)[:, None]
+            side = np.where(swapped & is_open, other_side, floor.value)
             low = np.where(is_open, np.maximum(number.low, side), number.low)
             high = np.where(is_open, np.minimum(number.high, side + 1.0), number.high)
             limits = np.where(is_open, side, floor.low), np.where(is_open, side, floor.high)

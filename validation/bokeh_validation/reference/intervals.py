@@ -12,7 +12,6 @@ count as if they did not, which makes intervals wider than they need be, never n
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -35,9 +34,6 @@ class Interval:
     high: np.ndarray | None = None
     turned: np.ndarray | None = None
 
-    # NumPy's own operators give way to these
-    __array_ufunc__ = None
-
     def __post_init__(self):
         if self.low is None:
             self.low = self.high = self.value
@@ -46,11 +42,6 @@ class Interval:
     def is_exact(self) -> bool:
         """Whether every device has it alike."""
         return self.low is self.value
-
-    @cached_property
-    def is_positive(self) -> bool:
-        """Whether nothing is below 0."""
-        return bool(self.low.min() >= 0.0)
 
     @property
     def error(self) -> np.ndarray:
@@ -75,44 +66,28 @@ class Interval:
         fields = (self.value, self.low, self.high)
         return Interval(*(np.broadcast_to(field, (len(field), count)) for field in fields))
 
-    def __add__(self, other):
-        other = interval(other)
+    def __add__(self, other: "Interval"):
         sums = (getattr(self, name) + getattr(other, name) for name in ("value", "low", "high"))
         return _rounded(*sums, self.is_exact and other.is_exact)
 
     def __sub__(self, other):
-        other = interval(other)
         limits = self.low - other.high, self.high - other.low
         return _rounded(self.value - other.value, *limits, self.is_exact and other.is_exact)
 
     def __mul__(self, other):
-        other = interval(other)
         value, both_exact = self.value * other.value, self.is_exact and other.is_exact
         limits = (value, value) if both_exact else _product(self, other)
         return Interval(value, *limits) if _is_shift(self) or _is_shift(other) else _rounded(value, *limits, both_exact)
 
     def __truediv__(self, other):
-        other = interval(other)
         if _is_shift(other):
-            return self * (1.0 / other.value.item())
+            return self * Interval(1.0 / other.value)
         over = Interval(1.0 / other.value, 1.0 / other.high, 1.0 / other.low)
         unbounded = (other.low <= 0.0) & (other.high >= 0.0)
         if unbounded.any():
             over.low, over.high = np.where(unbounded, -np.inf, over.low), np.where(unbounded, np.inf, over.high)
         both_exact = self.is_exact and other.is_exact
         return _rounded(self.value / other.value, *_product(self, over), both_exact, DIVISION)
-
-    def __radd__(self, other):
-        return interval(other) + self
-
-    def __rsub__(self, other):
-        return interval(other) - self
-
-    def __rmul__(self, other):
-        return interval(other) * self
-
-    def __rtruediv__(self, other):
-        return interval(other) / self
 
     def __neg__(self):
         return Interval(-self.value) if self.is_exact else Interval(-self.value, -self.high, -self.low)
@@ -123,18 +98,16 @@ class Interval:
 
     def __lt__(self, other):
         """NaN may be smaller or not: Direct3D 9 finds that it is, IEEE 754 not, and GLSL and WGSL leave it open."""
-        other = interval(other)
         return condition(self.value < other.value, self.high < other.low, ~(self.low >= other.high))
 
     def __le__(self, other):
-        other = interval(other)
         return condition(self.value <= other.value, self.high <= other.low, self.low <= other.high)
 
     def __gt__(self, other):
-        return interval(other) < self
+        return other < self
 
     def __ge__(self, other):
-        return interval(other) <= self
+        return other <= self
 
 
 def interval(number: Interval | float) -> Interval:
@@ -156,15 +129,8 @@ def _rounded(value, low, high, both_exact: bool, share: float = OPERATION) -> In
 
 
 def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
-    if a.is_positive and b.is_positive:
-        low, high = a.low * b.low, a.high * b.high
-    elif b.is_positive and b.is_exact:
-        low, high = a.low * b.value, a.high * b.value
-    elif a.is_positive and a.is_exact:
-        low, high = a.value * b.low, a.value * b.high
-    else:
-        products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
-        low, high = np.minimum.reduce(products), np.maximum.reduce(products)
+    products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
+    low, high = np.minimum.reduce(products), np.maximum.reduce(products)
     if not np.isfinite(low.sum() + high.sum()):
         # 0 times an endless interval is 0: a weight of 0 takes no part
         is_zero = ((a.low == 0.0) & (a.high == 0.0)) | ((b.low == 0.0) & (b.high == 0.0))
@@ -174,14 +140,14 @@ def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def larger(a: Interval | float, b: Interval | float) -> Interval:
+def larger(a: Interval, b: Interval) -> Interval:
     """The larger of two."""
-    return _either(np.maximum, interval(a), interval(b))
+    return _either(np.maximum, a, b)
 
 
-def smaller(a: Interval | float, b: Interval | float) -> Interval:
+def smaller(a: Interval, b: Interval) -> Interval:
     """The smaller of two."""
-    return _either(np.minimum, interval(a), interval(b))
+    return _either(np.minimum, a, b)
 
 
 def _either(function, a: Interval, b: Interval) -> Interval:

@@ -5,7 +5,7 @@ and a second along the other. A polygon that the lens barrel cuts (cat's eye) ha
 pixel. Lengths and places are in units of the CoC, x right, y down.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, pi, sin
 
@@ -66,13 +66,18 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
         return ()
     sides = entry.sides or round(values["BokehSides"])
     last = sides // 2
-    lengths = lengths_in(size, sides, values) if size and item.constants["BOKEH_CHARACTER"] else None
+    cut = size and item.constants["BOKEH_CHARACTER"]
+    lengths = lengths_in(size, sides, values) if cut else edge_lengths(sides)
 
     def edge(k: int, second_pass: bool) -> Segment:
         return polygon_edge(k, sides, angle, squeeze, second_pass, lengths)
 
     if entry.role == SECOND:
-        return tuple(Line(COLORS[k - 2], edge(k, True), (weight(k, sides, lengths),)) for k in range(2, last + 1))
+        areas = {
+            k: lengths[k - 1] * sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
+            for k in range(2, last + 1)
+        }
+        return tuple(Line(COLORS[k - 2], edge(k, True), (area,)) for k, area in areas.items())
     targets = range(2, last + 1) if entry.role == FIRST else (round(values["BokehEdge"]),)
     return tuple(
         Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
@@ -87,20 +92,17 @@ def line_segment(angle: float, length: float, middle: tuple[float, float], squee
 
 
 def polygon_edge(
-    k: int, sides: int, rotation: float, squeeze: float, second_pass: bool, lengths: np.ndarray | None = None
+    k: int, sides: int, rotation: float, squeeze: float, second_pass: bool, lengths: np.ndarray
 ) -> Segment:
-    """Edge k of a polygon as it is filtered along in one of the two passes.
+    """Edge k of a polygon as it is filtered along in one of the two passes; `lengths` from edge_lengths.
 
     The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k, its middle is M_k.
     The first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
     put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
-
-    lengths  of edges 1 .. n, (n, ...), from edge_lengths; None: all alike, inscribed in the CoC
     """
     step, count = 2.0 * pi / sides, sides // 2
-    long = np.full(count, sin(0.5 * step)) if lengths is None else lengths
     along = [apertures.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
-    edges = [np.multiply.outer(direction, one) for direction, one in zip(along, long, strict=True)]
+    edges = [np.multiply.outer(direction, one) for direction, one in zip(along, lengths, strict=True)]
     corner = [-0.5 * sum(edges)]
     for edge in edges:
         corner.append(corner[-1] + edge)
@@ -112,18 +114,9 @@ def polygon_edge(
     return Segment(middle * shape, 0.5 * edges[k - 1] * shape)
 
 
-def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
-    """Area of the parallelogram of edges i < k, 0 for other edges; in units of a rhombus with a right angle. Where
-    `lengths` says how long the edges are: for an edge k of length 1.
-    """
-    area = sin((k - i) * 2.0 * pi / sides) if i < k else 0.0
-    return area if lengths is None else area * lengths[i - 1]
-
-
-def weight(k: int, sides: int, lengths: np.ndarray | None = None) -> float | np.ndarray:
-    """Area of the parallelograms of edge k with all edges before it."""
-    area = sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
-    return area if lengths is None else area * lengths[k - 1]
+def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray) -> float | np.ndarray:
+    """Area of the parallelogram of edges i < k, 0 for other edges; for an edge k of length 1."""
+    return sin((k - i) * 2.0 * pi / sides) * lengths[i - 1] if i < k else 0.0
 
 
 def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -> np.ndarray:
@@ -137,7 +130,7 @@ def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -
     return edge_lengths(sides, amount * turned, min(max(values["BokehRoundness"], 0.0), 1.0))
 
 
-def edge_lengths(sides: int, along: np.ndarray, roundness: float = 1.0) -> np.ndarray:
+def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), roundness: float = 1.0) -> np.ndarray:
     """Of edges 1 .. n of a polygon that is cut along `along` (2, ...): (n, ...).
 
     The polygon and the same moved along d by half of it to both sides have an intersection with the polygon's edge
