@@ -53,9 +53,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
     """
     values, (entry, color) = item.given(), (item.spec, COLORS[0])
     angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
-    if entry.role == LINE:
-        return (Line(color, line_segment(angle, 1.0, (0.0, 0.0), squeeze)),)
-    if entry.role == ADAPTIVE:
+    if entry.role in (LINE, ADAPTIVE):
         middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
         return (Line(color, line_segment(angle, values["BokehLineLength"], middle, squeeze)),)
     if entry.role == GRID:

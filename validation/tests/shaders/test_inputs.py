@@ -13,8 +13,6 @@ NEAR, FAR = 0.1, 200.0
 # float32: seven operations of the formulas at 2^-24 each, a division counts for 2.5 (Vulkan's allowance)
 ROUNDINGS = 12 * 2.0**-24
 # Vulkan and WebGPU let log2 be off by 3 steps, exp2 by 3 + 2 x of 2^-23, where x = log2(1 + FAR) < 8; and 3 roundings
-# of the CoC: its formula has three divisions, which count for 2.5 each, five other operations, and margin
-COC_ROUNDINGS = 16
 LOGARITHM_ROUNDINGS = 8 * np.log(2) * 4 * 2.0**-23 + (3 + 2 * 8) * 2.0**-23 + 3 * 2.0**-24
 # Formats: steps of a fixed point from 0 to 1; 0 for float32
 FORMATS = {"32 bit float": 0, "24 bit": 2**24 - 1, "16 bit": 2**16 - 1}
