@@ -12,6 +12,7 @@ from bokeh_validation.reference.interpreter import Run
 from bokeh_validation.reference.intervals import Interval, interval
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 from bokeh_validation.shaders.entries import Entry
+from bokeh_validation.shaders.passes import is_linear
 
 THREADS = 2
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
@@ -25,10 +26,11 @@ class Texture:
     """A texture with clamp, as the shaders read it. uv is (2, pixels), what is read (channels, pixels).
 
     precision  None: without doubt
+    is_linear  whether it has a linear filter, with which Direct3D 9 reads single texels as well
     """
 
-    def __init__(self, image: Image, precision: Precision | None):
-        self.image, self.precision = image, precision
+    def __init__(self, image: Image, precision: Precision | None, is_linear: bool):
+        self.image, self.precision, self.is_linear = image, precision, is_linear
         self.value = image.value.reshape(-1, image.value.shape[2])
         self.error = None if image.error is None else image.error.reshape(self.value.shape)
 
@@ -72,6 +74,8 @@ class Texture:
 
     def nearest(self, uv: Interval) -> Interval:
         """The nearest texel; where devices may take different ones, the interval around them. May be NaN."""
+        if self.is_linear:
+            return self.linear(uv)
         place = uv.value * np.array(self.image.size)[:, None]
         texel = sampling.nearest_index(*place, self.image.size)
         value = self.value[texel].T
@@ -109,7 +113,9 @@ def run_pass(
 ) -> list[Image]:
     """What an entry writes to each of its targets; textures by their slots."""
     width, height = size
-    textures = {f"Bokeh{slot}": Texture(image, precision) for slot, image in inputs.items()}
+    textures = {
+        f"Bokeh{slot}": Texture(image, precision, is_linear(entry.name, slot)) for slot, image in inputs.items()
+    }
     uniforms = {name: interval(value) for name, value in values.items()}
     # a viewport is cut out beforehand
     given = {**uniforms, **constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
