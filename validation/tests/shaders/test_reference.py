@@ -5,8 +5,9 @@ import pytest
 from support_cases import noise_case
 from test_within import GROUPS
 
-from bokeh_validation import check, metrics
+from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
 from bokeh_validation.reference import formulas, listings, precision, programs
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
@@ -84,7 +85,7 @@ def test_formulas_and_programs_agree(method):
     Left out are pixels where a comparison of Listing 3 or the jitter's side is within float32's error, so that it may
     be within float64's as well: at most one in twenty-five.
     """
-    frames = [*check.FRAMES, *check.GUARDED["BOKEH_CHARACTER"], *(one for group in GROUPS.values() for one in group)]
+    frames = [*ENTRY_SETTINGS.values(), *SWITCHES.values(), *(one for group in GROUPS.values() for one in group)]
     for settings in (one for one in frames if one.method == method):
         case = noise_case((61, 48), settings)
         names = [name for item in case.plan.passes for name in item.outputs]
