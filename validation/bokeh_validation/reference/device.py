@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from bokeh_validation.drivers.base import STORAGE, Textures
-from bokeh_validation.reference import formulas, programs
+from bokeh_validation.reference import execution, formulas
 from bokeh_validation.reference.images import Image, stored
 from bokeh_validation.reference.precision import SOFTWARE, Precision
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
@@ -101,4 +101,4 @@ def _run_pass(item: Pass, inputs: Mapping[str, Image], size: tuple[int, int], pr
     """What a pass writes to each of its targets, from what is in its slots."""
     if precision is None and not item.spec.layers:
         return [Image(value) for value in formulas.run_pass(item, {slot: one.value for slot, one in inputs.items()})]
-    return programs.run_pass(item.spec, inputs, size, item.given(), item.constants, precision)
+    return execution.run_pass(item.spec, inputs, size, item.given(), item.constants, precision)

@@ -74,7 +74,7 @@ class Run:
     """A pass over some pixels.
 
     given      uniforms, constants, BokehUV; of a texture's name the name itself
-    textures   programs.Texture, by their names
+    textures   execution.Texture, by their names
     line       Precision.line: how far off sin and cos may be
     count      of the pixels
     undecided  (count,): where one of Listing 3's comparisons, or the jitter's side, is open and changes something

@@ -61,7 +61,6 @@ def test_made_for_a_cut(sides):
     """
     body = f"BokehResult = BokehPolygonEdge(2, BokehMakePolygon({sides}, 0.5, 0.75), true);"
     wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
-    wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
     np.testing.assert_allclose(evaluated(body, BOKEH_CHARACTER=1), [*wanted.middle, *wanted.half], atol=2.0**-12)
 
 

@@ -8,7 +8,7 @@ from test_within import GROUPS
 from bokeh_validation import metrics
 from bokeh_validation.frame import apertures, methods, polygons
 from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
-from bokeh_validation.reference import formulas, listings, precision, programs
+from bokeh_validation.reference import execution, formulas, listings, precision
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.intervals import Interval
@@ -94,7 +94,7 @@ def test_formulas_and_programs_agree(method):
         for item in case.plan.passes:
             inputs = {slot: given[name] for slot, name in item.inputs.items()}
             written = formulas.run_pass(item, {slot: image.value for slot, image in inputs.items()})
-            ran = programs.run_pass(item.spec, inputs, case.size, item.given(), item.constants, precision.SOFTWARE)
+            ran = execution.run_pass(item.spec, inputs, case.size, item.given(), item.constants, precision.SOFTWARE)
             for value, image in zip(written, ran, strict=True):
                 off = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
                 assert off[~image.undecided].max() <= ALIKE[method], (item.entry, settings)
@@ -123,15 +123,15 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
     case = noise_case((41, 27), settings)
     drawn, random = Reference().images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
     uploaded = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in case.textures().items()}
-    linear, times = programs.Texture.linear, 1.0
+    linear, times = execution.Texture.linear, 1.0
 
-    def off_its_place(texture: programs.Texture, uv: Interval) -> Interval:
+    def off_its_place(texture: execution.Texture, uv: Interval) -> Interval:
         if texture.precision is None:
             off = random.choice([-1.0, 1.0], uv.value.shape) * precision.GPU.subtexel * times
             uv = Interval(uv.value + off / np.array(texture.image.size)[:, None])
         return linear(texture, uv)
 
-    monkeypatch.setattr(programs.Texture, "linear", off_its_place)
+    monkeypatch.setattr(execution.Texture, "linear", off_its_place)
     left = 0
     for item in case.plan.passes[1:]:
         given = {slot: (uploaded | drawn)[name].value for slot, name in item.inputs.items()}
@@ -139,9 +139,9 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
         uncertain = {slot: Image(value, errors[slot]) for slot, value in given.items()}
         moved = {k: Image(value + errors[k] * random.choice([-1.0, 1.0], value.shape)) for k, value in given.items()}
         rest = target_size(item.scale, case.size), item.given(), item.constants
-        wanted = programs.run_pass(item.spec, uncertain, *rest, precision.GPU)
+        wanted = execution.run_pass(item.spec, uncertain, *rest, precision.GPU)
         for times in (1.0, 100.0):
-            for image, result in zip(wanted, programs.run_pass(item.spec, moved, *rest, None), strict=True):
+            for image, result in zip(wanted, execution.run_pass(item.spec, moved, *rest, None), strict=True):
                 outside = np.abs(result.value - image.value) > image.error
                 assert times > 1.0 or not outside.any(), item.entry
                 left += outside.sum()
