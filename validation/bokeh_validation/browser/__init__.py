@@ -1,21 +1,19 @@
 """Headless Chromium with a page in it: that of the browser drivers and compilers (page/), an engine's sample, others.
 
-A browser is started on first use, asked by one call at a time, and gone when the process ends. Playwright's calls
-without async belong to the thread that started it, and its event loop would be in the way of others in the same thread.
-So the browser has a thread of its own, and a caller waits for it with a time limit.
+A browser is started on first use, asked by one call at a time, and gone when the process ends. Playwright's event loop
+would be in the way of others in the same thread. So it has a thread of its own, and a caller waits with a time limit.
 """
 
+import asyncio
 import atexit
 import mimetypes
 import os
-import queue
 import shutil
-import signal
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import AsyncIterator, Coroutine, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from functools import cache, partial
 from pathlib import Path
 from unittest.mock import patch
 
@@ -35,17 +33,15 @@ OLDEST = 140  # the first with Uint8Array.fromBase64
 FLAGS = (
     "--disable-background-networking --disable-component-update --disable-domain-reliability --disable-sync "
     "--disable-breakpad --disable-quic --no-first-run --no-pings --metrics-recording-only --disable-gpu-watchdog "
-    "--disable-background-timer-throttling --enable-unsafe-webgpu"
+    "--disable-background-timer-throttling --enable-unsafe-webgpu "
+    # the software device that comes with Chromium
+    "--use-angle=swiftshader --enable-unsafe-swiftshader --use-webgpu-adapter=swiftshader"
 ).split() + ["--host-resolver-rules=MAP * ~NOTFOUND"]
-# the software device that comes with Chromium
-SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--use-webgpu-adapter=swiftshader")
-# whatever GPU the machine has; Chromium's list of drivers that it does not trust is about web pages
-HARDWARE = ("--ignore-gpu-blocklist", "--use-angle=vulkan", "--enable-features=Vulkan")
 
 START_LIMIT = 60.0  # seconds; it takes 1
 COMPILE_LIMIT = 30.0  # a shader takes 0.05
 RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
-STOP_LIMIT = 10.0
+STOP_LIMIT = 40.0  # Playwright kills a browser that does not end within 30
 
 TEMPORARY = {"prefix": "bokeh-chromium-", "ignore_cleanup_errors": True}
 LONGEST_FOLDER = 40  # characters of the folder for temporary files
@@ -78,6 +74,7 @@ Places = Sequence[tuple[str, Path | bytes]]
 class Session:
     """One browser with a page in it. Any thread may call it; as a context it is closed at the end.
 
+    page     Playwright's, of its async interface
     version  of Chromium
     said     errors that the page wrote to the console: since it was opened if the session is strict, else in the last
              call
@@ -89,7 +86,6 @@ class Session:
         address: str = "index.html",
         places: Places = (("", PAGE),),
         script: str = "",
-        hardware: bool = False,
         flags: Sequence[str] = (),
         strict: bool = False,
         limit: float = RUN_LIMIT,
@@ -107,33 +103,19 @@ class Session:
         """
         path = _chromium()
         self.said: list[str] = []
-        self._strict, self._limit = strict, limit
-        self.version = ""
-        self._process = 0
-        self._crashes: list[str] = []
         self.dead = ""
-        self._stack = ExitStack()
-        self._jobs: queue.SimpleQueue = queue.SimpleQueue()
+        self._strict, self._limit = strict, limit
         self._lock = threading.Lock()
-        # a daemon, or a browser that does not answer would keep Python from ending
-        self._thread = threading.Thread(target=self._work, name="chromium", daemon=True)
-        self._thread.start()
-
-        def start() -> None:
-            browser = self._launched(path, [*FLAGS, *(HARDWARE if hardware else SOFTWARE), *flags])
-            self._page = self._opened(browser.new_page(**tab), address, places, script)
-
+        self._stack = AsyncExitStack()
+        atexit.register(self.close)
         try:
-            self._ask(start).result(START_LIMIT)
-        except TimeoutError:
-            self._kill()
-            raise Unavailable(f"{path} hung: it did not start within {START_LIMIT:g} s") from None
-        except Unavailable:
-            self.close()
-            raise
+            self.work(self._open(path, flags, tab, address, places, script), START_LIMIT)
         except Exception as error:
             self.close()
-            raise Unavailable(f"{path} did not start: {_cause(error)}") from error
+            if isinstance(error, Unavailable):
+                raise
+            cause = f"{START_LIMIT:g} s were not enough" if isinstance(error, TimeoutError) else _cause(error)
+            raise Unavailable(f"{path} did not start: {cause}") from error
 
     def __enter__(self) -> "Session":
         return self
@@ -144,7 +126,7 @@ class Session:
     def call(self, function: str, argument: object = None, limit: float | None = None) -> object:
         """Call window.bokeh.<function>(argument) and return what it returns (texts, numbers, lists, dicts).
 
-        limit   seconds until the browser is taken for hung and killed
+        limit   seconds until the browser is taken for hung and ended
         Raises Refused and BrowserError, with what the page logged.
         """
         limit = limit or self._limit
@@ -154,12 +136,11 @@ class Session:
             if self.dead:
                 raise BrowserError(self.dead)
             try:
-                returned, value = self._ask(lambda: self._page.evaluate(CALL % function, argument)).result(limit)
+                returned, value = self.work(self.page.evaluate(CALL % function, argument), limit)
             except TimeoutError:
                 self.dead = f"Chromium hung: stopped after {limit:g} s"
-                self._kill()
             except Exception as error:
-                self.dead = self._crashes[0] if self._crashes else f"Chromium crashed: {_cause(error)}"
+                self.dead = f"Chromium crashed: {_cause(error)}"
             if self.dead:
                 self.close()
                 raise BrowserError(self._with_messages(self.dead))
@@ -169,84 +150,58 @@ class Session:
             raise Refused(self._with_messages())
         return value
 
-    def work(self, step: Callable) -> object:
-        """What step(Playwright's page) returns."""
-        return self._ask(lambda: step(self._page)).result(self._limit)
+    def work(self, step: Coroutine, limit: float = RUN_LIMIT) -> object:
+        """What a step with Playwright's page returns. Raises TimeoutError after `limit` seconds."""
+        return asyncio.run_coroutine_threadsafe(step, _loop()).result(limit)
 
     def _with_messages(self, *texts: str) -> str:
         """Texts, and the first messages of the page: one mistake in the library is logged once for every pass."""
         return "\n".join([*texts, *(text[:WORDS] for text in [*dict.fromkeys(self.said)][:MESSAGES])])
 
     def close(self) -> None:
-        """End the browser: asked first, killed where it does not listen."""
+        """End the browser."""
         self.dead = self.dead or "Chromium was closed"
-        self._jobs.put(None)
-        self._thread.join(STOP_LIMIT)
-        if self._thread.is_alive():
-            self._kill()
-            self._thread.join(STOP_LIMIT)
-
-    def _kill(self) -> None:
-        """End the browser and all its processes without asking."""
-        with suppress(ProcessLookupError):
-            if self._process:
-                os.killpg(self._process, signal.SIGKILL)  # Playwright starts it in a group of its own
-
-    def _work(self) -> None:
-        """The browser's thread: do jobs until there is a None, then end the browser."""
-        while (job := self._jobs.get()) is not None:
-            action, answer = job
-            try:
-                answer.set_result(action())
-            except BaseException as error:  # it belongs to whoever waits, not to this thread
-                answer.set_exception(error)
         with suppress(Exception):  # a browser that is dead already
-            self._stack.close()
+            self.work(self._stack.aclose(), STOP_LIMIT)
 
-    def _ask(self, action: Callable[[], object]) -> Future:
-        """Have the browser's thread do something."""
-        answer: Future = Future()
-        self._jobs.put((action, answer))
-        return answer
-
-    def _launched(self, path: str, flags: list[str]):
-        """Playwright's browser."""
+    async def _open(self, path: str, flags: Sequence[str], tab: dict, address: str, places: Places, script: str) -> None:
+        """Start the browser and load the page."""
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(dir=near, **TEMPORARY))
-        browser = self._stack.enter_context(_playwright(folder)).chromium.launch(
+        playwright = await self._stack.enter_async_context(_playwright(folder))
+        browser = await playwright.chromium.launch(
             executable_path=path,
             headless=True,
             # it refuses to start with a sandbox as root
             chromium_sandbox=not hasattr(os, "geteuid") or os.geteuid() != 0,
-            args=flags,
+            args=[*FLAGS, *flags],
             # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
             env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
             timeout=START_LIMIT * 1000,
         )
-        self._stack.callback(browser.close)
-        client = browser.new_browser_cdp_session()
-        processes = client.send("SystemInfo.getProcessInfo")["processInfo"]
-        client.detach()
-        self._process = next((int(process["id"]) for process in processes if process["type"] == "browser"), 0)
+        self._stack.push_async_callback(browser.close)
         self.version = browser.version
         if int(self.version.split(".")[0]) < OLDEST:
             raise Unavailable(f"{path} is Chromium {self.version}; it has to be {OLDEST} or later")
-        return browser
-
-    def _opened(self, page, address: str, places: Places, script: str):
-        """Playwright's page, loaded."""
+        self.page = page = await browser.new_page(**tab)
         page.set_default_timeout(START_LIMIT * 1000)
         page.on("console", lambda message: self.said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self.said.append(error.message))
-        page.on("crash", lambda _: self._crashes.append("Chromium crashed: the page's process ended"))
         if ":" not in address:
             address = ADDRESS + address
-            page.route("**/*", lambda route: _answer(route, places))
-        page.add_init_script(script)
-        page.goto(address)
-        page.wait_for_function("window.bokeh !== undefined")
-        return page
+            await page.route("**/*", partial(_answer, places=places))
+        await page.add_init_script(script)
+        await page.goto(address)
+        await page.wait_for_function("window.bokeh !== undefined")
+
+
+@cache
+def _loop() -> asyncio.AbstractEventLoop:
+    """Playwright's. Its thread is a daemon, or a browser that does not answer would keep Python from ending."""
+    loop = asyncio.new_event_loop()
+    threading.Thread(target=loop.run_forever, name="chromium", daemon=True).start()
+    return loop
 
 
 def _chromium() -> str:
@@ -259,37 +214,32 @@ def _chromium() -> str:
     raise Unavailable(missing)
 
 
-@contextmanager
-def _playwright(folder: str) -> Iterator:
+@asynccontextmanager
+async def _playwright(folder: str) -> AsyncIterator:
     """Playwright with its temporary files, the browser's profile among them, in a folder of ours.
 
     It leaves them behind when the browser is killed. There is no parameter for the place.
     """
     try:
-        from playwright.sync_api import sync_playwright
+        from playwright.async_api import async_playwright
     except ImportError as error:
         raise Unavailable(f"{error.name} is not installed; validation/run sets it up") from error
     with patch.dict(os.environ, TMPDIR=folder):
-        playwright = sync_playwright().start()
+        playwright = await async_playwright().start()
     yield playwright
-    playwright.stop()
+    await playwright.stop()
 
 
-def _answer(route, places: Places) -> None:
+async def _answer(route, places: Places) -> None:
     """Answer a request of a page."""
     name = route.request.url.removeprefix(ADDRESS).partition("?")[0]
-    kind = "text/javascript" if name.endswith(".js") else mimetypes.guess_type(name)[0] or "text/plain"
     for beginning, source in places:
-        content = None
         if isinstance(source, bytes):
-            content = source if name == beginning else None
-        elif name.startswith(beginning) and ".." not in name:
-            file = source / name.removeprefix(beginning)
-            content = file.read_bytes() if file.is_file() else None
-        if content is not None:
-            route.fulfill(body=content, content_type=kind)
-            return
-    route.fulfill(status=204 if name == "favicon.ico" else 404)
+            if name == beginning:
+                return await route.fulfill(body=source, content_type=mimetypes.guess_type(name)[0])
+        elif name.startswith(beginning) and (file := source / name.removeprefix(beginning)).is_file():
+            return await route.fulfill(path=file)
+    return await route.fulfill(status=204 if name == "favicon.ico" else 404)
 
 
 def _cause(error: BaseException) -> str:
@@ -299,21 +249,13 @@ def _cause(error: BaseException) -> str:
     return next((line for line in lines if any(word in line for word in telling)), lines[0] if lines else repr(error))
 
 
-_sessions: dict[bool, Session | Unavailable] = {}
+_running: list[Session] = []
 _guard = threading.Lock()
 
 
-def session(hardware: bool = False) -> Session:
-    """The browser of this process, a new one where the last has died. Raises Unavailable, the same each time."""
+def session() -> Session:
+    """The browser of this process, a new one where the last has died. Raises Unavailable."""
     with _guard:
-        running = _sessions.get(hardware)
-        if running is None or (isinstance(running, Session) and running.dead):
-            try:
-                running = Session(hardware=hardware)
-                atexit.register(running.close)
-            except Unavailable as error:
-                running = error
-            _sessions[hardware] = running
-    if isinstance(running, Unavailable):
-        raise running
-    return running
+        if not _running or _running[-1].dead:
+            _running[:] = [Session()]
+        return _running[-1]

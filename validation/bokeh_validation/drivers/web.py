@@ -10,8 +10,6 @@ from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
-SOFTWARE_DEVICE = "swiftshader"
-
 
 def packed(image: Image) -> dict[str, object]:
     """As page/job.js takes it."""
@@ -28,12 +26,10 @@ def unpacked(image: Mapping, storage: str) -> np.ndarray:
 class BrowserDriver(Driver):
     """What both share: the job as data. A subclass says which program a pass is.
 
-    adapter  None: the software device that comes with Chromium; else a part of the name of the machine's GPU, as
-             Chromium names it (a GPU was never tried)
+    adapter  part of the name of the software device that comes with Chromium, the only one there is
     """
 
     def __init__(self, adapter: str | None = None):
-        self.hardware = adapter is not None and adapter.lower() not in SOFTWARE_DEVICE
         try:
             described = self.session.call(f"{self.name}.describe")
         except (browser.Refused, browser.BrowserError) as error:
@@ -47,7 +43,7 @@ class BrowserDriver(Driver):
     @property
     def session(self) -> browser.Session:
         """The browser: after a crash, a new one."""
-        return browser.session(self.hardware)
+        return browser.session()
 
     def _program(self, item: Pass) -> dict[str, object]:
         """What the page needs to know of a pass's program."""
