@@ -39,7 +39,6 @@ FLAGS = (
 ).split() + ["--host-resolver-rules=MAP * ~NOTFOUND"]
 
 START_LIMIT = 60.0  # seconds; it takes 1
-COMPILE_LIMIT = 30.0  # a shader takes 0.05
 RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
 STOP_LIMIT = 40.0  # Playwright kills a browser that does not end within 30
 
@@ -76,8 +75,7 @@ class Session:
 
     page     Playwright's, of its async interface
     version  of Chromium
-    said     errors that the page wrote to the console: since it was opened if the session is strict, else in the last
-             call
+    said     errors that the page wrote to the console since the last call
     dead     why call() cannot work any more; '' while it can
     """
 
@@ -87,9 +85,7 @@ class Session:
         places: Places = (("", PAGE),),
         script: str = "",
         flags: Sequence[str] = (),
-        strict: bool = False,
         limit: float = RUN_LIMIT,
-        **tab: object,
     ):
         """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start.
 
@@ -97,19 +93,17 @@ class Session:
         places   tried in this order for each request
         script   runs before the page's own
         flags    more of the command line
-        strict   a call fails also where something was only logged
         limit    seconds that a call may take
-        tab      options of Playwright's new_page()
         """
         path = _chromium()
         self.said: list[str] = []
         self.dead = ""
-        self._strict, self._limit = strict, limit
+        self._limit = limit
         self._lock = threading.Lock()
         self._stack = AsyncExitStack()
         atexit.register(self.close)
         try:
-            self.work(self._open(path, flags, tab, address, places, script), START_LIMIT)
+            self.work(self._open(path, flags, address, places, script), START_LIMIT)
         except Exception as error:
             self.close()
             if isinstance(error, Unavailable):
@@ -123,40 +117,33 @@ class Session:
     def __exit__(self, *_) -> None:
         self.close()
 
-    def call(self, function: str, argument: object = None, limit: float | None = None) -> object:
+    def call(self, function: str, argument: object = None) -> object:
         """Call window.bokeh.<function>(argument) and return what it returns (texts, numbers, lists, dicts).
 
-        limit   seconds until the browser is taken for hung and ended
-        Raises Refused and BrowserError, with what the page logged.
+        Raises BrowserError, and Refused also where something was only logged.
         """
-        limit = limit or self._limit
         with self._lock:
-            if not self._strict:
-                self.said.clear()
             if self.dead:
                 raise BrowserError(self.dead)
             try:
-                returned, value = self.work(self.page.evaluate(CALL % function, argument), limit)
+                returned, value = self.work(self.page.evaluate(CALL % function, argument), self._limit)
             except TimeoutError:
-                self.dead = f"Chromium hung: stopped after {limit:g} s"
+                self.dead = f"Chromium hung: stopped after {self._limit:g} s"
             except Exception as error:
                 self.dead = f"Chromium crashed: {_cause(error)}"
             if self.dead:
                 self.close()
-                raise BrowserError(self._with_messages(self.dead))
-        if not returned:
-            raise Refused(self._with_messages(value))
-        if self._strict and self.said:
-            raise Refused(self._with_messages())
+                raise BrowserError(self.dead)
+            # one mistake in the library is logged once for every pass
+            said = [text[:WORDS] for text in dict.fromkeys(self.said)][:MESSAGES]
+            self.said.clear()
+        if said or not returned:
+            raise Refused("\n".join(said if returned else [value, *said]))
         return value
 
     def work(self, step: Coroutine, limit: float = RUN_LIMIT) -> object:
         """What a step with Playwright's page returns. Raises TimeoutError after `limit` seconds."""
         return asyncio.run_coroutine_threadsafe(step, _loop()).result(limit)
-
-    def _with_messages(self, *texts: str) -> str:
-        """Texts, and the first messages of the page: one mistake in the library is logged once for every pass."""
-        return "\n".join([*texts, *(text[:WORDS] for text in [*dict.fromkeys(self.said)][:MESSAGES])])
 
     def close(self) -> None:
         """End the browser."""
@@ -164,7 +151,7 @@ class Session:
         with suppress(Exception):  # a browser that is dead already
             self.work(self._stack.aclose(), STOP_LIMIT)
 
-    async def _open(self, path: str, flags: Sequence[str], tab: dict, address: str, places: Places, script: str) -> None:
+    async def _open(self, path: str, flags: Sequence[str], address: str, places: Places, script: str) -> None:
         """Start the browser and load the page."""
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
@@ -184,7 +171,7 @@ class Session:
         self.version = browser.version
         if int(self.version.split(".")[0]) < OLDEST:
             raise Unavailable(f"{path} is Chromium {self.version}; it has to be {OLDEST} or later")
-        self.page = page = await browser.new_page(**tab)
+        self.page = page = await browser.new_page()
         page.set_default_timeout(START_LIMIT * 1000)
         page.on("console", lambda message: self.said.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self.said.append(error.message))

@@ -16,11 +16,7 @@ def version() -> str:
 
 def angle(vertex: str, fragment: str) -> CompileResult:
     """Compile both stages and link them. Each line of the messages begins with its stage, or with 'link'."""
-    done = _called("webgl2.compile", {"vertex": vertex, "fragment": fragment})
-    # ANGLE ends its logs with a zero
-    logs = {stage: log.replace("\0", "").splitlines() for stage, log in done.get("logs", {}).items()}
-    lines = [f"{stage}: {line.rstrip()}" for stage, log in logs.items() for line in log if line.strip()]
-    return (accepted if done["ok"] else refused)("\n".join(lines) or done.get("error", ""))
+    return _compiled("webgl2.compile", {"vertex": vertex, "fragment": fragment})
 
 
 def tint(vertex: Stage, fragment: Stage) -> CompileResult:
@@ -32,14 +28,13 @@ def tint(vertex: Stage, fragment: Stage) -> CompileResult:
         "vertex": {"entry": vertex.entry, "constants": dict(vertex.constants)},
         "fragment": {"entry": fragment.entry, "constants": dict(fragment.constants)},
     }
-    done = _called("webgpu.compile", job)
-    lines = [f"wgsl:{m['line']}:{m['column']}: {m['type']}: {m['text']}" for m in done.get("messages", ())]
-    return (accepted if done["ok"] else refused)("\n".join(lines) + "\n" + done.get("pipeline", done.get("error", "")))
+    return _compiled("webgpu.compile", job)
 
 
-def _called(function: str, job: dict) -> dict:
-    """What the page answers; a crash or a hang is {'ok': False, 'error': ..}."""
+def _compiled(function: str, job: dict) -> CompileResult:
+    """What the page answers; a crash or a hang is a refusal."""
     try:
-        return browser.session().call(function, job, limit=browser.COMPILE_LIMIT)
+        done = browser.session().call(function, job)
     except (browser.BrowserError, browser.Refused) as error:
-        return {"ok": False, "error": str(error)}
+        return refused(str(error))
+    return (accepted if done["ok"] else refused)("\n".join(done["lines"]))

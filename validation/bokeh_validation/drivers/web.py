@@ -7,6 +7,7 @@ import numpy as np
 
 from bokeh_validation import browser, shaders
 from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
+from bokeh_validation.drivers.webgpu import texture_format
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
@@ -14,12 +15,12 @@ from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 def packed(image: Image) -> dict[str, object]:
     """As page/job.js takes it."""
     data = None if image.pixels is None else base64.b64encode(image.pixels.tobytes()).decode("ascii")
-    return {"size": image.size, "type": image.storage, "channels": image.channels, "data": data}
+    return {"size": image.size, "format": texture_format(image.storage, image.channels), "data": data}
 
 
 def unpacked(image: Mapping, storage: str) -> np.ndarray:
     """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
-    data = np.frombuffer(base64.b64decode(image["data"]), STORAGE[image["type"]])
+    data = np.frombuffer(base64.b64decode(image["data"]), np.float16 if "16" in image["format"] else np.float32)
     return data.reshape(*image["size"][::-1], 4).astype(STORAGE[storage])
 
 
@@ -51,8 +52,7 @@ class BrowserDriver(Driver):
     def _shared(self) -> dict[str, object]:
         """What is the same for all passes of a job."""
 
-    def job(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, object]:
-        """What run() hands to the page."""
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         images, draws, numbers = flattened(self, passes, textures, size, storage)
         job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}
         for item, inputs, targets, area in draws:
@@ -64,10 +64,7 @@ class BrowserDriver(Driver):
             own = {"inputs": read, "targets": targets, "area": area, "values": values}
             job["passes"].append({**self._program(item), **own})
         job["keep"] = [numbers[name] for name in keep]
-        return job
-
-    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        kept = self.session.call(f"{self.name}.run", self.job(passes, textures, size, storage, keep))
+        kept = self.session.call(f"{self.name}.run", job)
         return {name: unpacked(image, storage) for name, image in zip(keep, kept, strict=True)}
 
 

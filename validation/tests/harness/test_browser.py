@@ -56,12 +56,12 @@ def test_crash(driver):
     assert copied(driver)
 
 
-def test_hang(driver):
-    session = driver.session
-    for limit in (1.0, None):  # the second finds it dead
+def test_hang():
+    load("webgl2")
+    session = browser.Session(limit=1.0)
+    for function in (ENDLESS, "webgl2.describe"):  # the second finds it dead
         with pytest.raises(browser.BrowserError, match="^Chromium hung: stopped after 1 s$"):
-            session.call(ENDLESS, limit=limit)
-    assert copied(driver)
+            session.call(function)
 
 
 @pytest.mark.parametrize("end", ["pass", "test_browser.crash()"])

@@ -4,6 +4,13 @@
 
 import { decode, elements, encode } from "./job.js";
 
+// Format -> that of a texture, and layout and type of an upload
+const FORMATS = {
+  rgba16float: ["RGBA16F", "RGBA", "HALF_FLOAT"],
+  rgba32float: ["RGBA32F", "RGBA", "FLOAT"],
+  r32float: ["R32F", "RED", "FLOAT"],
+};
+
 let gl = null;
 let samplers = null; // by "is linear"
 const programs = new Map(); // both sources -> linked program
@@ -33,15 +40,18 @@ function sampler(filter) {
 export function describe() {
   start();
   const names = gl.getExtension("WEBGL_debug_renderer_info");
-  const renderer = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-  const floatFilterable = gl.getExtension("OES_texture_float_linear") !== null;
-  return { device: renderer, floatFilterable, attachmentBytes: 64 };
+  const device = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  return { device, floatFilterable: gl.getExtension("OES_texture_float_linear") !== null, attachmentBytes: 64 };
 }
 
-// Compile both stages and link them. { ok, logs: { vertex, fragment, link }, program }
+// { ok, lines of the compiler's and linker's logs, program } of a pair of stages
 function build(vertex, fragment) {
   const program = gl.createProgram();
-  const logs = {};
+  const lines = [];
+  // ANGLE ends its logs with a zero
+  const note = (stage, log) => {
+    for (const line of log.replace("\0", "").split("\n")) if (line.trim()) lines.push(`${stage}: ${line.trimEnd()}`);
+  };
   let ok = true;
   const stages = [["vertex", gl.VERTEX_SHADER, vertex], ["fragment", gl.FRAGMENT_SHADER, fragment]];
   for (const [name, stage, source] of stages) {
@@ -49,51 +59,46 @@ function build(vertex, fragment) {
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
     ok = gl.getShaderParameter(shader, gl.COMPILE_STATUS) && ok;
-    logs[name] = gl.getShaderInfoLog(shader) ?? "";
+    note(name, gl.getShaderInfoLog(shader) ?? "");
     gl.attachShader(program, shader);
     gl.deleteShader(shader); // it goes with the program
   }
-  logs.link = "";
   if (ok) {
     gl.linkProgram(program);
     ok = gl.getProgramParameter(program, gl.LINK_STATUS);
-    logs.link = gl.getProgramInfoLog(program) ?? "";
+    note("link", gl.getProgramInfoLog(program) ?? "");
   }
-  if (gl.isContextLost()) throw new Error("the WebGL context was lost while compiling");
-  return { ok, logs, program };
+  return { ok, lines, program };
 }
 
-// { ok, logs: { vertex, fragment, link } } of { vertex, fragment }
+// { ok, lines } of { vertex, fragment }
 export function compile({ vertex, fragment }) {
   start();
-  const { ok, logs, program } = build(vertex, fragment);
+  const { ok, lines, program } = build(vertex, fragment);
   gl.deleteProgram(program);
-  return { ok, logs };
+  return { ok, lines };
 }
 
 // A linked program, made once for each pair of sources.
 export function linked(vertex, fragment) {
   const key = vertex + "\0" + fragment;
   if (!programs.has(key)) {
-    const { ok, logs, program } = build(vertex, fragment);
-    if (!ok) throw new Error("ANGLE refused a shader:\n" + Object.values(logs).join("\n"));
+    const { ok, lines, program } = build(vertex, fragment);
+    if (!ok) throw new Error(["ANGLE refused a shader:", ...lines].join("\n"));
     programs.set(key, program);
   }
   return programs.get(key);
 }
 
 // A texture of a job; a target is 0 everywhere, as WebGL has it.
-export function texture({ size, channels, type, data }) {
-  const half = type === "half";
-  const layout = { 4: gl.RGBA, 1: gl.RED }[channels];
-  const internal = { 4: half ? gl.RGBA16F : gl.RGBA32F, 1: gl.R32F }[channels];
+export function texture({ size, format, data }) {
+  const [internal, layout, type] = FORMATS[format].map((name) => gl[name]);
   const handle = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, handle);
   gl.texStorage2D(gl.TEXTURE_2D, 1, internal, ...size);
   // a row of any of these formats is a multiple of 4 bytes, the alignment that uploads and readPixels() have by default
-  const kind = half ? gl.HALF_FLOAT : gl.FLOAT;
-  if (data) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, layout, kind, decode({ type, data }));
+  if (data) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, layout, type, decode({ format, data }));
   return handle;
 }
 
@@ -136,11 +141,11 @@ export function draw({ fragment, area, inputs, values }, vertex, textures) {
   inputs.forEach((_, unit) => bind(unit, null, null));
 }
 
-// The framebuffer that is bound, in 32 bits: every target can be read as that, and a half float is the same number.
-function read({ size }) {
-  const image = { size, channels: 4, type: "float" };
+// A target, in 32 bits: every one can be read as that, and a half float is the same number.
+export function read(target, size) {
+  const image = { size, format: "rgba32float" };
   const into = elements(image);
-  gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, into);
+  onto([target], () => gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, into));
   return encode(image, into);
 }
 
@@ -152,13 +157,10 @@ export function run({ images, passes, keep, vertex }) {
     for (const pass of passes) {
       onto(pass.targets.map((image) => textures[image]), () => draw(pass, vertex, textures));
     }
-    const kept = keep.map((image) => onto([textures[image]], () => read(images[image])));
+    const kept = keep.map((image) => read(textures[image], images[image].size));
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL error 0x${error.toString(16)}`);
     return kept;
-  } catch (error) {
-    // a lost context answers everything with a failure of that thing
-    throw gl.isContextLost() ? new Error("the WebGL context was lost: the GPU process has died") : error;
   } finally {
     for (const texture of textures) gl.deleteTexture(texture);
   }

@@ -1,12 +1,11 @@
 // WebGPU: WGSL through tint and Dawn. Row 0 of every image is v = 0, in uploads, targets and copies alike.
 
-import { decode, elements, encode, pitch } from "./job.js";
+import { decode, elements, encode } from "./job.js";
 
 // Bytes a pixel of all targets of a pass together. WebGPU's default is four half-float targets, but two of 32 bits.
 const ATTACHMENT_BYTES = "maxColorAttachmentBytesPerSample";
 
 let started = null; // promise of { adapter, device, sampler, dummy }
-const modules = new Map(); // source -> GPUShaderModule
 const pipelines = new Map(); // entry, constants, formats and source -> GPURenderPipeline
 
 // The device, made on first use and again after it was lost.
@@ -23,28 +22,10 @@ async function open() {
     requiredFeatures: ["float32-filterable"].filter((feature) => adapter.features.has(feature)),
     requiredLimits: { [ATTACHMENT_BYTES]: adapter.limits[ATTACHMENT_BYTES] },
   });
-  modules.clear();
   pipelines.clear();
   device.lost.then(() => (started = null));
   const sampler = device.createSampler({ minFilter: "linear", magFilter: "linear" });
-  const usage = GPUTextureUsage.TEXTURE_BINDING;
-  const dummy = device.createTexture({ size: [1, 1], format: "rgba16float", usage });
-  return { adapter, device, sampler, dummy };
-}
-
-const SAMPLER = 7; // its binding: textures of the layers come after it
-
-// One layout for every pass, as the package documents it: parameters, textures, the sampler, bound in this order.
-// `slots`: name of a texture -> its sample type, in the order of the bindings.
-function layout(device, slots) {
-  const resources = [
-    { buffer: { type: "uniform" } },
-    ...Object.values(slots).map((sampleType) => ({ texture: { sampleType } })),
-  ];
-  resources.splice(SAMPLER, 0, { sampler: { type: "filtering" } });
-  const visibility = GPUShaderStage.FRAGMENT;
-  const entries = resources.map((resource, binding) => ({ binding, visibility, ...resource }));
-  return device.createBindGroupLayout({ entries });
+  return { adapter, device, sampler, dummy: texture(device, { size: [1, 1], format: "rgba16float" }) };
 }
 
 // As webgl2.describe().
@@ -69,138 +50,126 @@ export async function checked(device, step) {
   }
 }
 
-// Stages are { module, entryPoint, constants }.
-function pipelineDescriptor(device, slots, vertex, fragment, formats) {
-  return {
-    layout: device.createPipelineLayout({ bindGroupLayouts: [layout(device, slots)] }),
-    vertex,
-    fragment: { ...fragment, targets: formats.map((format) => ({ format })) },
-    primitive: { topology: "triangle-list" },
-  };
+// What every pass has bound, in this order, as the package documents it: parameters, textures, the sampler; textures of
+// the layers come after it.
+function bindings(parameters, textures, sampler) {
+  const all = [parameters, ...textures];
+  all.splice(7, 0, sampler);
+  return all.map((one, binding) => ({ binding, ...one }));
 }
 
-// { ok, messages: [{ type, line, column, text }], pipeline } of { code, vertex, fragment, slots, formats }, the stages
-// being { entry, constants }, with a target of each format. `pipeline` is what making a render pipeline was refused
-// with, or "".
+// A render pipeline of two entries of a module, each { entry, constants }, with a target of each format; `slots`: name of
+// a texture -> its sample type.
+function pipelineOf(device, module, slots, vertex, fragment, formats) {
+  const textures = Object.values(slots).map((sampleType) => ({ texture: { sampleType } }));
+  const all = bindings({ buffer: { type: "uniform" } }, textures, { sampler: { type: "filtering" } });
+  const entries = all.map((one) => ({ ...one, visibility: GPUShaderStage.FRAGMENT }));
+  const stage = ({ entry, constants }) => ({ module, entryPoint: entry, constants });
+  return device.createRenderPipelineAsync({
+    layout: device.createPipelineLayout({ bindGroupLayouts: [device.createBindGroupLayout({ entries })] }),
+    vertex: stage(vertex),
+    fragment: { ...stage(fragment), targets: formats.map((format) => ({ format })) },
+  });
+}
+
+// { ok, lines of messages }: whether a module is right, and a pipeline of it can be made as above.
 export async function compile({ code, vertex, fragment, slots, formats }) {
   const { device } = await start();
   device.pushErrorScope("validation"); // the errors of a module come with its messages
   const module = device.createShaderModule({ code });
-  const info = await module.getCompilationInfo();
+  const { messages } = await module.getCompilationInfo();
   await device.popErrorScope();
-  const messages = info.messages.map(({ type, lineNum, linePos, message }) => ({
-    type, line: lineNum, column: linePos, text: message,
-  })); // prettier-ignore
-  if (messages.some(({ type }) => type === "error")) return { ok: false, messages, pipeline: "" };
+  const lines = messages.map(({ type, lineNum, linePos, message }) => `wgsl:${lineNum}:${linePos}: ${type}: ${message}`);
+  if (messages.some(({ type }) => type === "error")) return { ok: false, lines };
   try {
-    const stages = [vertex, fragment].map(({ entry, constants }) => ({ module, entryPoint: entry, constants }));
-    await device.createRenderPipelineAsync(pipelineDescriptor(device, slots, ...stages, formats));
+    await pipelineOf(device, module, slots, vertex, fragment, formats);
+    return { ok: true, lines };
   } catch (error) {
-    return { ok: false, messages, pipeline: error.message };
+    return { ok: false, lines: [...lines, error.message] };
   }
-  return { ok: true, messages, pipeline: "" };
 }
 
-function format({ channels, type }) {
-  return { 4: "rgba", 1: "r" }[channels] + { half: "16float", float: "32float" }[type];
-}
-
-// A pipeline, made once for each entry, configuration and formats of targets.
-async function pipeline(device, { code, vertex, slots }, pass, formats) {
-  const key = [pass.entry, JSON.stringify(pass.constants), ...formats, code].join("\0");
-  if (!pipelines.has(key)) {
-    if (!modules.has(code)) modules.set(code, device.createShaderModule({ code }));
-    const module = modules.get(code);
-    const fragment = { module, entryPoint: pass.entry, constants: pass.constants };
-    const descriptor = pipelineDescriptor(device, slots, { module, entryPoint: vertex }, fragment, formats);
-    pipelines.set(key, await device.createRenderPipelineAsync(descriptor));
-  }
-  return pipelines.get(key);
-}
-
-export function texture(device, image) {
+export function texture(device, { size, format, data }) {
   const { TEXTURE_BINDING, COPY_DST, COPY_SRC, RENDER_ATTACHMENT } = GPUTextureUsage;
-  const usage = TEXTURE_BINDING | COPY_SRC | (image.data ? COPY_DST : RENDER_ATTACHMENT);
-  const handle = device.createTexture({ size: image.size, format: format(image), usage });
-  // writeTexture() wants no alignment
-  const rows = { bytesPerRow: pitch(image) };
-  if (image.data) device.queue.writeTexture({ texture: handle }, decode(image), rows, image.size);
+  const usage = TEXTURE_BINDING | COPY_SRC | (data ? COPY_DST : RENDER_ATTACHMENT);
+  const handle = device.createTexture({ size, format, usage });
+  if (data) {
+    const pixels = decode({ format, data });
+    device.queue.writeTexture({ texture: handle }, pixels, { bytesPerRow: pixels.byteLength / size[1] }, size);
+  }
   return handle;
 }
 
-// The parameters of a pass.
-function uniforms(device, pass) {
-  const values = new Float32Array(Object.values(pass.values));
-  const buffer = device.createBuffer({
-    size: Math.ceil(values.byteLength / 16) * 16, // of a uniform block
-    usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
-  });
-  device.queue.writeBuffer(buffer, 0, values);
+export function uniforms(device, values) {
+  const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+  const buffer = device.createBuffer({ size: Math.ceil(values.length / 4) * 16, usage }); // of a uniform block
+  device.queue.writeBuffer(buffer, 0, new Float32Array(values));
   return buffer;
 }
 
-function bind({ device, sampler, dummy }, slots, pass, buffer, textures) {
-  // a pass has something at every binding, also where it reads nothing
-  const read = new Map(pass.inputs.map(({ slot, image }) => [slot, textures[image]]));
-  const resources = [{ buffer }, ...Object.keys(slots).map((slot) => (read.get(slot) ?? dummy).createView())];
-  resources.splice(SAMPLER, 0, sampler);
-  const entries = resources.map((resource, binding) => ({ binding, resource }));
-  return device.createBindGroup({ layout: layout(device, slots), entries });
-}
-
 // Copy a target to a buffer that can be mapped: there a row begins at a multiple of 256 bytes.
-export function copy(device, encoder, image, texture) {
-  const bytesPerRow = Math.ceil(pitch(image) / 256) * 256;
+export function copy(device, encoder, { size, format }, texture) {
+  const into = elements({ size, format });
+  const bytesPerRow = Math.ceil(into.byteLength / size[1] / 256) * 256;
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
-  const buffer = device.createBuffer({ size: bytesPerRow * image.size[1], usage });
-  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, image.size);
-  return { image, buffer, bytesPerRow };
+  const buffer = device.createBuffer({ size: bytesPerRow * size[1], usage });
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, size);
+  return { buffer, bytesPerRow, into, height: size[1] };
 }
 
-export async function read({ image, buffer, bytesPerRow }) {
+// The elements of an image that was copied.
+export async function read({ buffer, bytesPerRow, into, height }) {
   await buffer.mapAsync(GPUMapMode.READ);
   const padded = new Uint8Array(buffer.getMappedRange());
-  const into = elements(image);
   const bytes = new Uint8Array(into.buffer);
-  const row = pitch(image);
-  for (let y = 0; y < image.size[1]; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
-  return encode(image, into);
+  const row = bytes.length / height;
+  for (let y = 0; y < height; y++) bytes.set(padded.subarray(y * bytesPerRow, y * bytesPerRow + row), y * row);
+  buffer.destroy();
+  return into;
 }
 
 // Run a job and return the images that it keeps.
-export async function run(job) {
-  const gpu = await start();
-  const { device } = gpu;
+export async function run({ code, vertex, slots, images, passes, keep }) {
+  const { device, sampler, dummy } = await start();
   const resources = []; // destroyed at the end: waiting for the garbage collector would hold them for long
   const owned = (resource) => resources[resources.push(resource) - 1];
   try {
     return await checked(device, async () => {
-      const textures = job.images.map((image) => owned(texture(device, image)));
+      const textures = images.map((image) => owned(texture(device, image)));
       const encoder = device.createCommandEncoder();
-      for (const pass of job.passes) {
-        const formats = pass.targets.map((image) => format(job.images[image]));
-        const chosen = await pipeline(device, job, pass, formats);
-        const buffer = owned(uniforms(device, pass));
-        draw(encoder, pass, chosen, bind(gpu, job.slots, pass, buffer, textures), textures);
+      for (const pass of passes) {
+        const formats = pass.targets.map((image) => images[image].format);
+        const key = [pass.entry, JSON.stringify(pass.constants), ...formats, code].join("\0");
+        if (!pipelines.has(key)) {
+          const module = device.createShaderModule({ code });
+          pipelines.set(key, await pipelineOf(device, module, slots, { entry: vertex }, pass, formats));
+        }
+        const buffer = owned(uniforms(device, Object.values(pass.values)));
+        // a pass has something at every binding, also where it reads nothing
+        const inputs = Object.fromEntries(pass.inputs.map(({ slot, image }) => [slot, textures[image]]));
+        const views = Object.keys(slots).map((slot) => ({ resource: (inputs[slot] ?? dummy).createView() }));
+        const entries = bindings({ resource: { buffer } }, views, { resource: sampler });
+        draw(device, encoder, pipelines.get(key), [entries], pass.targets.map((image) => textures[image]), pass.area);
       }
-      const copies = job.keep.map((image) => copy(device, encoder, job.images[image], textures[image]));
-      copies.forEach(({ buffer }) => owned(buffer));
+      const copies = keep.map((image) => copy(device, encoder, images[image], textures[image]));
       device.queue.submit([encoder.finish()]);
-      return Promise.all(copies.map(read));
+      return Promise.all(copies.map(async (copied, index) => encode(images[keep[index]], await read(copied))));
     });
   } finally {
     for (const resource of resources) resource.destroy();
   }
 }
 
-function draw(encoder, pass, pipeline, bindings, textures) {
+// Record a pass: `groups` are the entries of its bind groups.
+export function draw(device, encoder, pipeline, groups, targets, area) {
   // a new texture holds 0, and what is around the area that is drawn stays
   const kept = { loadOp: "load", storeOp: "store" };
-  const colorAttachments = pass.targets.map((image) => ({ view: textures[image].createView(), ...kept }));
-  const render = encoder.beginRenderPass({ colorAttachments });
-  render.setPipeline(pipeline);
-  render.setBindGroup(0, bindings);
-  render.setViewport(...pass.area, 0, 1); // a triangle is clipped to it
-  render.draw(3);
-  render.end();
+  const pass = encoder.beginRenderPass({ colorAttachments: targets.map((target) => ({ view: target.createView(), ...kept })) });
+  pass.setPipeline(pipeline);
+  groups.forEach((entries, index) => {
+    pass.setBindGroup(index, device.createBindGroup({ layout: pipeline.getBindGroupLayout(index), entries }));
+  });
+  pass.setViewport(...area, 0, 1); // a triangle is clipped to it
+  pass.draw(3);
+  pass.end();
 }

@@ -1,5 +1,6 @@
 """Other depth-of-field effects beside ours and the ray-traced truth: the work behind `validation/run peers`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -7,72 +8,67 @@ import numpy as np
 import typer
 
 from bokeh_validation import drivers, files, jobs, pictures, terminal, truth
-from bokeh_validation.errors import Unavailable, UserError
+from bokeh_validation.frame import polygons
+from bokeh_validation.frame.methods import Camera
+from bokeh_validation.probes.highlight import AMBIENT, PEAK
+from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
+from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
-from bokeh_validation.truth.peers import crate, effects, measured
-from bokeh_validation.truth.peers.effects import EFFECTS, ONE_LIGHT, Parameters
-from bokeh_validation.truth.peers.measured import Drawn, Shape
+from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, Page, title
 
-# What is shown of a scene beside the truth, and where: left and top
-SHOWN = (*EFFECTS, "layered medium", "truth")
-PLACES = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}
-DETAIL = (300, 200)
-
-
-def title(name: str, versions: dict[str, str]) -> str:
-    """Of a row."""
-    effect = EFFECTS.get(name)
-    return f"{effect.title} {versions[effect.package]}" if effect else name
+OURS = ("paper", "exact", "layered low", "layered medium")
+DRIVER = "webgl2"  # the device that the others are on
+# One light of 3 x 3 pixels, so far away that its circle of confusion is that at infinity, 34 pixels
+LIGHT, FAR = 3, 10000.0
+LIGHT_SIZE, LIGHT_COC = (270, 270), 34
+LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
+# What is shown of a scene: left and top
+PLACES, DETAIL = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}, (300, 200)
 
 
-def markdown(rows: list[Drawn], shapes: dict[str, Shape], versions: dict[str, str]) -> list[str]:
-    """The table of docs/peers.md."""
-    names = list(dict.fromkeys(row.scene for row in rows))
-    head = ["", "fetches", "one light", *names]
-    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
-    for effect in dict.fromkeys(row.effect for row in rows):
-        of_scenes = {row.scene: row for row in rows if row.effect == effect}
-        counts = sorted({round(row.fetches) for row in of_scenes.values()})
-        count = " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1])))
-        cells = [f"{of_scenes[name].flip:.4f}/{of_scenes[name].psnr:.2f}/{of_scenes[name].light:.3f}" for name in names]
-        shape = f"{shapes[effect].overlap:.2f}/{shapes[effect].light:.2f}"
-        lines.append(f"| {' | '.join([title(effect, versions), count, shape, *cells])} |")
-    return lines
+def drawn(place: str, asked: list[str], color: np.ndarray, depth: np.ndarray, camera: Camera) -> dict[str, np.ndarray]:
+    """What effects make of a picture, with their parameters for a scene or for one light."""
+    if not asked:
+        return {}
+    with Page(asked) as page:
+        page.load(color, depth, camera)
+        return {name: page.draw(name, FOUND[place][name]) for name in asked}
 
 
-def parameters(rows: list[Drawn], shapes: dict[str, Shape]) -> dict[str, dict[str, Parameters]]:
-    """What every effect was drawn with, as found.json has it."""
-    used: dict[str, dict[str, Parameters]] = {}
-    for row in rows:
-        if row.parameters:
-            used.setdefault(row.scene, {})[row.effect] = row.parameters
-    return used | {ONE_LIGHT: {name: shape.parameters for name, shape in shapes.items() if shape.parameters}}
-
-
-def shown(name: str, images: dict[str, np.ndarray], versions: dict[str, str]) -> np.ndarray:
-    """A detail of a scene by every effect, 8-bit rgb."""
+def of_scene(name: str, asked: list[str]) -> tuple[list[truth.Row], np.ndarray]:
+    """Rows of a scene, ours among them, and a detail of it by every effect, 8-bit rgb."""
+    (file,) = ray_traced.chosen([name])
+    picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
+    images = {title(key): image for key, image in drawn(name, asked, picture.color, picture.depth, file.camera).items()}
+    images |= {label: truth.picture(drivers.load(DRIVER), file, label) for label in OURS}
+    rows = [truth.row(file, label, image, lens) for label, image in images.items()]
     exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES[name.removesuffix("x3")]
     details = [
-        pictures.Panel(pictures.crop(pictures.filmic(images[label], exposure), *place, *DETAIL), title(label, versions))
-        for label in SHOWN if label in images
+        pictures.Panel(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
+        for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
     ]  # fmt: skip
     width = 3 if len(details) > 4 else 2
-    return pictures.grid([details[at : at + width] for at in range(0, len(details), width)])
+    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)])
 
 
-def _available(asked: list[str]) -> tuple[list[str], dict[str, str], str]:
-    """Effects that can be run here, versions of their packages, and the device. Raises UserError."""
-    try:
-        with effects.Page() as page:
-            versions, device = page.versions, drivers.load(measured.DRIVER).adapter
-    except Unavailable as error:
-        raise UserError(f"the effects cannot be run here ({error}).") from error
-    try:
-        crate.source()
-    except Unavailable as error:
-        asked = [name for name in asked if EFFECTS[name].package != crate.NAME]
-        terminal.tell(f"without Bevy's: {error}")
-    return asked, versions, device
+def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
+    """One light, by effects and by ours: its overlap with the aperture (probes.model.overlap, the light of both being
+    the same), and the share of its light that is kept."""
+    middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
+    color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
+    color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
+    depth = depth_of(LIGHT_SIZE, FAR)
+    before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
+    hexagon = LIGHT_COC * outline(truth.case(ray_traced.MARKET, "exact").settings)
+    blurred = polygons.coverage(hexagon, LIGHT_SIZE, pixel_center(*(side // 2 for side in LIGHT_SIZE)))
+    reach = range(-(LIGHT // 2), LIGHT // 2 + 1)
+    expected = sum(np.roll(blurred, (y, x), (0, 1)) for y in reach for x in reach)
+    images = list(drawn(place, asked, color, depth, LIGHT_CAMERA).values())
+    for label in OURS:
+        case = Case("", replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA), color, depth)
+        images.append(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"])
+    lights = [image[..., 1].astype(np.float64) - AMBIENT for image in images]
+    return [(overlap(light / light.sum(), expected / expected.sum()), light.sum() / before) for light in lights]
 
 
 def peers(
@@ -80,36 +76,20 @@ def peers(
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
     ] = None,
-    json_file: terminal.JsonFile = None,
-    search: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Search parameters; write them as JSON."),
-    ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
     ] = None,
 ) -> None:
-    """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, light, shape, fetches."""
+    """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, PSNR, light; shape of one light."""
     asked = terminal.chosen("--effect", effect, EFFECTS)
-    scenes = ray_traced.chosen(scene)
-    terminal.check_writable(json_file, search)
+    scenes = [file.name for file in ray_traced.chosen(scene)]
     files.check_folder("--pictures", folder)
-    asked, versions, device = _available(asked)
-    known = {} if search else effects.parameters()
-    work = [(measured.scene, (file.name, _of_place(known, file.name, asked))) for file in scenes]
-    work.append((measured.shapes, (_of_place(known, ONE_LIGHT, asked),)))
+    Page(asked).close()  # what is missing is told before any work
+    work = [(of_scene, (name, asked)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
     with terminal.progress("peers", len(work)) as step:
-        *drawn, shapes = jobs.run(work, step)
-    rows = [row for of_scene, _ in drawn for row in of_scene]
-    for file, (_, images) in zip(scenes, drawn, strict=True) if folder else ():
-        page = shown(file.name, images | {"truth": ray_traced.truth(file, "hexagon")}, versions)
-        pictures.write_document(folder, f"peers_{file.name}", page)
-    numbers = {"device": device, "versions": versions, "rows": [row._asdict() for row in rows]}
-    terminal.write_json(json_file, numbers | {"shapes": {name: shape._asdict() for name, shape in shapes.items()}})
-    terminal.write_json(search, parameters(rows, shapes))
-    terminal.tell(*markdown(rows, shapes, versions), f"FLIP, PSNR, light; {device}")
-
-
-def _of_place(known: dict[str, dict[str, Parameters]], place: str, asked: list[str]) -> measured.Chosen:
-    """Effect -> its parameters on a scene or for one light; None where there are none."""
-    return {name: known.get(place, {}).get(name) for name in asked}
+        *drawings, lights = jobs.run(work, step)
+    for name, (_, page) in zip(scenes, drawings, strict=True) if folder else ():
+        pictures.write_document(folder, f"peers_{name}", page)
+    ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {kept:.2f}" for shape, kept in lights)]
+    table = truth.markdown([row for rows, _ in drawings for row in rows])
+    terminal.tell(*(f"{line} {end} |" for line, end in zip(table, ends, strict=True)), drivers.load(DRIVER).adapter)

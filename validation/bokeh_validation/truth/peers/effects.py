@@ -1,122 +1,97 @@
 """The effects, and the page in headless Chromium in which all of them draw the same scene, on WebGL 2 and on WebGPU."""
 
-import base64
 import json
 import math
-from collections.abc import Iterable
-from contextlib import suppress
+import os
+import shutil
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import browser, paths
-from bokeh_validation.engines import pages
+from bokeh_validation import browser, locks, paths
+from bokeh_validation.drivers.base import Image
+from bokeh_validation.drivers.web import packed, unpacked
+from bokeh_validation.engines import pages, process
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.truth.peers import crate
 
 Parameters = dict[str, float | bool]
 PAGE = Path(__file__).parent / "page"
-# scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with
-FOUND = Path(__file__).parent / "found.json"
-ONE_LIGHT = "one light"
+FOLDERS = (pages.PACKAGES, *(paths.ROOT / "integration" / engine for engine in ("babylonjs", "playcanvas")))
 LIMIT = 240.0
 
+# Bevy's crate, for the WGSL in it: brought by cargo, never compiled
+CRATE, CRATE_VERSION = "bevy_post_process", "0.19.1"
+# only what this system would need is fetched: cargo has no way to leave out what a crate depends on
+TARGET = "x86_64-unknown-linux-gnu"
+MANIFEST = f"""[package]
+name = "shaders"
+version = "0.0.0"
+edition = "2024"
+[lib]
+path = "empty.rs"
+[dependencies]
+{CRATE} = {{ version = "={CRATE_VERSION}", default-features = false }}
+"""
 
-class Effect(NamedTuple):
-    """One of page/peers.js.
-
-    package  of npm, or the crate
-    numbers  parameters that a search makes larger and smaller
-    options  other parameters, and the values that a search tries; the first is the effect's own or the strongest blur
-    """
-
-    title: str
-    package: str
-    numbers: tuple[str, ...]
-    options: dict[str, tuple] = {}
-
-
+# name of one in page/peers.js -> title, package
 EFFECTS = {
-    "BokehPass": Effect("three.js BokehPass", "three", ("aperture", "maxblur")),
-    "DepthOfFieldNode": Effect("three.js DepthOfFieldNode", "three", ("focalLength", "bokehScale")),
-    "DepthOfFieldEffect": Effect(
-        "pmndrs DepthOfFieldEffect", "postprocessing", ("focusRange", "bokehScale"), {"resolutionScale": (0.5, 1.0)}
-    ),
-    "Babylon": Effect("Babylon.js DepthOfFieldEffect", "@babylonjs/core", ("fStop",), {"blurLevel": (2, 1, 0)}),
-    "CameraFrame": Effect(
-        "PlayCanvas CameraFrame", "playcanvas", ("focusRange", "blurRadius"),
-        {"nearBlur": (True, False), "blurRings": (4,), "blurRingPoints": (5,), "highQuality": (True,)},
-    ),
-    "BevyBokeh": Effect("Bevy bokeh", crate.NAME, ("scale", "maxDiameter")),
-    "BevyGaussian": Effect("Bevy Gaussian", crate.NAME, ("scale", "maxDiameter")),
-}  # fmt: skip
+    "BokehPass": ("three.js BokehPass", "three"),
+    "DepthOfFieldNode": ("three.js DepthOfFieldNode", "three"),
+    "DepthOfFieldEffect": ("pmndrs DepthOfFieldEffect", "postprocessing"),
+    "Babylon": ("Babylon.js DepthOfFieldEffect", "@babylonjs/core"),
+    "CameraFrame": ("PlayCanvas CameraFrame", "playcanvas"),
+    "BevyBokeh": ("Bevy bokeh", CRATE),
+    "BevyGaussian": ("Bevy Gaussian", CRATE),
+}
+# Scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with: the best there are, see docs/peers.md
+FOUND: dict[str, dict[str, Parameters]] = json.loads(Path(__file__).with_name("found.json").read_text(encoding="ascii"))
+ONE_LIGHT = "one light"
 
 
-def parameters() -> dict[str, dict[str, Parameters]]:
-    """The contents of found.json."""
-    return json.loads(FOUND.read_text(encoding="ascii"))
+def title(name: str) -> str:
+    """An effect with the version of its package."""
+    text, package = EFFECTS[name]
+    if package == CRATE:
+        return f"{text} {CRATE_VERSION}"
+    manifests = [json.loads((folder / "package.json").read_bytes()) for folder in FOLDERS]
+    pins = [manifest.get(kind, {}) for manifest in manifests for kind in ("dependencies", "devDependencies")]
+    return f"{text} {next(pin[package] for pin in pins if package in pin)}"
 
 
-def installed() -> Path:
-    """node_modules with three.js and postprocessing. Raises Unavailable, RuntimeError."""
-    return pages.installed(Path(__file__).parent)
+@cache
+@locks.held("crate")
+def crate() -> Path:
+    """Folder of Bevy's. Raises Unavailable, RuntimeError."""
+    cargo = shutil.which("cargo") or shutil.which("cargo", path=str(Path.home() / ".cargo/bin"))
+    if cargo is None:
+        raise Unavailable("cargo, for Bevy's effects; https://rustup.rs, or name others by --effect")
+    folder = paths.ensured(paths.cache_folder() / "engines" / "peers" / f"crate-{CRATE_VERSION}")
+    (folder / "Cargo.toml").write_text(MANIFEST, encoding="ascii")
+    (folder / "empty.rs").touch()
+    process.run([cargo, "fetch", "--quiet", "--target", TARGET], LIMIT, folder)
+    home = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
+    return next(home.glob(f"registry/src/*/{CRATE}-{CRATE_VERSION}"))
 
 
-def versions(modules: Iterable[Path], effects: Iterable[str]) -> dict[str, str]:
-    """Package -> version, of those that effects are in, as they are installed in one of some node_modules."""
-    packages = {EFFECTS[effect].package for effect in effects} - {crate.NAME}
-    files = {name: [folder / name / "package.json" for folder in modules] for name in packages}
-    texts = {name: next(file for file in some if file.is_file()).read_bytes() for name, some in files.items()}
-    return {crate.NAME: crate.VERSION} | {name: json.loads(text)["version"] for name, text in texts.items()}
+class Page(browser.Session):
+    """A page in which effects draw a scene; a context."""
 
-
-class Page:
-    """A page in which the effects draw a scene; a context. Bevy's are missing where there is no cargo."""
-
-    def __init__(self):
+    def __init__(self, effects: list[str]):
         """Raises Unavailable."""
-        engines = [paths.ROOT / "integration" / engine for engine in ("babylonjs", "playcanvas")]
-        modules = [installed(), *map(pages.installed, engines)]
-        self.versions = versions(modules, EFFECTS)
-        places = [("browser/", browser.PAGE), ("", PAGE), *(("", folder) for folder in modules)]
-        with suppress(Unavailable):
-            places.insert(0, (f"{crate.NAME}/", crate.source()))
-        self.session = browser.Session(places=places, limit=LIMIT)
-
-    def __enter__(self) -> "Page":
-        return self
-
-    def __exit__(self, *_) -> None:
-        self.session.close()
+        places = [("browser/", browser.PAGE), ("", PAGE), *(("", pages.installed(folder)) for folder in FOLDERS)]
+        if any(EFFECTS[name][1] == CRATE for name in effects):
+            places.insert(0, (f"{CRATE}/", crate()))
+        super().__init__(places=places, limit=LIMIT)
 
     def load(self, color: np.ndarray, depth: np.ndarray, camera) -> None:
         """Hand over linear HDR colour (H, W, >= 3) and depth in metres (H, W), seen by a camera."""
-        height, width = depth.shape
-        rgba = np.ones((height, width, 4), np.float16)
+        rgba = np.ones((*depth.shape, 4), np.float16)
         rgba[..., :3] = color[..., :3]
-        scene = {"width": width, "height": height, "color": _packed(rgba), "depth": _packed(depth.astype(np.float32))}
+        scene = {"color": packed(Image.of("", rgba)), "depth": packed(Image.of("", depth.astype(np.float32)))}
         scene |= {"near": 0.5 * float(depth.min()), "far": 1.01 * float(depth.max())}
-        lens = {"aperture": camera.aperture_diameter, "focal": camera.focal_length, "focus": camera.focus_distance}
-        scene["camera"] = lens | {"sensor": camera.sensor_height}
-        self.session.call("load", scene | {"fovy": 2 * math.atan(0.5 * camera.sensor_height / camera.focal_length)})
-        self.shape = (height, width, 4)
-
-    def documented(self, effect: str) -> Parameters:
-        """What an effect's documentation asks for, for the scene's lens."""
-        options = {name: values[0] for name, values in EFFECTS[effect].options.items()}
-        return {**self.session.call("mapped", effect), **options}
+        self.call("load", scene | {"fovy": 2 * math.atan(0.5 * camera.sensor_height / camera.focal_length)})
 
     def draw(self, effect: str, parameters: Parameters) -> np.ndarray:
-        """What an effect makes of the scene, (H, W, 4)."""
-        drawn = self.session.call("draw", {"name": effect, "parameters": parameters})
-        kind = np.float16 if drawn["half"] else np.float32
-        return np.frombuffer(base64.b64decode(drawn["data"]), kind).reshape(self.shape)
-
-    def draws(self, effect: str, parameters: Parameters) -> list[dict]:
-        """The draws of a frame, for counted.fetches()."""
-        return self.session.call("draws", {"name": effect, "parameters": parameters})
-
-
-def _packed(pixels: np.ndarray) -> str:
-    return base64.b64encode(np.ascontiguousarray(pixels).tobytes()).decode("ascii")
+        """What an effect makes of the scene, (H, W, 4) float32."""
+        return unpacked(self.call("draw", {"name": effect, "parameters": parameters}), "float")

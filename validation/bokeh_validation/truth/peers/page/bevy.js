@@ -1,7 +1,6 @@
 // Bevy's depth of field, hexagonal and Gaussian: its WGSL on WebGPU, with what it imports put in before it.
 
-import { decode } from "./browser/job.js";
-import { checked, copy, read, start, texture } from "./browser/webgpu.js";
+import { checked, copy, draw, read, start, texture, uniforms } from "./browser/webgpu.js";
 import { upsideDown } from "./feed.js";
 
 const FOLDER = "/bevy_post_process/src";
@@ -48,83 +47,67 @@ function preprocessed(text, defined) {
 export const BevyBokeh = (scene) => bevy(scene, MODES.bokeh);
 export const BevyGaussian = (scene) => bevy(scene, MODES.gaussian);
 
+const numbered = (resources) => resources.map((resource, binding) => ({ binding, resource }));
+
+function pipelineOf(device, code, entryPoint, targets, depthStencil) {
+  const module = device.createShaderModule({ code });
+  const fragment = { module, entryPoint, targets: Array(targets).fill({ format: "rgba16float" }) };
+  return device.createRenderPipelineAsync({ layout: "auto", vertex: { module, entryPoint: "whole" }, fragment, depthStencil });
+}
+
+// A depth buffer of metres
+async function depthOf(device, near, metres, size) {
+  const format = "depth32float";
+  const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING;
+  const depth = device.createTexture({ size, format, usage });
+  const pipeline = await pipelineOf(device, DEPTH, "depth", 0, { format, depthWriteEnabled: true, depthCompare: "always" });
+  const image = texture(device, { size, format: "r32float", data: metres });
+  const entries = numbered([{ buffer: near }, image.createView()]);
+  const encoder = device.createCommandEncoder();
+  const attachment = { view: depth.createView(), depthClearValue: 0, depthLoadOp: "clear", depthStoreOp: "store" };
+  const pass = encoder.beginRenderPass({ colorAttachments: [], depthStencilAttachment: attachment });
+  pass.setPipeline(pipeline);
+  pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }));
+  pass.draw(3);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  return depth;
+}
+
 async function bevy(handed, passes) {
   const { device } = await start();
-  const { width, height } = handed;
-  const size = [width, height];
+  const size = [handed.width, handed.height];
+  const rgba = { size, format: "rgba16float" };
   const fetched = async (name) => (await fetch(`${FOLDER}/${name}`)).text();
   const texts = await Promise.all(["gaussian_blur.wgsl", "dof/dof.wgsl"].map(fetched));
-  const rgba = { size, channels: 4, type: "half" };
-  const color = texture(device, { ...rgba, data: handed.color });
-  const metres = texture(device, { size, channels: 1, type: "float", data: handed.depth });
-  const { RENDER_ATTACHMENT, TEXTURE_BINDING } = GPUTextureUsage;
-  const depth = device.createTexture({ size, format: "depth32float", usage: RENDER_ATTACHMENT | TEXTURE_BINDING });
-  const uniform = (values) => {
-    const buffer = device.createBuffer({ size: 32, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
-    device.queue.writeBuffer(buffer, 0, new Float32Array(values));
-    return buffer;
-  };
-  const near = uniform([handed.near]);
-  const lens = uniform([]);
-  const group = (pipeline, index, resources) => {
-    const entries = resources.map((resource, binding) => ({ binding, resource }));
-    return device.createBindGroup({ layout: pipeline.getBindGroupLayout(index), entries });
-  };
-  const pipelineOf = (code, entryPoint, targets, depthStencil) => {
-    const module = device.createShaderModule({ code });
-    const vertex = { module, entryPoint: "whole" };
-    const formats = Array(targets).fill({ format: "rgba16float" });
-    return device.createRenderPipelineAsync({
-      layout: "auto", vertex, fragment: { module, entryPoint, targets: formats }, depthStencil,
-    }); // prettier-ignore
-  };
-  const encoded = (encoder, pipeline, groups, descriptor) => {
-    const pass = encoder.beginRenderPass(descriptor);
-    pass.setPipeline(pipeline);
-    groups.forEach((one, index) => pass.setBindGroup(index, one));
-    pass.draw(3);
-    pass.end();
-  };
-
-  const stencil = { format: "depth32float", depthWriteEnabled: true, depthCompare: "always" };
-  const first = await pipelineOf(DEPTH, "depth", 0, stencil);
-  const encoder = device.createCommandEncoder();
-  const depthStencilAttachment = { view: depth.createView(), depthClearValue: 0, depthLoadOp: "clear", depthStoreOp: "store" };
-  encoded(encoder, first, [group(first, 0, [{ buffer: near }, metres.createView()])], { colorAttachments: [], depthStencilAttachment });
-  device.queue.submit([encoder.finish()]);
-
+  const near = uniforms(device, [handed.near]);
+  const lens = uniforms(device, Array(8).fill(0));
+  const depth = await depthOf(device, near, handed.depth, size);
   const sampler = device.createSampler({ magFilter: "linear", minFilter: "linear" });
-  let reads = [color];
+  let reads = [texture(device, { ...rgba, data: handed.color })];
   const steps = [];
   for (const [entry, dual, count] of passes) {
     const code = IMPORTED + WHOLE + texts.map((text) => preprocessed(text, dual ? ["DUAL_INPUT"] : [])).join("\n");
-    const pipeline = await checked(device, () => pipelineOf(code, entry, count));
+    const pipeline = await checked(device, () => pipelineOf(device, code, entry, count));
     const writes = Array.from({ length: count }, () => texture(device, rgba));
-    const inputs = [{ buffer: near }, depth.createView(), ...reads.map((one) => one.createView())];
-    steps.push({ pipeline, writes, groups: [group(pipeline, 0, inputs), group(pipeline, 1, [{ buffer: lens }, sampler])] });
+    const inputs = numbered([{ buffer: near }, ...[depth, ...reads].map((one) => one.createView())]);
+    steps.push([pipeline, [inputs, numbered([{ buffer: lens }, sampler])], writes, [0, 0, ...size]]);
     reads = writes;
   }
-  const [result] = reads;
   return {
     set: ({ focalDistance, focalLength, scale, maxDiameter, maxDepth }) => {
       device.queue.writeBuffer(lens, 0, new Float32Array([focalDistance, focalLength, scale, maxDiameter, maxDepth]));
     },
     draw: () => {
-      const commands = device.createCommandEncoder();
-      for (const { pipeline, writes, groups } of steps) {
-        const colorAttachments = writes.map((one) => ({ view: one.createView(), loadOp: "clear", storeOp: "store" }));
-        encoded(commands, pipeline, groups, { colorAttachments });
-      }
-      device.queue.submit([commands.finish()]);
-      return device.queue.onSubmittedWorkDone();
+      const encoder = device.createCommandEncoder();
+      for (const step of steps) draw(device, encoder, ...step);
+      device.queue.submit([encoder.finish()]);
     },
     read: async () => {
-      const commands = device.createCommandEncoder();
-      const copied = copy(device, commands, rgba, result);
-      device.queue.submit([commands.finish()]);
-      const picture = decode(await read(copied));
-      copied.buffer.destroy();
-      return upsideDown(picture, handed); // as WebGL reads
+      const encoder = device.createCommandEncoder();
+      const copied = copy(device, encoder, rgba, reads[0]);
+      device.queue.submit([encoder.finish()]);
+      return upsideDown(await read(copied), handed); // as WebGL reads
     },
   };
 }

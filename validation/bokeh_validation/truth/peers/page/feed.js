@@ -9,7 +9,6 @@ void main()
     gl_Position = vec4(position.xy, 0.0, 1.0);
 }`;
 
-// What fetches of the quad's are not counted go by the name of this function.
 export const FEED = `
 varying vec2 peerAt;
 uniform sampler2D peerColor, peerDepth;

@@ -9,7 +9,7 @@ import { FEED, VERTEX, canvasOf, degrees } from "./feed.js";
 
 const HALF = THREE.HalfFloatType;
 
-export function setUp(scene) {
+function setUp(scene) {
   const { width, height, near, far } = scene;
   const texture = (data, format, type) => {
     const made = new THREE.DataTexture(data, width, height, format, type);
@@ -49,33 +49,22 @@ function ended(renderer) {
   gl.getExtension("WEBGL_lose_context").loseContext();
 }
 
-function threeComposer({ renderer, scene, camera }, { width, height }) {
-  const composer = new EffectComposer(renderer, new THREE.WebGLRenderTarget(width, height, { type: HALF }));
+export function BokehPass(handed) {
+  const { renderer, scene, camera, depth } = setUp(handed);
+  const target = new THREE.WebGLRenderTarget(handed.width, handed.height, { type: HALF });
+  const composer = new EffectComposer(renderer, target);
   composer.renderToScreen = false;
   composer.addPass(new RenderPass(scene, camera));
-  return composer;
-}
-
-// The scene drawn and nothing else: what every peer draws as well
-export function input(handed) {
-  const used = setUp(handed);
-  const composer = threeComposer(used, handed);
-  return { set() {}, draw: () => composer.render(0), read: () => read(used.renderer, composer.readBuffer) };
-}
-
-export function BokehPass(handed) {
-  const used = setUp(handed);
-  const composer = threeComposer(used, handed);
-  const pass = new ThreeBokehPass(used.scene, used.camera, {});
-  pass._materialDepth = used.depth; // that of the quad itself would be flat
+  const pass = new ThreeBokehPass(scene, camera, {});
+  pass._materialDepth = depth; // that of the quad itself would be flat
   composer.addPass(pass);
   return {
     set: (parameters) => {
       for (const [name, value] of Object.entries(parameters)) pass.uniforms[name].value = value;
     },
     draw: () => composer.render(0),
-    read: () => read(used.renderer, composer.readBuffer),
-    close: () => ended(used.renderer),
+    read: () => read(renderer, composer.readBuffer),
+    close: () => ended(renderer),
   };
 }
 
