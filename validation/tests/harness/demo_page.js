@@ -9,21 +9,16 @@ async function ready() {
   await (await part("main")).ready;
 }
 
-// Values of controls, as they are after an "input" or "change" of each; then what the page says.
-async function set(values) {
-  const { change, settled, state } = await part("main");
+// Values of controls, as they are after an "input" or "change" of each, then values of the state, which may lie between
+// the steps of a slider. Returns what the page says.
+async function set([values, exactly]) {
+  const { change, state } = await part("main");
   for (const [id, value] of Object.entries(values)) {
-    const element = byId(id);
-    // what lies between the steps of a slider is set as by the scene's lens
-    if (value.exactly !== undefined) change({ [id]: value.exactly });
-    else {
-      element.value = value;
-      element.dispatchEvent(new Event(element.type === "range" ? "input" : "change"));
-    }
+    byId(id).value = value;
+    byId(id).dispatchEvent(new Event(byId(id).type === "range" ? "input" : "change"));
   }
-  await settled();
-  const facts = ["leftFacts", "rightFacts", "under", "said"].map((id) => [id, byId(id).textContent]);
-  return { state, ...Object.fromEntries(facts) };
+  await change(exactly);
+  return { ...state, facts: byId("rightFacts").textContent, said: byId("said").textContent };
 }
 
 // The pictures of these names on a side, as job.js has them.
@@ -34,36 +29,22 @@ async function pictures({ side, names }) {
 
 // The canvas: base64 of RGBA, first row on top.
 async function canvas() {
-  const { settled, change } = await part("main");
-  change({});
-  await settled();
+  const { change } = await part("main");
+  await change({});
   const element = byId("canvas");
   const context = new OffscreenCanvas(element.width, element.height).getContext("2d");
   context.drawImage(element, 0, 0);
   return new Uint8Array(context.getImageData(0, 0, element.width, element.height).data.buffer).toBase64();
 }
 
-// Files that are dropped onto the page: [[name, base64], ..]
-async function drop(files) {
-  const { open, settled, state } = await part("main");
-  await open(files.map(([name, data]) => new File([Uint8Array.fromBase64(data)], name)));
-  await settled();
-  return { state, said: byId("said").textContent };
+// Give the page a file; returns what it says.
+async function open([name, data]) {
+  await (await part("main")).open(new File([Uint8Array.fromBase64(data)], name));
+  return byId("said").textContent;
 }
 
 async function scene(index) {
-  const { choose, under, state } = await part("main");
-  if (index !== null) await choose(index);
-  return { ...state, under: await under() };
+  await (await part("main")).choose(index);
 }
 
-// The passes that the page draws for settings, without their programs' common text.
-async function frames(all) {
-  const { frame } = await part("plan");
-  const data = JSON.parse(byId("data").textContent);
-  return all.map(([settings, size]) =>
-    frame(data, settings, size).map((pass) => ({ ...pass, fragment: pass.fragment.replace(data.glsl, "") })),
-  );
-}
-
-window.bokeh = { ready, set, pictures, canvas, drop, scene, frames };
+window.bokeh = { ready, set, pictures, canvas, open, scene };

@@ -3,48 +3,40 @@
 import base64
 import re
 import tempfile
-import threading
-import urllib.request
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
-from PIL import Image
 from support import called, load, needed, refused
 
-from bokeh_validation import browser, demo, pictures, shaders
+from bokeh_validation import browser, demo, pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.web import unpacked
+from bokeh_validation.engines import pages
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, compared
-from bokeh_validation.shaders.passes import is_linear, target_size
 from bokeh_validation.truth import ray_traced
 from bokeh_validation.truth.peers import effects
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
-CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)  # f/0.3
+LENS = {"stop": 0.3, "focal": 0.06, "focus": 4.0}
+CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)
 
 
 @pytest.fixture(scope="module")
-def file(tmp_path_factory) -> Path:
-    """What --output writes, in a folder whose name has a space in it."""
+def page(tmp_path_factory):
+    """What --output writes, in a folder whose name has a space in it, opened from disk: nothing is outside of it."""
     path = tmp_path_factory.mktemp("a page") / "demo.html"
     with needed("npm"):
-        effects.installed()
+        pages.installed(pages.PACKAGES)
     done = called("demo", "--output", path)
     assert done.returncode == 0, done.stderr
-    return path
-
-
-@pytest.fixture(scope="module")
-def page(file):
-    """It, opened from disk; a call fails where something was written to the console."""
-    tab = {"viewport": {"width": 1280, "height": 800}, "has_touch": True}
+    text = path.read_text(encoding="utf-8")
+    assert len(text) < 12e6 and re.findall(r'(?:src|href)="(?!data:)', text) == []
     with needed("Chromium"):
-        opened = browser.Session(file.as_uri(), script=SCRIPT, strict=True, **tab)
+        opened = browser.Session(path.as_uri(), script=SCRIPT)
     with opened:
         opened.call("ready")
         yield opened
@@ -62,9 +54,9 @@ def own(depth=True, compression=OpenEXR.ZIP_COMPRESSION, kind=np.float16) -> tup
         return Path(target.name).read_bytes(), color, z
 
 
-def packed(*files: tuple[str, bytes]) -> list[list[str]]:
-    """Files as they are dropped."""
-    return [[name, base64.b64encode(data).decode("ascii")] for name, data in files]
+def opened(page: browser.Session, name: str, data: bytes) -> str:
+    """What the page says of a file."""
+    return page.call("open", [name, base64.b64encode(data).decode("ascii")])
 
 
 class Shown(Driver):
@@ -91,18 +83,16 @@ class Shown(Driver):
     [("paper", "square"), ("exact", "hexagon"), ("exact", "decagon"), ("layered", "octagon"), ("layered", "hexagon")],
 )
 def test_shows_the_reference(page, method, aperture):
-    """A picture that was dropped, blurred as the controls say: every pixel within the reference's interval.
+    """A picture of one's own, blurred as the controls say: every pixel within the reference's interval.
 
     Steps are not counted: see drivers.web of SwiftShader's sine.
     """
     data, color, depth = own()
-    page.call("drop", packed(("own.exr", data)))
+    assert opened(page, "own.exr", data) == ""
     name = f"{method} {aperture}" + ("" if method == "paper" else " low")
     settings = replace(demo.settings()[name], camera=CAMERA, rotation=17.0, squeeze=0.6)
-    lens = {"stop": 0.3, "focal": 0.06, "focus": 4.0, "squeeze": 0.6, "rotation": 17.0}
-    exactly = {name: {"exactly": value} for name, value in lens.items()}
-    blades = {"blades": methods.EXACT[aperture], "preset": "low"}
-    page.call("set", {"left": "input", "right": method, **blades, **exactly})
+    controls = {"left": "input", "right": method, "blades": methods.EXACT[aperture], "preset": "low"}
+    page.call("set", [controls, LENS | {"squeeze": 0.6, "rotation": 17.0}])
     result = compared(Case("own", settings, color, depth), Shown(page, "right"))
     assert all(comparison.outside == 0 for comparison in result.comparisons.values()), result.comparisons
     assert abs(result.outputs["result"].astype(float) - color)[..., :3].max() > 1.0
@@ -111,7 +101,7 @@ def test_shows_the_reference(page, method, aperture):
 def test_scene(page):
     """market_7 in full: layered to the bit as the driver, the lens's picture, and the canvas with both of them."""
     page.call("scene", 0)
-    page.call("set", {"left": "truth", "right": "layered", "preset": "medium"})
+    page.call("set", [{"left": "truth", "right": "layered", "preset": "medium"}, {}])
     case = ray_traced.scene_case(ray_traced.MARKET, "layered", "hexagon")
     expected = load("webgl2").run(case.plan.passes, case.textures(), case.size)["result"]
     np.testing.assert_array_equal(Shown(page, "right").pictures("result")[0], expected)
@@ -124,142 +114,61 @@ def test_scene(page):
     assert np.abs(canvas[..., :3].astype(int) - np.hstack([left[:, :480], right[:, 480:]])).max() <= 1
 
 
-@pytest.mark.parametrize("name", list(demo.OTHERS))
+@pytest.mark.parametrize("name", demo.OTHERS)
 def test_others(page, name):
-    """Another library's depth of field, on what was dropped: to the bit what `validation/run peers` makes of it."""
-    data, color, depth = own()
-    page.call("drop", packed(("own.exr", data)))
-    lens = {name: {"exactly": value} for name, value in {"stop": 0.3, "focal": 0.06, "focus": 4.0}.items()}
-    said = page.call("set", {"left": "input", "right": name, **lens})
-    assert re.match(r"\d+\.\d+\.\d+, a disc, ", said["rightFacts"]) and said["said"] == ""
-    factors, options = demo.OTHERS[name]
-    with effects.Page() as beside:
-        beside.load(color, depth, CAMERA)
-        parameters = {key: value * factors.get(key, 1.0) for key, value in beside.documented(name).items()}
-        expected = beside.draw(name, parameters | options)
-    np.testing.assert_array_equal(Shown(page, "right").pictures(name)[0][..., :3], expected[..., :3])
-    assert abs(expected[..., :3].astype(float) - color[..., :3]).max() > 1.0
-
-
-def test_passes_are_the_plans(page):
-    """Every frame of the page at random controls: programs, slots, sizes and parameters as methods.plan has them."""
-    random, asked, expected = np.random.default_rng(15), [], []
-    for name, settings in demo.settings().items():
-        size = tuple(int(side) for side in random.integers(20, 900, 2))
-        camera = methods.Camera(*random.uniform((0.01, 0.02, 0.5), (0.1, 0.2, 50)), 0.024, 0.15)
-        changes = {"rotation": float(random.uniform(0, 90)), "squeeze": float(random.uniform(0.5, 2))}
-        lens = {"stop": camera.focal_length / camera.aperture_diameter, "focal": camera.focal_length, **changes}
-        method, aperture, *preset = name.split()
-        controls = {"method": method, "blades": methods.EXACT[aperture], "preset": (preset or ["low"])[0], **lens}
-        asked.append([{**controls, "focus": camera.focus_distance}, size])
-        expected.append((methods.plan(replace(settings, camera=camera, **changes), size).passes, size))
-    text = shaders.text("glsl")
-    for passes, (planned, size) in zip(page.call("frames", asked), expected, strict=True):
-        for drawn, item in zip(passes, planned, strict=True):
-            assert drawn["fragment"] == shaders.glsl(item.entry, "300es", item.constants).replace(text, "")
-            inputs = [(read["slot"], read["image"], read["linear"]) for read in drawn["inputs"]]
-            assert inputs == [(slot, name, is_linear(item.entry, slot)) for slot, name in item.inputs.items()]
-            assert tuple(drawn["targets"]) == item.outputs and tuple(drawn["size"]) == target_size(item.scale, size)
-            # a place near 0 is the difference of two that are not
-            for name, value in item.parameters.items():
-                assert drawn["values"][name] == pytest.approx(value, rel=1e-12, abs=1e-14), (item.entry, name)
+    """Another library's depth of field, with the scene's lens: what `validation/run peers` makes of it."""
+    page.call("scene", 0)
+    said = page.call("set", [{"left": "input", "right": name}, {}])
+    assert said["facts"].startswith("a disc, ") and said["said"] == ""
+    picture, camera = ray_traced.picture(ray_traced.MARKET), ray_traced.MARKET.camera
+    with effects.Page([name]) as beside:
+        beside.load(picture.color, picture.depth, camera)
+        expected = beside.draw(name, effects.FOUND["market_7"][name])
+    np.testing.assert_allclose(Shown(page, "right").pictures(name)[0][..., :3], expected[..., :3], rtol=2e-3, atol=2e-3)
 
 
 def test_controls(page):
-    """As a hand does it: sliders, the divider, a click that focuses, a tap, the readout, keys."""
+    """Sliders, lists, a click that focuses, the scene's lens."""
     page.call("scene", 0)
-    said = page.call("set", {"left": "input", "right": "exact", "preset": "low", "stop": 0, "rotation": 30})
-    assert (said["state"]["stop"], said["state"]["rotation"]) == (1.0, 30)
-    assert re.fullmatch(r"3 passes, \d+ fetches a pixel, \d+\.\d ms", said["rightFacts"])
-    box = page.work(lambda tab: tab.locator("#canvas").bounding_box())
-
-    def at(x: float, y: float) -> list[float]:
-        """The middle of a texel, on the screen."""
-        return [box["x"] + (x + 0.5) * box["width"] / 960, box["y"] + (y + 0.5) * box["height"] / 540]
-
-    def drag(tab):
-        tab.mouse.move(*at(480, 100))
-        tab.mouse.down()
-        tab.mouse.move(*at(720, 130), steps=3)
-        tab.mouse.up()
-
-    page.work(drag)
-    state = page.call("set", {})["state"]
-    assert state["split"] == pytest.approx(0.75, abs=0.01) and state["focus"] == 2.42
-    depth = ray_traced.picture(ray_traced.MARKET).depth
-    page.work(lambda tab: tab.mouse.click(*at(700, 470)))
-    focus = page.call("set", {})["state"]["focus"]
-    assert focus == pytest.approx(float(depth[470, 700]))
-    page.work(lambda tab: tab.mouse.move(*at(300, 60)))
-    z, under = float(depth[60, 300]), page.call("scene", None)["under"]
-    coc = 0.05 * 0.05 * abs(z - focus) / (z * (focus - 0.05)) / 0.024
-    assert under["metres"] == pytest.approx(z) and under["pixels"] == pytest.approx(540 * min(coc, 0.15), rel=2e-3)
-    page.work(lambda tab: tab.touchscreen.tap(*at(200, 430)))
-    assert page.call("set", {})["state"]["focus"] == pytest.approx(float(depth[430, 200]))
-    # a slider keeps its arrows
-    page.work(lambda tab: (tab.locator("#stop").focus(), *map(tab.keyboard.press, ("ArrowRight", "x", "]", "b"))))
-    after = page.call("set", {})["state"]
-    assert after["stop"] == pytest.approx(2 ** (0.05 + 0.25)) and after["split"] == state["split"]
-    assert (after["left"], after["right"], after["blades"]) == ("exact", "input", 8)
-    page.work(
-        lambda tab: (tab.locator("#divider").focus(), *map(tab.keyboard.press, ("ArrowLeft", "Shift+Digit3", "0")))
+    said = page.call(
+        "set", [{"right": "exact", "preset": "low", "stop": 0, "rotation": 30, "blades": 8, "split": 0.75}, {}]
     )
-    last = page.call("set", {})["state"]
-    assert last["split"] == pytest.approx(after["split"] - 0.02) and (last["right"], last["focus"]) == ("exact", 2.42)
+    assert (said["stop"], said["rotation"], said["blades"], said["split"]) == (1.0, 30, 8, 0.75)
+    assert re.fullmatch(r"\d passes, \d+\.\d ms", said["facts"])
 
+    async def click() -> None:
+        box = await page.page.locator("#canvas").bounding_box()
+        await page.page.mouse.click(box["x"] + 700.5 / 960 * box["width"], box["y"] + 470.5 / 540 * box["height"])
 
-def png(pixels: np.ndarray) -> bytes:
-    """As a file."""
-    buffer = BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG")
-    return buffer.getvalue()
+    page.work(click())
+    # a click is on a whole pixel of the screen
+    depth = ray_traced.picture(ray_traced.MARKET).depth[469:472, 699:702]
+    assert depth.min() <= page.call("set", [{}, {}])["focus"] <= depth.max() < 2.42
+    page.work(page.page.click("#reset"))
+    said = page.call("set", [{}, {}])
+    assert (said["focus"], said["rotation"], said["blades"]) == (2.42, 0, 6)
 
 
 def test_own_pictures(page):
-    """A picture and its depth.png; EXR of floats, of another compression; one line for what is no picture."""
-    grey = np.linspace(0, 255, 40).astype(np.uint8)[None].repeat(24, 0)
-    color, depth = png(np.dstack([grey, grey[:, ::-1], grey])), png(grey)
-    # dropped in any order
-    said = page.call("drop", packed(("a depth.png", depth), ("a.png", color)))
-    assert said["said"] == "" and said["state"]["scene"] == len(demo.SCENES)
-    page.call("set", {"left": "input", "right": "exact"})
-    shown, metres = Shown(page, "left").pictures("color", "depth")
-    linear = np.where(grey <= 10.3, grey / 255 / 12.92, ((grey / 255 + 0.055) / 1.055) ** 2.4)
-    np.testing.assert_allclose(shown[..., 0], linear, atol=1e-3)
-    np.testing.assert_allclose(metres[..., 0], 1 / (0.01 + 0.99 * grey / 255), rtol=1e-3)
-    for compression, kind in ((OpenEXR.NO_COMPRESSION, np.float32), (OpenEXR.PIZ_COMPRESSION, np.float32)):
-        data, half, z = own(compression=compression, kind=kind)
-        assert page.call("drop", packed(("own.EXR", data)))["said"] == ""
+    """EXR of floats and of another compression; one line for what cannot be read."""
+    for compression in (OpenEXR.NO_COMPRESSION, OpenEXR.PIZ_COMPRESSION):
+        data, half, z = own(compression=compression, kind=np.float32)
+        assert opened(page, "own.EXR", data) == ""
+        page.call("set", [{"left": "input", "right": "exact"}, {}])
         shown, metres = Shown(page, "left").pictures("color", "depth")
         np.testing.assert_array_equal(shown[..., :3], half[..., :3])
         np.testing.assert_array_equal(metres[..., 0], z.astype(np.float16))
     refusals = {
-        "depth is 40 x 24, the picture 160 x 90": (("a.exr", own(depth=False)[0]), ("a_depth.png", depth)),
-        "no.exr: no depth": (("no.exr", own(depth=False)[0]),),
-        "piz.exr: channels of two types; save it with ZIP": (("piz.exr", own(compression=OpenEXR.PIZ_COMPRESSION)[0]),),
-        "bad.exr: not an EXR file": (("bad.exr", b"no picture"),),
-        "cut.exr: ": (("cut.exr", data[:900]),),
-        "bad.png: ": (("bad.png", b"no picture"),),
+        "no.exr: no depth": own(depth=False)[0],
+        "piz.exr: channels of two types; save it with ZIP": own(compression=OpenEXR.PIZ_COMPRESSION)[0],
+        "bad.exr: not an EXR file": b"no picture",
+        "cut.exr: ": data[:900],
     }
-    for words, files in refusals.items():
-        said = page.call("drop", packed(*files))
-        assert words in said["said"] and "\n" not in said["said"], said
+    for words, file in refusals.items():
+        said = opened(page, words.partition(":")[0], file)
+        assert words in said and "\n" not in said, said
 
 
-def test_served(file):
-    """One file with nothing outside it, over HTTP the same, to this machine; bad options are refused in one line."""
-    text = file.read_text(encoding="utf-8")
-    assert len(text) < 12e6 and re.findall(r'(?:src|href)="(?!data:)', text) == []
-    with demo.server(0) as serving:
-        thread = threading.Thread(target=serving.serve_forever)
-        thread.start()
-        try:
-            host, port = serving.server_address
-            assert host == "127.0.0.1"
-            with urllib.request.urlopen(f"http://{host}:{port}/") as answer:
-                assert answer.read() == file.read_bytes()
-            refused(called("demo", "--port", port), [f"--port {port}", "cannot be used"])
-        finally:
-            serving.shutdown()
-            thread.join()
+def test_refused():
+    """One line."""
     refused(called("demo", "--output", "/nonexistent/demo.html"), ["/nonexistent"])

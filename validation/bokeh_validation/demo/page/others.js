@@ -2,27 +2,42 @@
 // handed over.
 
 import { upsideDown } from "../../truth/peers/page/feed.js";
-import { MAPPED } from "../../truth/peers/page/lens.js";
 import * as library from "../../truth/peers/page/three_webgl.js";
+
+// Circle of confusion at infinity, a diameter, over the image height
+const farCoC = ({ aperture, focal, focus, sensor }) => (aperture * focal) / ((focus - focal) * sensor);
+
+// How a thin lens is told to each effect: as its documentation has it, times what was best for market_7
+const MAPPED = {
+  // The radius is 0.4 min(aperture |z - focus|, maxblur) image widths: the slope is the lens's at the focus, the limit the
+  // lens's at infinity
+  BokehPass: (camera, [width, height]) => {
+    const maxblur = (farCoC(camera) * height) / (0.8 * width);
+    return { focus: camera.focus, aperture: (1.12 * maxblur) / camera.focus, maxblur: 0.7 * maxblur };
+  },
+  // focusRange: metres off the focus at which smoothstep is 1; bokehScale: the radius in pixels
+  DepthOfFieldEffect: (camera, [, height]) => {
+    const lens = { focusDistance: camera.focus, focusRange: camera.focus, bokehScale: 0.175 * farCoC(camera) * height };
+    return { ...lens, resolutionScale: 0.5 };
+  },
+};
 
 const opened = new Map(); // name -> { pictures, effect }
 
-// { image as job.js has it, milliseconds } of an effect on pictures; the second argument is what the page has of it
-export async function draw(name, { factors, options }, camera, pictures) {
+// { image as job.js has it, milliseconds } of an effect on pictures; camera: { aperture, focal, focus, sensor }, metres
+export async function draw(name, camera, pictures) {
   if (opened.get(name)?.pictures !== pictures) {
     opened.get(name)?.effect.close();
     opened.set(name, { pictures, effect: library[name](handed(camera, pictures)) });
   }
   const { effect } = opened.get(name);
   const { size } = pictures.color;
-  const parameters = MAPPED[name](camera, size);
-  for (const [parameter, factor] of Object.entries(factors)) parameters[parameter] *= factor;
-  effect.set({ ...parameters, ...options });
+  effect.set(MAPPED[name](camera, size));
   const before = performance.now();
   effect.draw();
   const rows = await effect.read();
   const milliseconds = performance.now() - before;
-  return { image: { size, channels: 4, type: "half", data: upsideDown(rows, { height: size[1] }) }, milliseconds };
+  return { image: { size, format: "rgba16float", data: upsideDown(rows, { height: size[1] }) }, milliseconds };
 }
 
 // As peers.js hands a scene over

@@ -2,11 +2,9 @@
 // the page was made with.
 
 // settings: { method, blades, preset, rotation (degrees), squeeze, stop, focal, focus (metres) }
-// Returns [{ fragment, inputs, targets, size, values }], or null where the harness has no such frame.
-export function frame({ plans, parameters, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
+// Returns [{ fragment, inputs, targets, size, values }].
+export function frame({ plans, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
   const name = `${settings.method} ${apertures[settings.blades]}`;
-  const plan = plans[`${name} ${settings.preset}`] ?? plans[name];
-  if (!plan) return null;
   const lens = {
     BokehApertureDiameter: settings.focal / settings.stop,
     BokehFocalLength: settings.focal,
@@ -18,21 +16,20 @@ export function frame({ plans, parameters, apertures, glsl, sensor, maxCoC }, se
     BokehImageHeight: height,
     BokehSqueeze: settings.squeeze,
   };
-  return plan.passes.map((pass) => ({
+  // paper has no presets
+  return (plans[`${name} ${settings.preset}`] ?? plans[name]).map((pass) => ({
+    ...pass,
     fragment: pass.head + glsl,
-    inputs: pass.inputs.map(([slot, image, linear]) => ({ slot, image, linear })),
-    targets: pass.targets,
     size: [width, height].map((side) => Math.ceil(side / pass.scale)),
-    values: { ...parameters, ...turned(pass.values, settings.rotation), ...lens },
+    values: { ...turned(pass.values, settings.rotation), ...lens },
   }));
 }
 
 // The lines of a pass with the aperture turned.
 function turned(values, degrees) {
-  if (!("BokehAngle" in values)) return values;
   const angle = (degrees * Math.PI) / 180;
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
-  const { BokehLineCenterX: x = 0, BokehLineCenterY: y = 0 } = values;
+  const { BokehLineCenterX: x, BokehLineCenterY: y } = values;
   const center = { BokehLineCenterX: c * x - s * y, BokehLineCenterY: s * x + c * y };
   return { ...values, BokehAngle: values.BokehAngle + angle, ...center };
 }

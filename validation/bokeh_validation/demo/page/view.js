@@ -1,7 +1,6 @@
 // Draws the frames of both sides and shows them beside each other: WebGL 2, by the code that the validation draws with.
 
-import { elements, encode } from "../../browser/page/job.js";
-import { draw, linked, onto, start, texture } from "../../browser/page/webgl2.js";
+import { draw, linked, onto, read, start, texture } from "../../browser/page/webgl2.js";
 
 // Both pictures, exposed by a filmic curve (Narkowicz's fit of ACES) as in the documentation's. v = 0 is the first row
 // of a picture, and the bottom one of a canvas.
@@ -37,21 +36,17 @@ export function load({ color, depth, truth }) {
   for (const { handle } of images.values()) gl.deleteTexture(handle);
   images.clear();
   [canvas.width, canvas.height] = color.size;
-  for (const [name, image] of Object.entries({ color, depth, truth })) if (image) keep(name, image);
+  for (const [name, image] of Object.entries({ color, depth, truth })) if (image) put(name, image);
 }
 
 export function largest() {
   return gl.getParameter(gl.MAX_TEXTURE_SIZE);
 }
 
-function keep(key, image) {
+// Take an image: of a side what another has drawn.
+export function put(key, image) {
   if (images.has(key)) gl.deleteTexture(images.get(key).handle);
   images.set(key, { size: image.size, handle: texture(image) });
-}
-
-// Take what another has drawn for a side.
-export function put(side, name, image) {
-  keep(`${side} ${name}`, image);
 }
 
 function imageOf(side, name) {
@@ -63,32 +58,21 @@ export function run(side, passes) {
   for (const { fragment } of passes) linked(vertex, fragment);
   const handleOf = (name) => imageOf(side, name)?.handle;
   const before = performance.now();
-  for (const pass of passes) {
-    for (const name of pass.targets) {
-      const [width, height] = imageOf(side, name)?.size ?? [];
-      if (width !== pass.size[0] || height !== pass.size[1]) put(side, name, { size: pass.size, channels: 4, type: "half" });
+  for (const { targets, size, ...pass } of passes) {
+    for (const name of targets) {
+      if (`${imageOf(side, name)?.size}` !== `${size}`) put(`${side} ${name}`, { size, format: "rgba16float" });
     }
     const textures = Object.fromEntries(pass.inputs.map(({ image }) => [image, handleOf(image)]));
-    onto(pass.targets.map(handleOf), () => draw({ ...pass, area: [0, 0, ...pass.size] }, vertex, textures));
+    onto(targets.map(handleOf), () => draw({ ...pass, area: [0, 0, ...size] }, vertex, textures));
   }
-  read(side, passes.at(-1).targets[0], 0, 0); // what is read has to be drawn
+  read(handleOf("result"), [1, 1]); // what is read has to be drawn
   return performance.now() - before;
 }
 
-// r, g, b, a of a texel.
-export function read(side, name, x, y) {
-  const value = new Float32Array(4);
-  onto([imageOf(side, name).handle], () => gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, value));
-  return value;
-}
-
-// An image as job.js has it, of what a side shows or has drawn; always of four 32-bit channels.
+// An image as job.js has it, of what a side shows or has drawn.
 export function picture(side, name) {
   const { handle, size } = imageOf(side, name);
-  const image = { size, channels: 4, type: "float" };
-  const values = elements(image);
-  onto([handle], () => gl.readPixels(0, 0, ...size, gl.RGBA, gl.FLOAT, values));
-  return encode(image, values);
+  return read(handle, size);
 }
 
 // Show both sides on the canvas: the names of their pictures.
