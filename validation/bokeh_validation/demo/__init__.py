@@ -116,7 +116,7 @@ def _packed(name: str, content: bytes) -> str:
 
 def _modules() -> bytes:
     """The modules as the page takes them: gzip of JSON, name -> text, each importing others as "bokeh/NAME"."""
-    installed = pages.installed(pages.PACKAGES)
+    installed = pages.installed(effects.FOLDERS[0])
     files = [*MODULES, *(installed / name for name in LIBRARIES)]
     texts = {file.name: IMPORT.sub(_imported, file.read_text(encoding="utf-8")) for file in files}
     return gzip.compress(json.dumps(texts).encode(), mtime=0)

@@ -14,7 +14,6 @@ from bokeh_validation import browser, locks, paths, process
 from bokeh_validation.compilers.tool import find
 
 NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcanvas") for kind in ("webgl", "webgpu"))
-PACKAGES = Path(__file__).parent  # the folder that pins what other rooms use
 INSTALL = "apt-get install -y --no-install-recommends npm"
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
 RUN_LIMIT = 240.0  # it takes 10 on two cores

@@ -30,7 +30,7 @@ def page(tmp_path_factory):
     """What --output writes, in a folder whose name has a space in it, opened from disk: nothing is outside of it."""
     path = tmp_path_factory.mktemp("a page") / "demo.html"
     with needed("npm"):
-        pages.installed(pages.PACKAGES)
+        pages.installed(effects.FOLDERS[0])
     done = called("demo", "--output", path)
     assert done.returncode == 0, done.stderr
     text = path.read_text(encoding="utf-8")
