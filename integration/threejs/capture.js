@@ -208,26 +208,12 @@ function probed({ scene }, camera, depth, bottomUp) {
   return { drawn, met };
 }
 
-// The same frame from the usual depth buffer and from a logarithmic one: { near, camera, frames: [usual, logarithmic] },
-// frames with color, depth and result, whose alpha is the CoC. Where the latter is refused: { said: [...] }.
+// Draw with a logarithmic buffer and a perspective camera.
 export async function logarithmic(kind) {
   const sample = await samples[kind]();
-  const found = { near: sample.camera.near, said: [], frames: [] };
-  const { error } = console;
-  console.error = (...words) => found.said.push(words.join(' '));
-  try {
-    for (const renderer of [sample.renderer, await sample.other(BUFFERS.logarithmic)]) {
-      // a camera of its own: three.js notes in it what the renderer's depth buffer is
-      const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
-      if (found.said.length > 0) break;
-      found.camera = settings(frame.bokeh.uniforms).camera;
-      const arrays = Object.entries(await sample.read(frame));
-      found.frames.push(Object.fromEntries(arrays.map(([name, array]) => [name, base64(array)])));
-    }
-  } finally {
-    console.error = error;
-  }
-  return found;
+  const renderer = await sample.other(BUFFERS.logarithmic);
+  // a camera of its own: three.js notes in it what the renderer's depth buffer is
+  sample.draw({}, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
 }
 
 // The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }

@@ -11,8 +11,8 @@ import os
 import shutil
 import tempfile
 import threading
-from collections.abc import AsyncIterator, Coroutine, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from collections.abc import Coroutine, Sequence
+from contextlib import AsyncExitStack, suppress
 from functools import cache, partial
 from pathlib import Path
 from unittest.mock import patch
@@ -108,8 +108,7 @@ class Session:
             self.close()
             if isinstance(error, Unavailable):
                 raise
-            cause = f"{START_LIMIT:g} s were not enough" if isinstance(error, TimeoutError) else _cause(error)
-            raise Unavailable(f"{path} did not start: {cause}") from error
+            raise Unavailable(f"{path} did not start: {_cause(error)}") from error
 
     def __enter__(self) -> "Session":
         return self
@@ -156,7 +155,12 @@ class Session:
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(dir=near, **TEMPORARY))
-        playwright = await self._stack.enter_async_context(_playwright(folder))
+        from playwright.async_api import async_playwright
+
+        # the browser's profile is where the driver has its temporary files; there is no parameter for that
+        with patch.dict(os.environ, TMPDIR=folder):
+            playwright = await async_playwright().start()
+        self._stack.push_async_callback(playwright.stop)
         browser = await playwright.chromium.launch(
             executable_path=path,
             headless=True,
@@ -165,7 +169,6 @@ class Session:
             args=[*FLAGS, *flags],
             # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
             env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
-            timeout=START_LIMIT * 1000,
         )
         self._stack.push_async_callback(browser.close)
         self.version = browser.version
@@ -199,22 +202,6 @@ def _chromium() -> str:
             return path
     missing = f"{VARIABLE} names no program: {named}" if named else f"Chromium is not on this machine; {INSTALL}"
     raise Unavailable(missing)
-
-
-@asynccontextmanager
-async def _playwright(folder: str) -> AsyncIterator:
-    """Playwright with its temporary files, the browser's profile among them, in a folder of ours.
-
-    It leaves them behind when the browser is killed. There is no parameter for the place.
-    """
-    try:
-        from playwright.async_api import async_playwright
-    except ImportError as error:
-        raise Unavailable(f"{error.name} is not installed; validation/run sets it up") from error
-    with patch.dict(os.environ, TMPDIR=folder):
-        playwright = await async_playwright().start()
-    yield playwright
-    await playwright.stop()
 
 
 async def _answer(route, places: Places) -> None:

@@ -38,8 +38,6 @@ class BrowserDriver(Driver):
         self.adapter = f"{described['device']}, Chromium {self.session.version}"
         self.require_adapter(adapter)
         self.attachment_bytes = described["attachmentBytes"]
-        if not described["floatFilterable"]:
-            raise Unavailable(f"{self.adapter} cannot filter 32-bit float textures")
 
     @property
     def session(self) -> browser.Session:

@@ -21,6 +21,7 @@ export function start(canvas = new OffscreenCanvas(1, 1)) {
   gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: true });
   if (!gl) throw new Error("this browser gives no WebGL 2 context");
   if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("no EXT_color_buffer_float: no float targets");
+  if (!gl.getExtension("OES_texture_float_linear")) throw new Error("it does not filter 32-bit textures");
   gl.getExtension("EXT_color_buffer_half_float");
   samplers = { true: sampler(gl.LINEAR), false: sampler(gl.NEAREST) };
   programs.clear();
@@ -35,17 +36,17 @@ function sampler(filter) {
   return clamping;
 }
 
-// What the device is, whether it filters 32-bit textures, and the bytes a pixel that all targets of a pass may have:
-// there is room for four targets of any format.
+// What the device is, and the bytes a pixel that all targets of a pass may have: there is room for four of any format.
 export function describe() {
   start();
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   const device = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-  return { device, floatFilterable: gl.getExtension("OES_texture_float_linear") !== null, attachmentBytes: 64 };
+  return { device, attachmentBytes: 64 };
 }
 
 // { ok, lines of the compiler's and linker's logs, program } of a pair of stages
-function build(vertex, fragment) {
+export function compile({ vertex, fragment }) {
+  start();
   const program = gl.createProgram();
   const lines = [];
   // ANGLE ends its logs with a zero
@@ -71,19 +72,11 @@ function build(vertex, fragment) {
   return { ok, lines, program };
 }
 
-// { ok, lines } of { vertex, fragment }
-export function compile({ vertex, fragment }) {
-  start();
-  const { ok, lines, program } = build(vertex, fragment);
-  gl.deleteProgram(program);
-  return { ok, lines };
-}
-
 // A linked program, made once for each pair of sources.
 export function linked(vertex, fragment) {
   const key = vertex + "\0" + fragment;
   if (!programs.has(key)) {
-    const { ok, lines, program } = build(vertex, fragment);
+    const { ok, lines, program } = compile({ vertex, fragment });
     if (!ok) throw new Error(["ANGLE refused a shader:", ...lines].join("\n"));
     programs.set(key, program);
   }
