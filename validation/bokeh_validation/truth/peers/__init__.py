@@ -35,13 +35,13 @@ def drawn(place: str, asked: list[str], color: np.ndarray, depth: np.ndarray, ca
         return {name: page.draw(name, FOUND[place][name]) for name in asked}
 
 
-def of_scene(name: str, asked: list[str]) -> tuple[list[truth.Row], np.ndarray]:
+def of_scene(name: str, asked: list[str]) -> tuple[list[dict], np.ndarray]:
     """Rows of a scene, ours among them, and a detail of it by every effect, 8-bit rgb."""
     (file,) = ray_traced.chosen([name])
     picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
     images = {title(key): image for key, image in drawn(name, asked, picture.color, picture.depth, file.camera).items()}
     images |= {label: truth.picture(drivers.load(DRIVER), file, label) for label in OURS}
-    rows = [truth.row(file, label, image, lens) for label, image in images.items()]
+    rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
     exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES[name.removesuffix("x3")]
     details = [
         pictures.Panel(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
