@@ -6,13 +6,13 @@ import sys
 import tempfile
 import time
 from contextlib import suppress
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
 from support import load
 
-from bokeh_validation import browser, drivers, shaders
+from bokeh_validation import browser, shaders
 from bokeh_validation.compilers import angle_tint, naga
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import Pass
@@ -20,11 +20,6 @@ from bokeh_validation.shaders.passes import Pass
 COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehConstantCoC": 0.0})
 # the page's functions are found by name, and so is JavaScript's own way to make one
 ENDLESS = "constructor.constructor('for (;;);')"
-
-
-@pytest.fixture(params=("webgl2", "webgpu"))
-def driver(request) -> drivers.Driver:
-    return load(request.param)
 
 
 def crash() -> None:
@@ -38,22 +33,19 @@ def crash() -> None:
     browser.session().work(step())
 
 
-def copied(driver: drivers.Driver) -> bool:
-    """Whether the driver copies a picture of odd size, no row of which fills 256 bytes."""
-    color = np.random.default_rng(1).random((5, 3, 4)).astype(np.float16)
-    output = driver.run([COPY], {"color": color}, (3, 5))["result"]
-    return np.array_equal(output[..., :3], color[..., :3])
-
-
 def wgsl(fragment: str, source: str, targets: int = 1) -> naga.CompileResult:
     return angle_tint.tint(naga.Stage(source, "BokehFullScreen_VS"), naga.Stage(source, fragment, targets=targets))
 
 
-def test_crash(driver):
+@pytest.mark.parametrize("name", ["webgl2", "webgpu"])
+def test_crash(name):
+    """The next call has a new browser. A picture of odd size, no row of which fills 256 bytes, is copied."""
+    color = np.arange(60, dtype=np.float16).reshape(5, 3, 4)
+    run = partial(load(name).run, [COPY], {"color": color}, (3, 5))
     crash()
     with pytest.raises(browser.BrowserError, match="^Chromium crashed: "):
-        copied(driver)
-    assert copied(driver)
+        run()
+    np.testing.assert_array_equal(run()["result"][..., :3], color[..., :3])
 
 
 def test_hang():
@@ -73,10 +65,8 @@ def test_nothing_is_left(end):
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": folder}
         done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0 and done.stderr == "" and os.listdir(folder) == []
-
-        time.sleep(1.0)  # the last of its processes may be ending
-        files = [file for file in Path("/proc").glob("[0-9]*/cmdline") if file.exists()]
-        assert not any(folder.encode() in file.read_bytes() for file in files)
+        time.sleep(2.0)  # the last of its processes may be ending
+        assert subprocess.run(["pgrep", "--full", folder]).returncode == 1
 
 
 def test_no_chromium(monkeypatch):
