@@ -11,22 +11,16 @@ from bokeh_validation import paths
 REFUSED = """
 render --depth-channel depth | no depth channel 'depth'; B G R Z
 render --focus-distance 0.05 | --focus-distance 0.05; focal length 0.05
-render --focus-distance nan | --focus-distance nan
-render --aperture-diameter -0.1 | --aperture-diameter -0.1; 0 or more
-render --max-coc 1.5 | --max-coc 1.5; 0 to 1
 render --coc 0.5 | --coc 0.5; --max-coc
 render --samples 1 | --samples 1; 2 to 1024
 render --samples 200 --method naive | --samples 200; 8192
 render --aperture circle | --aperture circle; hexagon
 render --method fast | --method fast; paper
 render --aperture star | --aperture star; exact; --method paper
-render --spacing -1 | --spacing -1; 0 (a fixed number of samples) or more
 render --squeeze 0 | --squeeze 0; more than 0
 render --axial-blue 0.01 --method layered | --axial-blue 0.01; layered; --method exact
 render --axial-red 0.01 --driver d3d9 | --driver d3d9; shader model 4
 render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give --method exact or layered
-render --roundness 1 | --roundness 1: no effect on other polygons. Give --aperture octagon
-render --preset high | --preset high: no effect on exact. Give --method layered
 render --samples 5 --method layered | --samples 5: no effect on layered; --preset
 render --coc 0.1 --depth-channel Z | --depth-channel Z: no effect with --coc
 render --rotation inf | --rotation inf
@@ -41,13 +35,11 @@ peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
 peers --pictures /no/such/folder | --pictures /no/such/folder
 figures --driver d3d12 | --driver d3d12; osmesa
-figures --output /no/such/folder/x | /no/such/folder; Make it first
 gallery --output /no/such/folder/x | /no/such/folder
 figures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
 bench --rounds 0 | --rounds; 3
 bench --driver nvidia | --driver nvidia; osmesa
-bench --driver d3d9 | --driver d3d9; osmesa
 bench --driver osmesa --adapter nothing | none of the drivers; osmesa
 bench --json /nowhere/b.json | /nowhere/b.json; no folder
 aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
