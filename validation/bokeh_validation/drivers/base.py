@@ -37,12 +37,14 @@ PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
 class Timing:
     """How long a job took, seconds, each for one draw of all its passes.
 
-    wall  of the clock, from the first command to the device's being done
-    cpu   of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
+    wall   of the clock, from the first command to the device's being done
+    cpu    of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
+    query  of the device's own timer; None where it has none
     """
 
     wall: float
     cpu: float
+    query: float | None
 
 
 class Driver:
@@ -178,7 +180,7 @@ class TimedDriver(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         prepared = self.prepared(passes, textures, size, storage)
-        self.recorded(prepared.steps)()
+        self.draw(prepared.steps)
         return {name: prepared.read(name) for name in keep}
 
     def make_current(self) -> None:
@@ -190,8 +192,11 @@ class TimedDriver(Driver):
     def step(self, draw: Draw, handles: Sequence) -> object:
         """A pass ready to be drawn; `handles` are the textures and targets by the numbers of their images."""
 
-    def recorded(self, steps: Sequence) -> Callable[[], None]:
-        """What gives the steps to the device and does not wait; what can be done beforehand is done."""
+    def draw(self, steps: Sequence) -> None:
+        """Give the steps to the device; does not wait."""
+
+    def timer(self, steps: Sequence, repeats: int) -> tuple[Callable[[], None], Callable[[], float | None]]:
+        """What draws the steps so often without a pause; and what then gives the device's own seconds, if it can."""
 
     def wait(self) -> None:
         """Return when all that was given to the device is done."""
@@ -220,14 +225,15 @@ class Prepared:
         number  of the one pass that is drawn, which reads what the others left when all were drawn; None: all
         """
         self.driver.make_current()
-        steps = self.steps if number is None else self.steps[number : number + 1]
-        draw = self.driver.recorded([*steps] * repeats)
+        draw, queried = self.driver.timer(self.steps if number is None else self.steps[number : number + 1], repeats)
         self.driver.wait()
         wall, cpu = time.perf_counter(), time.process_time()
         draw()
         self.driver.wait()
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        return Timing(wall / repeats, cpu / repeats)
+        # asked for afterwards: a device's answer may take a while
+        query = queried()
+        return Timing(wall / repeats, cpu / repeats, None if query is None else query / repeats)
 
     def read(self, name: str) -> np.ndarray:
         """A target after the last draw, (H, W, 4) of its own size, a copy."""

@@ -1,9 +1,9 @@
 """GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import count
 from typing import NamedTuple
 
@@ -62,10 +62,7 @@ class GLDriver(TimedDriver):
         bound = {slot: handles[number] for slot, number in draw.inputs.items()}
         return Step(item, self.program(text), bound, framebuffer)
 
-    def recorded(self, steps: Sequence["Step"]) -> Callable[[], None]:
-        return partial(self._draw, steps)
-
-    def _draw(self, steps: Sequence["Step"]) -> None:
+    def draw(self, steps: Sequence["Step"]) -> None:
         for item, array, bound, target in steps:
             for unit, slot in enumerate(SLOTS):
                 if slot in bound:
@@ -77,6 +74,16 @@ class GLDriver(TimedDriver):
                     array.program[name] = value
             target.use()
             array.render(moderngl.TRIANGLES, vertices=3)
+
+    def timer(self, steps: Sequence["Step"], repeats: int):
+        query = self.context.query(time=True)
+
+        def draw() -> None:
+            with query:
+                for _ in range(repeats):
+                    self.draw(steps)
+
+        return draw, lambda: query.elapsed * 1e-9
 
     def wait(self) -> None:
         self.context.finish()

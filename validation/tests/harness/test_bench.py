@@ -1,4 +1,4 @@
-"""validation/run bench: its floors, what it writes, and the ratios that must hold."""
+"""validation/run bench: its floors, its clock, what it writes, and the ratios that must hold."""
 
 import json
 import re
@@ -9,6 +9,7 @@ import pytest
 from support import called, load
 
 from bokeh_validation import bench, shaders
+from bokeh_validation.drivers.base import Timing
 
 SIZE = (72, 64)
 COUNTERS = "float countColor = 0.0;\nfloat countDepth = 0.0;\nvec2 places = vec2(0.0, 0.0);\n"
@@ -49,6 +50,12 @@ def test_floors_are_the_same_in_every_language(name):
     for row in (row for row in bench.table_one(SIZE, (4,)) if row.floor):
         glsl, other = (load(d).run(row.floor, bench.textures(SIZE), SIZE)["result"] for d in ("osmesa", name))
         np.testing.assert_allclose(other.astype(float), glsl.astype(float), rtol=0.01, atol=0.01, err_msg=row.key)
+
+
+@pytest.mark.parametrize(("share", "software", "clock"), [(0.95, 0, "query"), (0.1, 0, "wall"), (0.95, 1, "cpu")])
+def test_a_timer_is_believed_only_where_it_agrees(share, software, clock):
+    """A query that shows a tenth of the time is not used; on a program that draws on the processor, its time is."""
+    assert bench.interleaved({"a": lambda _: Timing(1.0, 2.0, share)}, 3, bool(software))[0] == clock
 
 
 @pytest.mark.alone
