@@ -4,16 +4,18 @@ It is made from the passes that the drivers run (methods.plan), and holds all th
 """
 
 import json
+import re
 from dataclasses import replace
 from typing import Annotated
 
 import typer
 
 from bokeh_validation import __version__, options, shaders, terminal
+from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, VIEW
 from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
-from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_size
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
 
 LEAST_SIDE, MOST_SIDE = 2, 16384
 # Role of an entry -> format of its target and bytes of a texel
@@ -43,7 +45,7 @@ NOTES = (
     "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
     "300 es and 450, HLSL the shader models 3 to 6.",
     "`size` is ceil(width / scale) x ceil(height / scale) of the full size: rounded up. The viewport of a pass is its "
-    "whole target.",
+    "whole target, unless the pass has a `viewport` (x, y, width, height in texels of the target).",
     "Blending, depth test and culling off. `linear`: linear filter, clamp, no mip levels. `nearest`: fetched texel by "
     "texel; only shader model 3 needs a filter of that kind.",
     "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
@@ -55,18 +57,23 @@ NOTES = (
 )
 
 
-def frame(settings: methods.Settings, size: tuple[int, int]) -> dict:
+def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
     """Everything that an engine needs, ready for JSON; NOTES say how to read it. Raises UserError for bad settings.
 
-    `size` is (width, height) of the textures, which the image fills: docs/inputs.md has where it does not.
+    size      (width, height) of the textures, pixels
+    viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
+              are multiples of every pass's scale, or ValueError is raised
+
     `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
     may be one target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel
     of a pass's targets, at most; those of the frame are per pixel of the full size.
     """
     options.check(settings)
-    plan = methods.plan(settings, size)
+    plan = methods.plan(settings, viewport[2:] if viewport else size)
     if any("depth" in item.inputs.values() for item in plan.passes):
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
+    if viewport:
+        plan = methods.in_viewport(plan, viewport, size)
     same, changes = _parameters(plan.passes)
     preset = {
         "name": settings.preset,
@@ -123,6 +130,7 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
         "targets": list(item.outputs),
         "scale": item.scale,
         "size": list(target_size(item.scale, size)),
+        "viewport": list(target_area(item.scale, item.viewport)) if item.viewport else None,
         "format": FORMATS.get(item.spec.role, USUAL_FORMAT)[0],
         "changes": changed,
         "constants": constants(item),
@@ -211,7 +219,25 @@ def _is_free(other: dict, texture: dict) -> bool:
 def plan(
     settings: methods.Settings,
     size: Annotated[str, typer.Option(metavar="WxH", help="Of the textures, pixels.")] = "1920x1080",
+    viewport: Annotated[
+        str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
+    ] = None,
 ) -> None:
     """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
-    planned = frame(settings, terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE))
+    whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
+    planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
     typer.echo(json.dumps(planned, indent=1))
+
+
+def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """(x, y, width, height) of '1280x720+64+32'. Raises UserError."""
+    numbers = re.fullmatch(r"(\d{1,5})x(\d{1,5})\+(\d{1,5})\+(\d{1,5})", text)
+    wide, high, x, y = map(int, numbers.groups()) if numbers else (0, 0, 0, 0)
+    fits = min(wide, high) >= LEAST_SIDE and x + wide <= size[0] and y + high <= size[1]
+    # the smallest targets have 1/8 of the size
+    if not fits or x % 8 or y % 8:
+        raise UserError(
+            f"--viewport {text}: no part of {size[0]} x {size[1]}. Give width x height + x + y in pixels, x and y "
+            f"multiples of 8, for example 1280x720+64+32."
+        )
+    return x, y, wide, high
