@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
-from support import called, load, needed, refused
+from support import called, load, needed
 
 from bokeh_validation import browser, demo, pictures
 from bokeh_validation.drivers.base import Driver
@@ -167,8 +167,3 @@ def test_own_pictures(page):
     for words, file in refusals.items():
         said = opened(page, words.partition(":")[0], file)
         assert words in said and "\n" not in said, said
-
-
-def test_refused():
-    """One line."""
-    refused(called("demo", "--output", "/nonexistent/demo.html"), ["/nonexistent"])
