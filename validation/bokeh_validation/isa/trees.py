@@ -5,12 +5,11 @@ run through their own loader, those of another processor through qemu, which is 
 """
 
 import shutil
-import subprocess
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from bokeh_validation import locks, paths
+from bokeh_validation import locks, paths, process
 from bokeh_validation.errors import Unavailable
 
 # Debian's stable release of 2025, and the Mesa that it keeps
@@ -70,10 +69,6 @@ def _unpack(architecture: str, folder: Path) -> None:
 def _output(command: Sequence[str]) -> str:
     """What a command prints. Raises Unavailable with its last line where it fails."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        raise Unavailable(f"{command[0]} took over {TIMEOUT_S} s") from None
-    if done.returncode:
-        last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-        raise Unavailable(f"{command[0]} .. {command[-1]}: {last}")
-    return done.stdout
+        return process.run(command, TIMEOUT_S)
+    except RuntimeError as error:
+        raise Unavailable(str(error).splitlines()[-1]) from error
