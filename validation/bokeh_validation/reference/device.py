@@ -65,24 +65,17 @@ class Reference:
         scales = dict.fromkeys(textures, 1)
         for item in passes:
             inputs = {slot: live[name] for slot, name in item.inputs.items()}
-            whole, area = target_size(item.scale, size), None
-            if item.viewport is not None:
-                area = target_area(item.scale, item.viewport)
-            if item.viewport is None or not item.constants["BOKEH_VIEWPORT"]:
-                drawn = _run_pass(item, inputs, area[2:] if area else whole, precision)
-            else:
-                parts = {
-                    slot: image.part(*_slices(scales[item.inputs[slot]], item.viewport))
-                    for slot, image in inputs.items()
-                    if slot != "KernelSamp"
-                }
+            allowed, area = precision, target_area(item.scale, item.viewport or (0, 0, *size))
+            if item.viewport and item.constants["BOKEH_VIEWPORT"]:
+                for slot in inputs.keys() - {"KernelSamp"}:
+                    inputs[slot] = inputs[slot].part(*_slices(scales[item.inputs[slot]], item.viewport))
                 # the inset counts as an error of the sampler's place, which it is at the edge and nowhere else
-                inset = precision and replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
-                drawn = _run_pass(item, inputs | parts, area[2:], inset)
+                allowed = precision and replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
+            drawn = _run_pass(item, inputs, area[2:], allowed)
             for name, image in zip(item.outputs, drawn, strict=True):
                 kept = stored(image, STORAGE[storage], rounding)
-                if area:
-                    before = live.get(name) or Image(np.zeros((*whole[::-1], 4)))
+                if item.viewport:
+                    before = live.get(name) or Image(np.zeros((*target_size(item.scale, size)[::-1], 4)))
                     kept = before.drawn_over(kept, *_slices(item.scale, item.viewport))
                 live[name] = results[name] = kept
                 scales[name] = item.scale
@@ -101,4 +94,4 @@ def _run_pass(item: Pass, inputs: Mapping[str, Image], size: tuple[int, int], pr
     """What a pass writes to each of its targets, from what is in its slots."""
     if precision is None and not item.spec.layers:
         return [Image(value) for value in formulas.run_pass(item, {slot: one.value for slot, one in inputs.items()})]
-    return execution.run_pass(item.spec, inputs, size, item.given(), item.constants, precision)
+    return execution.run_pass(item, inputs, size, precision)

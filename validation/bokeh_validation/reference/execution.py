@@ -11,8 +11,7 @@ from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.interpreter import Run
 from bokeh_validation.reference.intervals import Interval, interval
 from bokeh_validation.reference.precision import FLOAT_STEP, Precision
-from bokeh_validation.shaders.entries import Entry
-from bokeh_validation.shaders.passes import is_linear
+from bokeh_validation.shaders.passes import Pass, is_linear
 
 THREADS = 2
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
@@ -104,21 +103,17 @@ def _error(around: np.ndarray, off: np.ndarray) -> np.ndarray:
 
 
 def run_pass(
-    entry: Entry,
-    inputs: Mapping[str, Image],
-    size: tuple[int, int],
-    values: Mapping[str, float],
-    constants: Mapping[str, int],
-    precision: Precision | None,
+    item: Pass, inputs: Mapping[str, Image], size: tuple[int, int], precision: Precision | None
 ) -> list[Image]:
-    """What an entry writes to each of its targets; textures by their slots."""
+    """What a pass writes to each of its targets, of that size; textures by their slots."""
+    entry = item.spec
     width, height = size
     textures = {
         f"Bokeh{slot}": Texture(image, precision, is_linear(entry.name, slot)) for slot, image in inputs.items()
     }
-    uniforms = {name: interval(value) for name, value in values.items()}
+    uniforms = {name: interval(value) for name, value in item.given().items()}
     # a viewport is cut out beforehand
-    given = {**uniforms, **constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
+    given = {**uniforms, **item.constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
 
     def part(start: int) -> tuple[list[Interval], np.ndarray]:
         pixels = np.arange(start, min(start + PIXELS, width * height))

@@ -50,23 +50,17 @@ def _rotated(direction: Interval, axis: Interval) -> Interval:
 
 
 @cache
-def _names(node: c_ast.Node) -> frozenset[str]:
-    """Variables that a piece of text mentions."""
-    own = {node.name} if isinstance(node, c_ast.ID | c_ast.Decl) else set()
-    return frozenset(own.union(*(_names(child) for _, child in node.children())))
-
-
-@cache
 def _breaks(node: c_ast.Node) -> bool:
     """Whether it leaves the loop around it."""
     within = (child for _, child in node.children() if not isinstance(child, c_ast.For))
     return isinstance(node, c_ast.Break) or any(_breaks(child) for child in within)
 
 
-def _is_floor(node: c_ast.Node | None) -> bool:
-    """floor() of a variable."""
+def _is_floor(node: c_ast.Node | None, of: c_ast.Node | None = None) -> bool:
+    """floor() of a variable, of this one."""
     is_call = isinstance(node, c_ast.FuncCall) and node.name.name == "floor"
-    return is_call and isinstance(node.args.exprs[0], c_ast.ID)
+    argument = node.args.exprs[0] if is_call else None
+    return isinstance(argument, c_ast.ID) and (of is None or getattr(of, "name", None) == argument.name)
 
 
 @dataclass
@@ -205,17 +199,12 @@ class _Call:
         elif _breaks(node.iftrue):
             self.leave(where, variables)
         else:
-            where = self.of_all(where)
             yes = self.branch(node.iftrue, variables, where.possible)
             no = self.branch(node.iffalse, variables, ~where.sure)
             variables |= {name: chosen(where, yes[name], no[name]) for name in variables}
             if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
                 weight = variables["weight"]
                 self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])
-
-    def of_all(self, where: Condition) -> Condition:
-        """A condition of every pixel by itself."""
-        return Condition(*(np.broadcast_to(each, self.run.count) for each in (where.value, where.sure, where.possible)))
 
     def branch(self, node: c_ast.Node | None, variables: Variables, where: np.ndarray) -> Variables:
         """All variables after a branch that some pixels take."""
@@ -247,7 +236,7 @@ class _Call:
 
     def leave(self, where: Condition, variables: Variables) -> None:
         """Pixels leave the loop where a condition holds."""
-        loop, where = self.loop, self.of_all(where)
+        loop = self.loop
         where = Condition(where.value & loop.value, where.sure & self.here, where.possible & self.here)
         if where.possible.any():
             loop.exits.append((where, dict(variables)))
@@ -275,11 +264,11 @@ class _Call:
             return False
         right = self.value(node.right, variables)
         difference = OPERATORS[node.op](left, right)
-        if node.op == "-" and _is_floor(node.right) and _names(node.left) == _names(node.right.args):
+        if node.op == "-" and _is_floor(node.right, of=node.left):
             # x - floor(x): from 0 to 1 on either side of a whole number
             wraps = right.low != right.high
             if self.name == "BokehNoise" and self.run.given["BokehJitter"].value > 0.0:
-                self.undecided(np.broadcast_to(wraps[0], self.run.count))
+                self.undecided(wraps[0])
             limits = np.where(wraps, 0.0, difference.low), np.where(wraps, 1.0, difference.high)
             return Interval(difference.value, *limits)
         return difference

@@ -94,7 +94,7 @@ def test_formulas_and_programs_agree(method):
         for item in case.plan.passes:
             inputs = {slot: given[name] for slot, name in item.inputs.items()}
             written = formulas.run_pass(item, {slot: image.value for slot, image in inputs.items()})
-            ran = execution.run_pass(item.spec, inputs, case.size, item.given(), item.constants, precision.SOFTWARE)
+            ran = execution.run_pass(item, inputs, case.size, precision.SOFTWARE)
             for value, image in zip(written, ran, strict=True):
                 off = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
                 assert off[~image.undecided].max() <= ALIKE[method], (item.entry, settings)
@@ -138,10 +138,10 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
         errors = {slot: share * ("ColorSamp" in slot) * np.abs(value) for slot, value in given.items()}
         uncertain = {slot: Image(value, errors[slot]) for slot, value in given.items()}
         moved = {k: Image(value + errors[k] * random.choice([-1.0, 1.0], value.shape)) for k, value in given.items()}
-        rest = target_size(item.scale, case.size), item.given(), item.constants
-        wanted = execution.run_pass(item.spec, uncertain, *rest, precision.GPU)
+        size = target_size(item.scale, case.size)
+        wanted = execution.run_pass(item, uncertain, size, precision.GPU)
         for times in (1.0, 100.0):
-            for image, result in zip(wanted, execution.run_pass(item.spec, moved, *rest, None), strict=True):
+            for image, result in zip(wanted, execution.run_pass(item, moved, size, None), strict=True):
                 outside = np.abs(result.value - image.value) > image.error
                 assert times > 1.0 or not outside.any(), item.entry
                 left += outside.sum()
