@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from bokeh_validation import files, terminal
@@ -63,7 +64,8 @@ def isa(
             shown.add_column(heading, justify="left" if heading == "pass" else "right")
         for row in counts.rows(target):
             shown.add_row(*row)
-        terminal.table_console(130).print(shown)
+        # a file or a pipe has no width of its own
+        Console(width=None if terminal.console.is_terminal else 130).print(shown)
     for (target, language), reason in counts.missing.items():
         terminal.console.print(f"{terminal.NOT_RUN} {target}, {WAYS[language]}: {reason}", highlight=False)
     if table is not None:
