@@ -28,7 +28,22 @@ SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVE
 Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")]
 
 console = Console(soft_wrap=True)
-JsonFile = Annotated[Path | None, typer.Option("--json", help="Write everything here as well.")]
+# What stands for standard output where a file is asked for
+STANDARD_OUTPUT = Path("-")
+
+
+def _json_target(context: typer.Context, path: Path | None) -> Path | None:
+    """The file of an option for JSON. Where that is '-', all other text of the command goes to standard error."""
+    if path == STANDARD_OUTPUT:
+        console.stderr = True
+        context.call_on_close(lambda: setattr(console, "stderr", False))
+    return path
+
+
+JsonFile = Annotated[
+    Path | None,
+    typer.Option("--json", callback=_json_target, help="Write everything here too; -: standard output."),
+]
 
 
 def tell(*lines: str) -> None:
@@ -72,14 +87,17 @@ def chosen(
 
 def check_writable(*targets: Path | None) -> None:
     """Refuse, before any work is done, files that cannot be written. Raises UserError."""
-    for path in filter(None, targets):
-        files.check_writable(path)
+    for path in targets:
+        if path not in (None, STANDARD_OUTPUT):
+            files.check_writable(path)
 
 
 def write_json(path: Path | None, data: object) -> None:
-    """Write a file as a whole, if it was asked for."""
-    if path is not None:
-        text = json.dumps(data, indent=1) + "\n"
+    """Write a file as a whole, or to standard output, if it was asked for."""
+    text = json.dumps(data, indent=1) + "\n"
+    if path == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+    elif path is not None:
         files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 

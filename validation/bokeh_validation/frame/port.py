@@ -102,6 +102,7 @@ TABLES = (
     ("integration/love/polygon_bokeh.lua", samples.LUA, {"layered": "layered", "exact": "exact"}),
     ("integration/ogre/PolygonBokeh.h", samples.OGRE, {"layered": "layered", "exact": "exact"}),
     ("integration/godot/addons/polygon_bokeh/frames.gd", samples.GODOT, UPPER),
+    ("integration/bevy/src/lib.rs", samples.BEVY, EXACT_HEXAGON | FLAT_OTHERS),
     (
         "integration/direct3d11/main.cpp",
         samples.DIRECT3D11,

@@ -25,8 +25,9 @@ class Language(NamedTuple):
 
     head, tail        around all; {} is its name
     row               a pass: {entry} such as BokehLayerTiles, {define} such as LAYER_TILES, {scale} that its targets'
-                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {reads} with
-                      '-' for a colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
+                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {turn} in
+                      degrees, {reads} with '-' for a colour slot that it leaves out, {writes}, and {quoted} for these,
+                      each in quotes
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -80,6 +81,7 @@ GODOT = Language(
     "const {} := {{", '\t\t["{writes}", {scale}, "{call}"],', "}}",
     polygon="\t{}: [", its_end="\t],", replaced=("uv", "UV"), targets=False,
 )  # fmt: skip
+BEVY = Language("const {}: &[Pass] = &[", '    pass("{entry}_PS", &[{reads}], &[{writes}], {turn:.1f}),', "];")
 
 
 def table(language: Language, name: str, method: str, aperture: str = "") -> Iterator[str]:
@@ -103,8 +105,10 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     names = {}
     for name in (texture["name"] for texture in planned["textures"]):
         names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
+    names |= _three_textures(planned["textures"]) if language is BEVY else {}
     names["depth"] = DEPTH_NAME
     word, replacement = language.replaced
+    separator = ", " if language is BEVY else " "
     lines = []
     for step, item in zip(planned["passes"][1:], methods.plan(settings, SIZE).passes, strict=True):
         sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
@@ -118,15 +122,25 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
         line = language.row.format(
             entry=item.entry,
             define=step["define"].removeprefix("BOKEH_"),
-            reads=" ".join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
-            writes=" ".join(writes),
+            reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
+            writes=separator.join(writes),
             quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
             scale=item.scale,
             sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
+            turn=sets.get("Angle", 0.0),
             call=call(item, names),
         )
         lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
     return lines
+
+
+def _three_textures(textures: list[dict]) -> dict[str, str]:
+    """Bevy's names. Three textures do between the passes: those that may share their memory are one."""
+    places, letters = {"color": "Scene", "coc": "CoC", "result": "Out"}, {}
+    for texture in textures:
+        if texture["written"] and texture["name"] not in places:
+            places[texture["name"]] = letters.setdefault(texture["memory"], "ABC"[len(letters) % 3])
+    return places
 
 
 def call(item: Pass, names: dict[str, str]) -> str:

@@ -39,11 +39,14 @@ def test_octagon():
 
 
 def test_command(tmp_path):
-    """Every method's numbers as JSON, layered ahead of the others, and the picture of that scene."""
-    options = "truth --scene street_11 --driver osmesa --json".split()
-    done = called(*options, tmp_path / "numbers.json", "--pictures", tmp_path)
-    assert done.returncode == 0 and "| street_11 |" in done.stdout, done.stderr
-    rows = {row["label"]: row for row in json.loads((tmp_path / "numbers.json").read_text(encoding="utf-8"))["rows"]}
+    """Every method's numbers as JSON, layered ahead of the others, and the picture of that scene.
+
+    The JSON alone on standard output, where '-' asks for it; all other text on standard error.
+    """
+    options = "truth --scene street_11 --driver osmesa --json -".split()
+    done = called(*options, "--pictures", tmp_path)
+    assert done.returncode == 0 and "| street_11 |" in done.stderr, done.stderr
+    rows = {row["label"]: row for row in json.loads(done.stdout)["rows"]}
     assert list(rows) == list(truth.DEFAULT)
     assert rows["layered medium"]["flip"] == pytest.approx(flip("street_11", "layered medium"))
     ahead = sorted(rows, key=lambda label: rows[label]["flip"])
