@@ -8,6 +8,8 @@ import base64
 import gzip
 import json
 import re
+from functools import partial
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +17,7 @@ import typer
 
 from bokeh_validation import browser, files, paths, shaders, terminal
 from bokeh_validation.engines import pages
+from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import EXACT
 from bokeh_validation.shaders.passes import Pass, is_linear
@@ -43,6 +46,7 @@ OTHERS = ("BokehPass", "DepthOfFieldEffect")
 SCENES = (ray_traced.MARKET, ray_traced.STREET, ray_traced.CANOPY)
 # of the plans: the page puts in its own
 SIZE = (960, 540)
+HOST = "127.0.0.1"
 
 
 def settings() -> dict[str, methods.Settings]:
@@ -127,11 +131,52 @@ def _imported(statement: re.Match) -> str:
     return f'{statement[1]} "bokeh/{PACKAGES.get(name, name.rpartition("/")[2])}"'
 
 
+class _Answer(BaseHTTPRequestHandler):
+    """Of the server: the page at /, nothing elsewhere."""
+
+    def __init__(self, body: bytes, *arguments):
+        self.body = body
+        super().__init__(*arguments)
+
+    def do_GET(self):
+        """The page, under one name."""
+        known = self.path.partition("?")[0] == "/"
+        body = self.body if known else b""
+        self.send_response(200 if known else 404)
+        self.send_header("Content-Type", "text/html; charset=utf-8")
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_):
+        """Nothing."""
+
+
+def server(port: int) -> ThreadingHTTPServer:
+    """What serves the page to this machine alone; port 0 takes a free one. Raises UserError."""
+    body = page().encode()
+    try:
+        return ThreadingHTTPServer((HOST, port), partial(_Answer, body))
+    except (OSError, OverflowError) as error:
+        raise UserError(f"--port {port}: cannot be used ({error}). Give another, or 0 for any.") from error
+
+
 def demo(
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.html", help="The page.")] = Path("demo.html"),
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="Write the page, and do not serve it.")
+    ] = None,
+    port: Annotated[int, typer.Option(help="To serve it on; 0: any that is free.")] = 8015,
 ) -> None:
     """A page to try it: methods side by side, focus by a click, lens and aperture by sliders, pictures of your own."""
-    terminal.check_writable(output)
-    text = page()
-    files.whole(output, lambda partial: partial.write_text(text, encoding="utf-8"))
-    terminal.tell(f"{output}: {len(text) / 1e6:.1f} MB; open it in a browser with WebGL 2")
+    if output is not None:
+        terminal.check_writable(output)
+        text = page()
+        files.whole(output, lambda partial: partial.write_text(text, encoding="utf-8"))
+        terminal.tell(f"{output}: {len(text) / 1e6:.1f} MB; open it in a browser with WebGL 2")
+        return
+    with server(port) as serving:
+        terminal.tell(f"http://{HOST}:{serving.server_address[1]}/  (Ctrl+C ends it)")
+        try:
+            serving.serve_forever()
+        except KeyboardInterrupt:
+            terminal.tell("ended")

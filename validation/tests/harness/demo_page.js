@@ -18,7 +18,8 @@ async function set([values, exactly]) {
     byId(id).dispatchEvent(new Event(byId(id).type === "range" ? "input" : "change"));
   }
   await change(exactly);
-  return { ...state, facts: byId("rightFacts").textContent, said: byId("said").textContent };
+  const [facts, under, said] = ["rightFacts", "under", "said"].map((id) => byId(id).textContent);
+  return { ...state, facts, under, said };
 }
 
 // The pictures of these names on a side, as job.js has them.
@@ -37,9 +38,9 @@ async function canvas() {
   return new Uint8Array(context.getImageData(0, 0, element.width, element.height).data.buffer).toBase64();
 }
 
-// Give the page a file; returns what it says.
-async function open([name, data]) {
-  await (await part("main")).open(new File([Uint8Array.fromBase64(data)], name));
+// Give the page files, [[name, base64], ..]; returns what it says.
+async function open(files) {
+  await (await part("main")).open(files.map(([name, data]) => new File([Uint8Array.fromBase64(data)], name)));
   return byId("said").textContent;
 }
 
@@ -47,4 +48,21 @@ async function scene(index) {
   await (await part("main")).choose(index);
 }
 
-window.bokeh = { ready, set, pictures, canvas, open, scene };
+// Click on a texel; returns the focus in every frame until it stays.
+async function pulled([x, y]) {
+  const { change, state } = await part("main");
+  const canvas = byId("canvas");
+  const box = canvas.getBoundingClientRect();
+  const place = [box.left + ((x + 0.5) * box.width) / canvas.width, box.top + ((y + 0.5) * box.height) / canvas.height];
+  const passed = [];
+  let still = false;
+  canvas.dispatchEvent(new MouseEvent("click", { clientX: place[0], clientY: place[1] }));
+  change({}).then(() => (still = true));
+  while (!still) {
+    await new Promise(requestAnimationFrame);
+    passed.push(state.focus);
+  }
+  return passed;
+}
+
+window.bokeh = { ready, set, pictures, canvas, open, scene, pulled };

@@ -3,13 +3,17 @@
 import base64
 import re
 import tempfile
+import threading
+import urllib.request
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
-from support import called, load, needed
+from PIL import Image
+from support import called, load, needed, refused
 
 from bokeh_validation import browser, demo, pictures
 from bokeh_validation.drivers.base import Driver
@@ -26,8 +30,8 @@ CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
-    """What --output writes, in a folder whose name has a space in it, opened from disk: nothing is outside of it."""
+def file(tmp_path_factory) -> Path:
+    """What --output writes, in a folder whose name has a space in it: nothing is outside of it."""
     path = tmp_path_factory.mktemp("a page") / "demo.html"
     with needed("npm"):
         pages.installed(effects.FOLDERS[0])
@@ -35,8 +39,14 @@ def page(tmp_path_factory):
     assert done.returncode == 0, done.stderr
     text = path.read_text(encoding="utf-8")
     assert len(text) < 12e6 and re.findall(r'(?:src|href)="(?!data:)', text) == []
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(file):
+    """It, opened from disk."""
     with needed("Chromium"):
-        opened = browser.Session(path.as_uri(), script=SCRIPT)
+        opened = browser.Session(file.as_uri(), script=SCRIPT)
     with opened:
         opened.call("ready")
         yield opened
@@ -54,9 +64,9 @@ def own(depth=True, compression=OpenEXR.ZIP_COMPRESSION, kind=np.float16) -> tup
         return Path(target.name).read_bytes(), color, z
 
 
-def opened(page: browser.Session, name: str, data: bytes) -> str:
-    """What the page says of a file."""
-    return page.call("open", [name, base64.b64encode(data).decode("ascii")])
+def opened(page: browser.Session, *files: tuple[str, bytes]) -> str:
+    """What the page says of files, by name."""
+    return page.call("open", [[name, base64.b64encode(data).decode("ascii")] for name, data in files])
 
 
 class Shown(Driver):
@@ -88,7 +98,7 @@ def test_shows_the_reference(page, method, aperture):
     Steps are not counted: see drivers.web of SwiftShader's sine.
     """
     data, color, depth = own()
-    assert opened(page, "own.exr", data) == ""
+    assert opened(page, ("own.exr", data)) == ""
     name = f"{method} {aperture}" + ("" if method == "paper" else " low")
     settings = replace(demo.settings()[name], camera=CAMERA, rotation=17.0, squeeze=0.6)
     controls = {"left": "input", "right": method, "blades": methods.EXACT[aperture], "preset": "low"}
@@ -128,42 +138,120 @@ def test_others(page, name):
 
 
 def test_controls(page):
-    """Sliders, lists, a click that focuses, the scene's lens."""
+    """As a hand does it: sliders, lists, the divider by mouse and finger, a click that focuses, the readout, keys."""
     page.call("scene", 0)
-    said = page.call(
-        "set", [{"right": "exact", "preset": "low", "stop": 0, "rotation": 30, "blades": 8, "split": 0.75}, {}]
-    )
-    assert (said["stop"], said["rotation"], said["blades"], said["split"]) == (1.0, 30, 8, 0.75)
+    said = page.call("set", [{"left": "input", "right": "exact", "preset": "low", "stop": 0, "rotation": 30}, {}])
+    assert (said["stop"], said["rotation"]) == (1.0, 30)
     assert re.fullmatch(r"\d passes, \d+\.\d ms", said["facts"])
+    tab, depth = page.page, ray_traced.picture(ray_traced.MARKET).depth
+    box = page.work(tab.locator("#canvas").bounding_box())
 
-    async def click() -> None:
-        box = await page.page.locator("#canvas").bounding_box()
-        await page.page.mouse.click(box["x"] + 700.5 / 960 * box["width"], box["y"] + 470.5 / 540 * box["height"])
+    def at(x: float, y: float) -> tuple[float, float]:
+        """The middle of a texel, on the screen."""
+        return box["x"] + (x + 0.5) * box["width"] / 960, box["y"] + (y + 0.5) * box["height"] / 540
 
-    page.work(click())
-    # a click is on a whole pixel of the screen
-    depth = ray_traced.picture(ray_traced.MARKET).depth[469:472, 699:702]
-    assert depth.min() <= page.call("set", [{}, {}])["focus"] <= depth.max() < 2.42
-    page.work(page.page.click("#reset"))
-    said = page.call("set", [{}, {}])
-    assert (said["focus"], said["rotation"], said["blades"]) == (2.42, 0, 6)
+    def near(x: int, y: int) -> np.ndarray:
+        """Depths where the pointer can be, which is on whole pixels of the screen."""
+        return depth[y - 1 : y + 2, x - 1 : x + 2]
+
+    async def by_mouse() -> None:
+        await tab.mouse.move(*at(480, 100))
+        await tab.mouse.down()
+        await tab.mouse.move(*at(720, 130), steps=3)
+        await tab.mouse.up()
+
+    async def by_finger() -> None:
+        fingers = await tab.context.new_cdp_session(tab)
+        for kind, x in (("touchStart", 720), ("touchMove", 600), ("touchMove", 240), ("touchEnd", None)):
+            points = [] if x is None else [dict(zip("xy", at(x, 130), strict=True))]
+            await fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    for drag, split in ((by_mouse, 0.75), (by_finger, 0.25)):
+        page.work(drag())
+        said = page.call("set", [{}, {}])
+        assert said["split"] == pytest.approx(split, abs=0.01) and said["focus"] == 2.42
+    page.work(tab.mouse.click(*at(700, 470)))
+    focus = page.call("set", [{}, {}])["focus"]
+    assert near(700, 470).min() <= focus <= near(700, 470).max() < 2.42
+    page.work(tab.mouse.move(*at(300, 60)))
+    under = page.call("set", [{}, {}])["under"]
+    metres, pixels = map(float, re.fullmatch(r"\d+, \d+: (\S+) m, CoC (\S+) pixels far", under).groups())
+    assert near(300, 60).min() * 0.99 < metres < near(300, 60).max() * 1.01
+    coc = 0.05 * 0.05 * (metres - focus) / (metres * (focus - 0.05)) / 0.024
+    assert pixels == pytest.approx(540 * min(coc, 0.15), rel=0.02)
+
+    def keys(focused: str, *names: str) -> dict:
+        page.work(tab.locator(focused).focus())
+        for name in names:
+            page.work(tab.keyboard.press(name))
+        return page.call("set", [{}, {}])
+
+    # a slider keeps its arrows
+    after = keys("#stop", "ArrowRight", "x", "]", "b")
+    assert after["stop"] == pytest.approx(2 ** (0.05 + 0.25)) and after["split"] == said["split"]
+    assert (after["left"], after["right"], after["blades"]) == ("exact", "input", 8)
+    last = keys("#divider", "ArrowLeft", "Shift+Digit3", "0")
+    assert last["split"] == pytest.approx(after["split"] - 0.02)
+    assert (last["right"], last["focus"], last["rotation"], last["blades"]) == ("exact", 2.42, 0, 6)
+
+
+def test_focus_is_pulled(page):
+    """A click does not jump: the focus comes by what lies between, never back, and ends on what was clicked."""
+    page.call("scene", 0)
+    page.call("set", [{"left": "input", "right": "input"}, {"focus": 60.0}])
+    passed = page.call("pulled", [200, 430])
+    assert len(passed) > 2 and passed == sorted(passed, reverse=True)
+    depth = ray_traced.picture(ray_traced.MARKET).depth[429:432, 199:202]
+    assert passed[0] > depth.max() >= passed[-1] >= depth.min()
+
+
+def png(pixels: np.ndarray) -> bytes:
+    """As a file."""
+    buffer = BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
 
 
 def test_own_pictures(page):
-    """EXR of floats and of another compression; one line for what cannot be read."""
+    """A picture and its depth.png; EXR of floats, of another compression; one line for what cannot be read."""
+    grey = np.linspace(0, 255, 40).astype(np.uint8)[None].repeat(24, 0)
+    depth = png(grey)
+    assert opened(page, ("a depth.png", depth), ("a.png", png(np.dstack([grey, grey[:, ::-1], grey])))) == ""
+    page.call("set", [{"left": "input", "right": "exact"}, {}])
+    shown, metres = Shown(page, "left").pictures("color", "depth")
+    linear = np.where(grey <= 10.3, grey / 255 / 12.92, ((grey / 255 + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(shown[..., 0], linear, atol=1e-3)
+    np.testing.assert_allclose(metres[..., 0], 1 / (0.01 + 0.99 * grey / 255), rtol=1e-3)
     for compression in (OpenEXR.NO_COMPRESSION, OpenEXR.PIZ_COMPRESSION):
         data, half, z = own(compression=compression, kind=np.float32)
-        assert opened(page, "own.EXR", data) == ""
-        page.call("set", [{"left": "input", "right": "exact"}, {}])
+        assert opened(page, ("own.EXR", data)) == ""
         shown, metres = Shown(page, "left").pictures("color", "depth")
         np.testing.assert_array_equal(shown[..., :3], half[..., :3])
         np.testing.assert_array_equal(metres[..., 0], z.astype(np.float16))
     refusals = {
-        "no.exr: no depth": own(depth=False)[0],
-        "piz.exr: channels of two types; save it with ZIP": own(compression=OpenEXR.PIZ_COMPRESSION)[0],
-        "bad.exr: not an EXR file": b"no picture",
-        "cut.exr: ": data[:900],
+        "depth is 40 x 24, the picture 160 x 90": (("a.exr", own(depth=False)[0]), ("a_depth.png", depth)),
+        "no.exr: no depth": (("no.exr", own(depth=False)[0]),),
+        "piz.exr: channels of two types; save it with ZIP": (("piz.exr", own(compression=OpenEXR.PIZ_COMPRESSION)[0]),),
+        "bad.exr: not an EXR file": (("bad.exr", b"no picture"),),
+        "cut.exr: ": (("cut.exr", data[:900]),),
+        "bad.png: ": (("bad.png", b"no picture"),),
     }
-    for words, file in refusals.items():
-        said = opened(page, words.partition(":")[0], file)
+    for words, files in refusals.items():
+        said = opened(page, *files)
         assert words in said and "\n" not in said, said
+
+
+def test_served(file):
+    """The same over HTTP, to this machine; a port that is taken is refused in one line."""
+    with demo.server(0) as serving:
+        thread = threading.Thread(target=serving.serve_forever)
+        thread.start()
+        try:
+            host, port = serving.server_address
+            assert host == "127.0.0.1"
+            with urllib.request.urlopen(f"http://{host}:{port}/") as answer:
+                assert answer.read() == file.read_bytes()
+            refused(called("demo", "--port", port), [f"--port {port}", "cannot be used"])
+        finally:
+            serving.shutdown()
+            thread.join()

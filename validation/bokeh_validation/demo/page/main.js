@@ -1,16 +1,18 @@
-// The page: its controls and state, and what it draws when.
+// The page: its controls and state, what it draws when, and what pointer and keys do.
 
 import * as others from "./others.js";
-import { embedded, own } from "./pictures.js";
+import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
 import * as view from "./view.js";
 
+const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
 const SIDES = ["left", "right"];
 const byId = (id) => document.getElementById(id);
 
 const data = JSON.parse(byId("data").textContent);
 const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced", ...data.others };
 const power = (x) => 2 ** x;
+const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 // name -> text, least, most and step of the slider, of what function of the value (and back), and how it is written; the
 // state may lie between the steps
 const SLIDERS = {
@@ -20,7 +22,6 @@ const SLIDERS = {
   rotation: ["rotation", 0, 90, 1, Number, Number, (v) => `${v.toFixed(0)}\u00b0`],
   squeeze: ["squeeze", 0.5, 2, 0.05, Number, Number, (v) => v.toFixed(2)],
   exposure: ["exposure", -4, 4, 0.1, Math.log2, power, (v) => `${Math.log2(v).toFixed(1)} EV`],
-  split: ["split", 0, 1, 0.01, Number, Number, (v) => v.toFixed(2)],
 };
 const scenes = [...data.scenes];
 export const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
@@ -28,8 +29,10 @@ const drawn = {}; // side -> { key, name, facts }
 let work = Promise.resolve(); // what is drawn and loaded, one after the other
 let scheduled = false; // whether a picture is on its way
 let current = null; // the scene's pictures
+let pointer = null; // texel under it
+let pull = null; // where focus is pulled to, metres
 
-// Change the state; resolves when everything is drawn.
+// Change the state; resolves when everything is drawn, a pull of focus to its end.
 export function change(changes) {
   Object.assign(state, changes);
   if (!scheduled) after(() => new Promise(requestAnimationFrame).then(step));
@@ -47,21 +50,30 @@ function say(error) {
   byId("said").textContent = error?.message ?? error;
 }
 
-async function step() {
+async function step(before) {
   scheduled = false;
   if (!current) return;
+  await drawBoth();
+  while (pull) {
+    const now = await new Promise(requestAnimationFrame);
+    pullFocus((now - before) / 1000);
+    before = now;
+    await drawBoth();
+  }
+}
+
+async function drawBoth() {
   for (const side of SIDES) await render(side);
   view.show(drawn.left.name, drawn.right.name, state.split, state.exposure);
-  for (const side of SIDES) {
-    byId(side).value = state[side];
-    byId(`${side}Facts`).textContent = drawn[side].facts;
-  }
-  byId("divider").style.left = `${100 * state.split}%`;
-  for (const name of ["scene", "preset", "blades"]) byId(name).value = state[name];
-  for (const [name, [, , , , forth, , text]] of Object.entries(SLIDERS)) {
-    byId(name).previousElementSibling.textContent = text(state[name]);
-    if (document.activeElement !== byId(name)) byId(name).value = forth(state[name]);
-  }
+  tell();
+}
+
+// Focus goes a part of its way; a slow device sees some of it too.
+function pullFocus(seconds) {
+  const goal = 1 / pull;
+  const left = (1 / state.focus - goal) * Math.exp(-clamp(seconds, 0.005, 2 * PULL) / PULL);
+  state.focus = Math.abs(left) < Math.max(0.003 * goal, 0.0005) ? pull : 1 / (goal + left);
+  if (state.focus === pull) pull = null;
 }
 
 // Draw a side where its settings are others than those it has been drawn with.
@@ -86,6 +98,39 @@ async function render(side) {
   drawn[side] = { key, name: "result", facts: `${passes.length} passes, ${milliseconds.toFixed(1)} ms` };
 }
 
+// Show the state beside what is drawn.
+function tell() {
+  for (const side of SIDES) {
+    byId(side).value = state[side];
+    byId(`${side}Facts`).textContent = drawn[side].facts;
+    byId(`${side}Facts`).className = state[side] === "truth" ? "note" : "";
+  }
+  byId("divider").style.left = `${100 * state.split}%`;
+  byId("divider").setAttribute("aria-valuenow", Math.round(100 * state.split));
+  for (const name of ["scene", "preset", "blades"]) byId(name).value = state[name];
+  for (const [name, [, , , , forth, , text]] of Object.entries(SLIDERS)) {
+    byId(name).previousElementSibling.textContent = text(state[name]);
+    if (document.activeElement !== byId(name)) byId(name).value = forth(state[name]);
+  }
+  tellUnder();
+}
+
+// Depth under the pointer, and the circle of confusion: alpha of the map that a method has drawn.
+function tellUnder() {
+  if (!pointer) return;
+  const [x, y] = pointer;
+  const [width, height] = current.depth.size;
+  const metres = current.depth.data[y * width + x];
+  const side = SIDES.find((name) => drawn[name]?.name === "result");
+  let said = `${x}, ${y}: ${metres.toPrecision(3)} m`;
+  if (side) {
+    const pixels = Math.abs(view.texel(side, "coc", pointer)[3]) * height;
+    const field = metres < state.focus ? "near" : "far";
+    said += `, CoC ${pixels.toFixed(1)} pixels${pixels < 0.5 ? "" : ` ${field}`}`;
+  }
+  byId("under").textContent = said;
+}
+
 // The lens that a scene was ray traced with, where the controls have another.
 function ofTruth() {
   const { stop, focal, focus, rotation } = scenes[state.scene];
@@ -107,6 +152,8 @@ export async function choose(index) {
 function take(index, pictures) {
   view.load(pictures);
   current = pictures;
+  pointer = null;
+  byId("under").textContent = "point at the picture";
   for (const side of SIDES) {
     delete drawn[side];
     byId(side).querySelector("[value=truth]").disabled = !pictures.truth;
@@ -122,13 +169,14 @@ function take(index, pictures) {
 
 function reset() {
   const { stop, focal, focus, rotation, exposure } = scenes[state.scene];
+  pull = null;
   return change({ stop, focal, focus, rotation, squeeze: 1, blades: 6, exposure });
 }
 
-// Take a file that was dropped or chosen.
-export async function open(file) {
+// Take files that were dropped or chosen.
+export async function open(files) {
   try {
-    scenes.splice(data.scenes.length, 1, await own(file));
+    scenes.splice(data.scenes.length, 1, await dropped([...files]));
     listScenes();
     await choose(data.scenes.length);
   } catch (error) {
@@ -142,12 +190,71 @@ function listScenes() {
 
 // Focus on what is under the pointer.
 function focusAt(event) {
+  point(event);
+  const box = byId("canvas").getBoundingClientRect();
+  const mark = byId("mark").style;
+  const [left, top] = [`${event.clientX - box.left}px`, `${event.clientY - box.top}px`];
+  Object.assign(mark, { left, top, transition: "none", opacity: 1 });
+  setTimeout(() => Object.assign(mark, { transition: "", opacity: 0 }), 300);
+  const metres = current.depth.data[pointer[1] * current.depth.size[0] + pointer[0]];
+  if (!(metres > 0)) return; // no depth there
+  pull = clamp(metres, 1.5 * state.focal, 1000); // a lens cannot focus nearer than its focal length
+  change({});
+}
+
+function point(event) {
   const box = byId("canvas").getBoundingClientRect();
   const share = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-  const [x, y] = current.depth.size.map((side, axis) => Math.min(Math.floor(share[axis] * side), side - 1));
-  const metres = current.depth.data[y * current.depth.size[0] + x];
-  // where there is depth; a lens cannot focus nearer than its focal length
-  if (metres > 0) change({ focus: Math.min(Math.max(metres, 1.5 * state.focal), 1000) });
+  pointer = current.depth.size.map((side, axis) => clamp(Math.floor(share[axis] * side), 0, side - 1));
+}
+
+function key(event) {
+  if (!current || event.ctrlKey || event.altKey || event.metaKey || event.target.matches("select")) return;
+  if (event.target.matches("input") && event.key.startsWith("Arrow")) return; // its own
+  const sides = Object.keys(data.apertures).map(Number);
+  const actions = {
+    ArrowLeft: () => change({ split: clamp(state.split - 0.02, 0, 1) }),
+    ArrowRight: () => change({ split: clamp(state.split + 0.02, 0, 1) }),
+    x: () => change({ left: state.right, right: state.left }),
+    "[": () => change({ stop: clamp(state.stop / 2 ** 0.25, 0.3, 16) }),
+    "]": () => change({ stop: clamp(state.stop * 2 ** 0.25, 0.3, 16) }),
+    b: () => change({ blades: sides[(sides.indexOf(state.blades) + 1) % sides.length] }),
+    h: () => document.body.classList.toggle("bare"),
+    0: reset,
+  };
+  const digit = /^Digit([1-7])$/.exec(event.code);
+  const method = digit && Object.keys(METHODS)[digit[1] - 1];
+  if (method && (method !== "truth" || current.truth)) change({ [event.shiftKey ? "right" : "left"]: method });
+  else if (event.key in actions) actions[event.key]();
+  else return;
+  event.preventDefault();
+}
+
+function listen() {
+  const [canvas, divider] = [byId("canvas"), byId("divider")];
+  divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
+  divider.addEventListener("pointermove", (event) => {
+    if (!divider.hasPointerCapture(event.pointerId)) return;
+    const box = canvas.getBoundingClientRect();
+    change({ split: clamp((event.clientX - box.left) / box.width, 0, 1) });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!current) return;
+    point(event);
+    after(tellUnder);
+  });
+  canvas.addEventListener("click", (event) => current && focusAt(event));
+  addEventListener("keydown", key);
+  for (const kind of ["dragenter", "dragover", "dragleave", "drop"]) {
+    addEventListener(kind, (event) => {
+      event.preventDefault();
+      document.body.classList.toggle("over", kind === "dragover" || kind === "dragenter");
+      if (kind === "drop" && event.dataTransfer.files.length) open(event.dataTransfer.files);
+    });
+  }
+  byId("reset").addEventListener("click", reset);
+  byId("own").addEventListener("click", () => byId("file").click());
+  byId("file").addEventListener("change", ({ target }) => open(target.files));
 }
 
 function labelled(text, id, input) {
@@ -175,15 +282,8 @@ async function begin() {
     const input = Object.assign(document.createElement("input"), { type: "range", min, max, step });
     labelled(text, name, input).addEventListener("input", () => change({ [name]: back(Number(input.value)) }));
   }
-  byId("canvas").addEventListener("click", (event) => current && focusAt(event));
-  byId("reset").addEventListener("click", reset);
-  byId("file").addEventListener("change", ({ target }) => open(target.files[0]));
-  addEventListener("dragover", (event) => event.preventDefault());
-  addEventListener("drop", (event) => {
-    event.preventDefault();
-    if (event.dataTransfer.files.length) open(event.dataTransfer.files[0]);
-  });
   listScenes();
+  listen();
   await choose(0);
 }
 

@@ -1,9 +1,11 @@
-// Pictures with depth: those in the page, and EXR files of somebody's own.
+// Pictures with depth: those in the page, and files of somebody's own.
 
 import { FloatType, HalfFloatType, RedFormat } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { upsideDown } from "../../truth/peers/page/feed.js";
 
+const WIDEST = 1920; // a PNG is made so wide at the most
+const FAR = 100; // metres, of black in a depth picture; white is 1 metre
 const TOGETHER = [4, 8, 9]; // PIZ, DWAA, DWAB
 
 // { color, depth, truth } of a scene in the page: images as in job.js.
@@ -12,20 +14,54 @@ export async function embedded(name) {
   return { ...read("pinhole"), truth: read("truth").color };
 }
 
-// The same of a file, with a lens for what comes without. Throws an Error with one line.
-export async function own(file) {
-  const bytes = new Uint8Array(await file.arrayBuffer());
-  let picture = null;
+// The same of files, with a lens for what comes without: an EXR with R G B Z, or two pictures, the one whose name has
+// "depth" in it being depth (white is near). Throws an Error with one line.
+export async function dropped(files) {
+  const isDepth = (file) => /depth|disparity|_z\b/i.test(file.name);
+  const file = files.find((file) => !isDepth(file)) ?? files[0];
+  const other = files.find((second) => second !== file);
+  const { color, depth } = await decoded(file);
+  const metres = depth ?? (other && depthOf(await decoded(other)));
+  if (!metres) throw new Error(`${file.name}: no depth. Give an EXR with a channel Z, or a picture and its depth.png`);
+  const [width, height] = color.size;
+  if (`${metres.size}` !== `${color.size}`) {
+    throw new Error(`depth is ${metres.size.join(" x ")}, the picture ${width} x ${height}`);
+  }
+  const middle = metres.data[(height >> 1) * width + (width >> 1)];
+  const focus = Math.min(Math.max(middle || 5, 0.5), 64);
+  const lens = { stop: 1.4, focal: 0.05, focus, exposure: 1, rotation: 0 };
+  return { name: file.name, color, depth: metres, truth: null, ...lens };
+}
+
+async function decoded(file) {
   try {
-    picture = readExr(bytes);
+    if (/\.exr$/i.test(file.name)) return readExr(new Uint8Array(await file.arrayBuffer()));
+    return await readPicture(file);
   } catch (error) {
     throw new Error(`${file.name}: ${error.message}`);
   }
-  if (!picture.depth) throw new Error(`${file.name}: no depth. Give an EXR with a channel Z`);
-  const [width, height] = picture.depth.size;
-  const middle = picture.depth.data[(height >> 1) * width + (width >> 1)];
-  const focus = Math.min(Math.max(middle || 5, 0.5), 64);
-  return { name: file.name, ...picture, truth: null, stop: 1.4, focal: 0.05, focus, exposure: 1, rotation: 0 };
+}
+
+// A PNG or whatever the browser reads: sRGB made linear. It has no light beyond white, and no depth.
+async function readPicture(file) {
+  const bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  const share = Math.min(1, WIDEST / bitmap.width);
+  const size = [bitmap.width, bitmap.height].map((side) => Math.max(1, Math.round(side * share)));
+  const context = new OffscreenCanvas(...size).getContext("2d");
+  context.drawImage(bitmap, 0, 0, ...size);
+  const bytes = context.getImageData(0, 0, ...size).data;
+  const linear = (value) => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+  const levels = Float32Array.from({ length: 256 }, (_, byte) => linear(byte / 255));
+  const data = Float32Array.from(bytes, (byte, i) => (i % 4 === 3 ? 1 : levels[byte]));
+  return { color: { size, format: "rgba32float", data }, depth: null, bytes };
+}
+
+// Metres of a depth picture: the Z of an EXR, or grey levels as reciprocal depth.
+function depthOf({ color: { size }, depth, bytes }) {
+  if (!bytes) return depth;
+  const metres = (byte) => 1 / (1 / FAR + (1 - 1 / FAR) * (byte / 255));
+  const data = Float32Array.from({ length: size[0] * size[1] }, (_, i) => metres(bytes[4 * i]));
+  return { size, format: "r32float", data };
 }
 
 // { color, depth: metres of channel Z, or null } of an EXR. Throws an Error that says what it cannot read.
@@ -34,6 +70,7 @@ function readExr(bytes) {
   const rgb = channels.filter(({ name }) => ["R", "G", "B", "A"].includes(name));
   if (rgb.length < 3) throw new Error(`no channels R G B; it has ${channels.map(({ name }) => name).join(" ") || "none"}`);
   if (new Set(rgb.map(({ type }) => type)).size > 1) throw new Error("R, G and B are of different types");
+  if (channels.some(({ subsampled }) => subsampled)) throw new Error("a channel is subsampled");
   // the loader takes all channels of PIZ and DWA for one type, and of a PIZ with two it never comes back
   const together = TOGETHER.includes(bytes[attribute(bytes, "compression", "compression")]);
   if (together && channels.some(({ type }) => type !== rgb[0].type)) throw new Error("channels of two types; save it with ZIP");
@@ -56,13 +93,14 @@ function attribute(bytes, name, type) {
   return begin + mark.length + 4; // its length
 }
 
-// [{ name, type: 1 is half, at: place of the name }]
+// [{ name, type: 1 is half, subsampled, at: place of the name }]
 function channelsOf(bytes) {
   const channels = [];
   let at = attribute(bytes, "channels", "chlist");
   while (bytes[at]) {
     const end = bytes.indexOf(0, at);
-    channels.push({ name: new TextDecoder().decode(bytes.subarray(at, end)), type: bytes[end + 1], at });
+    const name = new TextDecoder().decode(bytes.subarray(at, end));
+    channels.push({ name, type: bytes[end + 1], subsampled: bytes[end + 9] !== 1 || bytes[end + 13] !== 1, at });
     at = end + 17; // type, linearity, sampling
   }
   return channels;

@@ -69,6 +69,13 @@ export function run(side, passes) {
   return performance.now() - before;
 }
 
+// Red, green, blue, alpha of a texel of what a side shows or has drawn.
+export function texel(side, name, [x, y]) {
+  const value = new Float32Array(4);
+  onto([imageOf(side, name).handle], () => gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, value));
+  return value;
+}
+
 // An image as job.js has it, of what a side shows or has drawn.
 export function picture(side, name) {
   const { handle, size } = imageOf(side, name);
