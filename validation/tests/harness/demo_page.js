@@ -48,21 +48,17 @@ async function scene(index) {
   await (await part("main")).choose(index);
 }
 
-// Click on a texel; returns the focus in every frame until it stays.
-async function pulled([x, y]) {
+// The focus in every frame until all is drawn.
+async function passed() {
   const { change, state } = await part("main");
-  const canvas = byId("canvas");
-  const box = canvas.getBoundingClientRect();
-  const place = [box.left + ((x + 0.5) * box.width) / canvas.width, box.top + ((y + 0.5) * box.height) / canvas.height];
-  const passed = [];
+  const values = [];
   let still = false;
-  canvas.dispatchEvent(new MouseEvent("click", { clientX: place[0], clientY: place[1] }));
   change({}).then(() => (still = true));
   while (!still) {
+    values.push(state.focus);
     await new Promise(requestAnimationFrame);
-    passed.push(state.focus);
   }
-  return passed;
+  return [...values, state.focus];
 }
 
-window.bokeh = { ready, set, pictures, canvas, open, scene, pulled };
+window.bokeh = { ready, set, pictures, canvas, open, scene, passed };

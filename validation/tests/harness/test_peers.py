@@ -1,10 +1,11 @@
-"""validation/run peers: each effect on a small picture."""
+"""validation/run peers: each effect on a small picture, and the search for parameters."""
 
 import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation.truth import ray_traced
+from bokeh_validation.truth import peers, ray_traced
+from bokeh_validation.truth.peers import effects
 from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, Page
 
 
@@ -44,3 +45,28 @@ def test_parameters_that_were_found():
     """Every scene and the light have every effect's."""
     assert set(FOUND) == {scene.name for scene in ray_traced.SCENES} | {ONE_LIGHT}
     assert all(set(of_effects) == set(EFFECTS) for of_effects in FOUND.values())
+
+
+class Planted:
+    """In place of a page: a picture that is the truth's where the parameters are as planted, the farther the worse."""
+
+    planted = {"focusRange": 5.0, "bokehScale": 1.6, "resolutionScale": 1.0}
+
+    def draw(self, effect: str, parameters: dict) -> np.ndarray:
+        """A picture of the distance."""
+        assert effect == "DepthOfFieldEffect" and parameters["focusDistance"] == 5.0
+        distance = sum(abs(np.log(parameters[name] / value)) for name, value in self.planted.items())
+        return np.tile(np.linspace(0.1, 0.9, 32)[:, None], (32, 1, 4)) + 0.1 * distance
+
+
+def test_search():
+    """It finds the least FLIP by halves and doubles, then by steps of 0.8, and by an option."""
+    lens = peers.reduced(Planted().draw("DepthOfFieldEffect", Planted.planted | {"focusDistance": 5.0}))
+    start = {"focusDistance": 5.0, "focusRange": 1.0, "bokehScale": 2.0, "resolutionScale": 0.5}
+    found = peers.search(Planted(), "DepthOfFieldEffect", start, lens)
+    assert found == pytest.approx(Planted.planted | {"focusDistance": 5.0})
+    for scene in ray_traced.SCENES:
+        documented = effects.documented(scene.camera, (270, 480))
+        assert {name: set(of_effect) for name, of_effect in documented.items()} == {
+            name: set(of_effect) for name, of_effect in FOUND[scene.name].items()
+        }

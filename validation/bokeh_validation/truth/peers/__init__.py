@@ -6,15 +6,17 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from PIL import Image
 
-from bokeh_validation import drivers, files, jobs, pictures, terminal, truth
+from bokeh_validation import drivers, files, jobs, metrics, pictures, terminal, truth
+from bokeh_validation.errors import UserError
 from bokeh_validation.frame import polygons
 from bokeh_validation.frame.methods import Camera
 from bokeh_validation.probes.highlight import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
-from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, Page, title
+from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
 
 OURS = ("paper", "exact", "layered low", "layered medium")
 DRIVER = "webgl2"  # the device that the others are on
@@ -22,33 +24,57 @@ DRIVER = "webgl2"  # the device that the others are on
 LIGHT, FAR = 3, 10000.0
 LIGHT_SIZE, LIGHT_COC = (270, 270), 34
 LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
+# Pictures of a search are compared at a quarter of their size; its steps of a parameter
+SMALLER, STEPS = 4, (0.5, 0.8)
 # What is shown of a scene: left and top
 PLACES, DETAIL = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}, (300, 200)
 
 
-def drawn(place: str, asked: list[str], color: np.ndarray, depth: np.ndarray, camera: Camera) -> dict[str, np.ndarray]:
-    """What effects make of a picture, with their parameters for a scene or for one light."""
-    if not asked:
-        return {}
-    with Page(asked) as page:
-        page.load(color, depth, camera)
-        return {name: page.draw(name, FOUND[place][name]) for name in asked}
+def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Parameters:
+    """Parameters with the least FLIP: each number smaller or larger and each option tried, as long as it gets better.
+
+    start  where it begins: what the documentation asks for
+    lens   the truth, reduced()
+    """
+    options = [{name: value} for name in start if name in OPTIONS for value in OPTIONS[name]]
+    best, least = start, np.inf
+    for step in STEPS:
+        before = None
+        while before != best:
+            before = best
+            trials = [{name: best[name] * factor} for name in EFFECTS[effect][2] for factor in (step, 1 / step)]
+            for trial in [{}, *trials, *options]:
+                if (error := metrics.flip(reduced(page.draw(effect, best | trial)), lens)) < least:
+                    best, least = best | trial, error
+    return best
 
 
-def of_scene(name: str, asked: list[str]) -> tuple[list[dict], np.ndarray]:
-    """Rows of a scene, ours among them, and a detail of it by every effect, 8-bit rgb."""
+def reduced(image: np.ndarray) -> np.ndarray:
+    """A picture for search(), smaller: FLIP takes longer than an effect."""
+    return np.dstack([Image.fromarray(image[..., at].astype(np.float32)).reduce(SMALLER) for at in range(3)])
+
+
+def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.ndarray, dict[str, Parameters]]:
+    """Rows of a scene, ours among them; a detail of it by every effect, 8-bit rgb; and the effects' parameters.
+
+    anew  whether these are searched
+    """
     (file,) = ray_traced.chosen([name])
     picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
-    images = {title(key): image for key, image in drawn(name, asked, picture.color, picture.depth, file.camera).items()}
+    start, small = documented(file.camera, picture.depth.shape), reduced(lens)
+    with Page(asked) as page:
+        page.load(picture.color, picture.depth, file.camera)
+        chosen = {key: search(page, key, start[key], small) if anew else FOUND[name][key] for key in asked}
+        images = {title(key): page.draw(key, parameters) for key, parameters in chosen.items()}
     images |= {label: truth.picture(drivers.load(DRIVER), file, label) for label in OURS}
     rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
-    exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES[name.removesuffix("x3")]
+    exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
     details = [
         pictures.Panel(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
         for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
     ]  # fmt: skip
     width = 3 if len(details) > 4 else 2
-    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)])
+    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)]), chosen
 
 
 def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
@@ -63,7 +89,9 @@ def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
     blurred = polygons.coverage(hexagon, LIGHT_SIZE, pixel_center(*(side // 2 for side in LIGHT_SIZE)))
     reach = range(-(LIGHT // 2), LIGHT // 2 + 1)
     expected = sum(np.roll(blurred, (y, x), (0, 1)) for y in reach for x in reach)
-    images = list(drawn(place, asked, color, depth, LIGHT_CAMERA).values())
+    with Page(asked) as page:
+        page.load(color, depth, LIGHT_CAMERA)
+        images = [page.draw(name, FOUND[place][name]) for name in asked]
     for label in OURS:
         case = Case("", replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA), color, depth)
         images.append(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"])
@@ -76,6 +104,9 @@ def peers(
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
     ] = None,
+    found: Annotated[
+        Path | None, typer.Option("--search", metavar="FILE", help="Search the scenes' parameters; write them as JSON.")
+    ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
     ] = None,
@@ -83,13 +114,20 @@ def peers(
     """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, PSNR, light; shape of one light."""
     asked = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
+    terminal.check_writable(found)
     files.check_folder("--pictures", folder)
+    for name in scenes:
+        if found is None and name not in FOUND:
+            raise UserError(
+                f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
+            )
     Page(asked).close()  # what is missing is told before any work
-    work = [(of_scene, (name, asked)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
+    work = [(of_scene, (name, asked, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
     with terminal.progress("peers", len(work)) as step:
         *drawings, lights = jobs.run(work, step)
-    for name, (_, page) in zip(scenes, drawings, strict=True) if folder else ():
+    for name, (_, page, _) in zip(scenes, drawings, strict=True) if folder else ():
         pictures.write_document(folder, f"peers_{name}", page)
+    terminal.write_json(found, {name: chosen for name, (_, _, chosen) in zip(scenes, drawings, strict=True)})
     ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {kept:.2f}" for shape, kept in lights)]
-    table = truth.markdown([row for rows, _ in drawings for row in rows])
+    table = truth.markdown([row for rows, _, _ in drawings for row in rows])
     terminal.tell(*(f"{line} {end} |" for line, end in zip(table, ends, strict=True)), drivers.load(DRIVER).adapter)

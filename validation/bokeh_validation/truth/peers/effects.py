@@ -14,6 +14,7 @@ from bokeh_validation.drivers.base import Image
 from bokeh_validation.drivers.web import packed, unpacked
 from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.frame.methods import Camera
 
 Parameters = dict[str, float | bool]
 PAGE = Path(__file__).parent / "page"
@@ -35,16 +36,18 @@ path = "empty.rs"
 {CRATE} = {{ version = "={CRATE_VERSION}", default-features = false }}
 """
 
-# name of one in page/peers.js -> title, package
+# name of one in page/peers.js -> title, package, the parameters that a search makes larger and smaller
 EFFECTS = {
-    "BokehPass": ("three.js BokehPass", "three"),
-    "DepthOfFieldNode": ("three.js DepthOfFieldNode", "three"),
-    "DepthOfFieldEffect": ("pmndrs DepthOfFieldEffect", "postprocessing"),
-    "Babylon": ("Babylon.js DepthOfFieldEffect", "@babylonjs/core"),
-    "CameraFrame": ("PlayCanvas CameraFrame", "playcanvas"),
-    "BevyBokeh": ("Bevy bokeh", CRATE),
-    "BevyGaussian": ("Bevy Gaussian", CRATE),
+    "BokehPass": ("three.js BokehPass", "three", ("aperture", "maxblur")),
+    "DepthOfFieldNode": ("three.js DepthOfFieldNode", "three", ("focalLength", "bokehScale")),
+    "DepthOfFieldEffect": ("pmndrs DepthOfFieldEffect", "postprocessing", ("focusRange", "bokehScale")),
+    "Babylon": ("Babylon.js DepthOfFieldEffect", "@babylonjs/core", ("fStop",)),
+    "CameraFrame": ("PlayCanvas CameraFrame", "playcanvas", ("focusRange", "blurRadius")),
+    "BevyBokeh": ("Bevy bokeh", CRATE, ("scale", "maxDiameter")),
+    "BevyGaussian": ("Bevy Gaussian", CRATE, ("scale", "maxDiameter")),
 }
+# Other parameters that a search tries, and their values
+OPTIONS = {"resolutionScale": (0.5, 1.0), "blurLevel": (2, 1, 0), "nearBlur": (True, False)}
 # Scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with: the best there are, see docs/peers.md
 FOUND: dict[str, dict[str, Parameters]] = json.loads(Path(__file__).with_name("found.json").read_text(encoding="ascii"))
 ONE_LIGHT = "one light"
@@ -52,12 +55,37 @@ ONE_LIGHT = "one light"
 
 def title(name: str) -> str:
     """An effect with the version of its package."""
-    text, package = EFFECTS[name]
+    text, package, _ = EFFECTS[name]
     if package == CRATE:
         return f"{text} {CRATE_VERSION}"
     manifests = [json.loads((folder / "package.json").read_bytes()) for folder in FOLDERS]
     pins = [manifest.get(kind, {}) for manifest in manifests for kind in ("dependencies", "devDependencies")]
     return f"{text} {next(pin[package] for pin in pins if package in pin)}"
+
+
+def documented(camera: Camera, shape: tuple[int, int]) -> dict[str, Parameters]:
+    """What each effect's documentation asks for with a lens, where a search begins. shape: of the picture, (H, W)."""
+    (height, width), focus, focal = shape, camera.focus_distance, camera.focal_length
+    scale = focal * camera.aperture_diameter / camera.sensor_height
+    radius = 0.5 * scale / (focus - focal)  # of the circle of confusion at infinity, over the image height
+    # the slope is the lens's at the focus, the limit the lens's at infinity; 0.4 image widths are 1
+    maxblur = radius * height / (0.4 * width)
+    # metres off the focus at which smoothstep is 1: half of the far blur is where the lens has it
+    reach = 2 * focus
+    lens = {"focusDistance": 1000 * focus, "focalLength": 1000 * focal, "lensSize": 1000 * focal}
+    quality = {"nearBlur": True, "blurRings": 4, "blurRingPoints": 5, "highQuality": True}
+    bevy = {"focalDistance": focus, "focalLength": focal, "scale": scale, "maxDiameter": 64.0, "maxDepth": 1000000}
+    pixels = {"focusDistance": focus, "bokehScale": radius * height}
+    return {
+        "BokehPass": {"focus": focus, "aperture": maxblur / focus, "maxblur": maxblur},
+        "DepthOfFieldNode": pixels | {"focalLength": reach},
+        "DepthOfFieldEffect": pixels | {"focusRange": reach, "resolutionScale": 0.5},
+        "Babylon": lens | {"fStop": focal / camera.aperture_diameter, "blurLevel": 2},
+        # its pixels are those of a picture of 540 rows
+        "CameraFrame": {"focusDistance": focus, "focusRange": reach, "blurRadius": radius * 540} | quality,
+        "BevyBokeh": bevy,
+        "BevyGaussian": bevy,
+    }
 
 
 @cache
@@ -85,7 +113,7 @@ class Page(browser.Session):
             places.insert(0, (f"{CRATE}/", crate()))
         super().__init__(places=places, limit=LIMIT)
 
-    def load(self, color: np.ndarray, depth: np.ndarray, camera) -> None:
+    def load(self, color: np.ndarray, depth: np.ndarray, camera: Camera) -> None:
         """Hand over linear HDR colour (H, W, >= 3) and depth in metres (H, W), seen by a camera."""
         rgba = np.ones((*depth.shape, 4), np.float16)
         rgba[..., :3] = color[..., :3]
