@@ -48,17 +48,13 @@ async function scene(index) {
   await (await part("main")).choose(index);
 }
 
-// The focus in every frame until all is drawn.
-async function passed() {
-  const { change, state } = await part("main");
-  const values = [];
-  let still = false;
-  change({}).then(() => (still = true));
-  while (!still) {
-    values.push(state.focus);
-    await new Promise(requestAnimationFrame);
-  }
-  return [...values, state.focus];
+// From the first call on the focus is noted in every frame; returns what was.
+const noted = [];
+async function focuses() {
+  const { state } = await part("main");
+  const note = () => requestAnimationFrame(() => (noted.push(state.focus), note()));
+  if (!noted.length) note();
+  return noted;
 }
 
-window.bokeh = { ready, set, pictures, canvas, open, scene, passed };
+window.bokeh = { ready, set, pictures, canvas, open, scene, focuses };
