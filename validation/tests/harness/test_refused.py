@@ -35,6 +35,7 @@ demo --output /no/such/folder/x.html | /no/such/folder
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
 peers --pictures /no/such/folder | --pictures /no/such/folder
+peers --search /no/such/p.json | /no/such/p.json; no folder
 figures --driver d3d12 | --driver d3d12; osmesa
 gallery --output /no/such/folder/x | /no/such/folder
 figures --output /dev/null | --output /dev/null; no such folder
