@@ -60,25 +60,25 @@
 //          uniform vec2 imageSize;
 //          uniform float rotation;
 //          in vec2 uv;
-//          layout(location = 0) out vec4 T2;
-//          layout(location = 1) out vec4 T3;
+//          layout(location = 0) out vec4 edge2;
+//          layout(location = 1) out vec4 edge3;
 //          void main()
 //          {
 //              BokehTargets targets = BokehExactFirst(MapSamp, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
-//              T2 = targets.T2;
-//              T3 = targets.T3;
+//              edge2 = targets.edge2;
+//              edge3 = targets.edge3;
 //          }
 //
-//   4. Second pass. T2Samp, T3Samp: from 3, linear filter, clamp. Target: RGBA16F.
-//          uniform sampler2D T2Samp, T3Samp;
+//   4. Second pass. Edge2Samp, Edge3Samp: from 3, linear filter, clamp. Target: RGBA16F.
+//          uniform sampler2D Edge2Samp, Edge3Samp;
 //          uniform vec2 imageSize;
 //          uniform float rotation;
 //          in vec2 uv;
 //          out vec4 result;
 //          void main()
 //          {
-//              result = BokehExactSecond(T2Samp, T3Samp, T3Samp, T3Samp, uv,
+//              result = BokehExactSecond(Edge2Samp, Edge3Samp, Edge3Samp, Edge3Samp, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
 //          }
 //
@@ -114,9 +114,11 @@
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
-//   BOKEH_BLEEDING_BIAS     0.02       0 .. 1  Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_BIAS     0.02       0 .. 2  Listing 3; 2 turns the leakage test off
 //   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
-//   BOKEH_MAX_COLOR         65504.0            largest half float
+//   BOKEH_MAX_COLOR         65504.0            brighter colour is cut off here: by default what a
+//                                              half float holds; lower, it is the clamp against
+//                                              fireflies, at the cost of the light of highlights
 //   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
 //   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
 //                                              A f / ((S1 - f) sensorHeight)
@@ -494,7 +496,7 @@ vec4 BokehSignedCoCMap(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, float 
 //   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
 //   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
 //                 apart than a pixel.
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 1 or more turns
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 or more turns
 //                 the test off
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
@@ -627,19 +629,18 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
 }
 
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
-//   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
-//   sharper one, and centerCoC - bleedingBias is below 0. In the second pass a rejected
-//   sample also displaces what its own line would have gathered; squared weights make up for that.
-//   0.999: rounding must not make a surface sharper than itself.
+//   Behind the focus a sharper sample is a nearer one; in front of it centerCoC is below 0, and
+//   every sample counts. The test sets in from half of the bias to one and a half: a step would
+//   make outlines pop as the focus is pulled. In the second pass a rejected sample also displaces
+//   what its own line would have gathered; squared weights make up for that.
+//   0.001: a bias of 0 must not divide, and a half float's rounding not reject a surface's own
+//   samples.
 float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
 {
-    float weight = 1.0;
-    if (abs(sampleCoC) < centerCoC * 0.999 - settings.bleedingBias)
-    {
-        weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-        weight = weight * weight;
-    }
-    return weight;
+    float scale = 1.0 / max(settings.bleedingBias, 0.001);
+    float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
+    float weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+    return 1.0 - rejected * (1.0 - weight * weight);
 }
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
@@ -823,14 +824,14 @@ vec4 BokehNaiveGrid(sampler2D ColorSamp, sampler2D DepthSamp, vec2 uv, vec2 line
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
-//   edge 3 |     |            first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighted
-//          '-, ,-'            second pass  T2 blurred along 2, T3 along 3, weighted 1/3 + 2/3
+//   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
+//          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
 //
-//   sides       targets of the first pass   textures of the second
-//   4           T2                          T2Samp
-//   6           T2, T3                      T2Samp, T3Samp
-//   8           T2, T3, T4                  T2Samp .. T4Samp
-//   10          T2, T3, T4, T5              T2Samp .. T5Samp
+//   sides       targets of the first pass, textures of the second
+//   4           edge2
+//   6           edge2, edge3
+//   8           edge2 .. edge4
+//   10          edge2 .. edge5
 //
 //   Where a pass can write one target only, BokehExactEdge makes them one at a time.
 //   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
@@ -857,13 +858,14 @@ struct BokehPolygon
     vec2 axial;
 };
 
-// Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
+// Exact: what the first pass writes: what the second one blurs along edges 2 to 5; those that the
+//   polygon does not have hold the unblurred pixel
 struct BokehTargets
 {
-    vec4 T2;
-    vec4 T3;
-    vec4 T4;
-    vec4 T5;
+    vec4 edge2;
+    vec4 edge3;
+    vec4 edge4;
+    vec4 edge5;
 };
 
 // Exact: a BokehPolygon in one expression
@@ -1027,17 +1029,16 @@ float BokehHalfWidth(int k, int sides, vec4 cut)
 float BokehCutLength(int k, int sides, vec4 cut)
 {
     float halfWidth = BokehHalfWidth(k, sides, cut);
-    float before = 1.0;
-    float after = 1.0;
+    // before and after
+    vec2 ends = vec2(1.0, 1.0);
     for (int i = 1; i < sides / 2; i++)
     {
         float angle = 6.28318531 / float(sides) * float(i);
-        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
+        vec2 others = vec2(BokehHalfWidth(k - i, sides, cut),
+            BokehHalfWidth(k + i, sides, cut));
+        ends = min(ends, (others - halfWidth * cos(angle)) / sin(angle));
     }
-    return max(before + after, 0.001);
+    return max(ends.x + ends.y, 0.001);
 }
 
 // Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
@@ -1127,7 +1128,7 @@ vec4 BokehLineSum(sampler2D MapSamp, vec2 uv, vec4 segment, float CoC, float cen
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
 //   their parallelograms and divided once, by the sum of all weights
-//   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
+//   L1 .. L4      from BokehLineSum, along edges 1 to 4; only those before edge k count
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
 vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4,
     vec4 centerPixel)
@@ -1155,10 +1156,10 @@ BokehTargets BokehChannelFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon,
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     BokehTargets targets;
-    targets.T2 = centerPixel;
-    targets.T3 = centerPixel;
-    targets.T4 = centerPixel;
-    targets.T5 = centerPixel;
+    targets.edge2 = centerPixel;
+    targets.edge3 = centerPixel;
+    targets.edge4 = centerPixel;
+    targets.edge5 = centerPixel;
     float centerCoC = BokehChannelCoC(centerPixel.a, shift);
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
@@ -1184,18 +1185,18 @@ BokehTargets BokehChannelFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon,
             L4 = BokehLineSum(MapSamp, uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerCoC, shift, settings);
         }
-        targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+        targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
         {
-            targets.T3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 6)
         {
-            targets.T4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            targets.T5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
         }
     }
     return targets;
@@ -1205,25 +1206,25 @@ BokehTargets BokehChannelFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon,
 //   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
 //   CoC: three times the fetches.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
+//   returns       as many as the table above says
 BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     BokehTargets targets;
     if (BOKEH_CHARACTER > 1)
     {
-        targets.T2 = vec4(0.0, 0.0, 0.0, 0.0);
-        targets.T3 = vec4(0.0, 0.0, 0.0, 0.0);
-        targets.T4 = vec4(0.0, 0.0, 0.0, 0.0);
-        targets.T5 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.edge2 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.edge3 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.edge4 = vec4(0.0, 0.0, 0.0, 0.0);
+        targets.edge5 = vec4(0.0, 0.0, 0.0, 0.0);
         for (int channel = 0; channel < 3; channel++)
         {
             vec4 mask = BokehChannelMask(channel);
             float shift = dot(mask.rb, polygon.axial);
             BokehTargets one = BokehChannelFirst(MapSamp, uv, polygon, settings, shift);
-            targets.T2 += one.T2 * mask;
-            targets.T3 += one.T3 * mask;
-            targets.T4 += one.T4 * mask;
-            targets.T5 += one.T5 * mask;
+            targets.edge2 += one.edge2 * mask;
+            targets.edge3 += one.edge3 * mask;
+            targets.edge4 += one.edge4 * mask;
+            targets.edge5 += one.edge5 * mask;
         }
     }
     else
@@ -1235,30 +1236,30 @@ BokehTargets BokehExactFirst(sampler2D MapSamp, vec2 uv, BokehPolygon polygon, B
 
 // Exact: BokehExactSecond with one CoC for all channels
 //   shift         as in BokehChannelCoC
-vec4 BokehChannelSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
-    vec2 uv, BokehPolygon polygon, BokehFilter settings, float shift)
+vec4 BokehChannelSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp,
+    sampler2D Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings, float shift)
 {
-    vec4 centerPixel = BokehFetch(T2Samp, uv);
+    vec4 centerPixel = BokehFetch(Edge2Samp, uv);
     vec4 result = centerPixel;
     float centerCoC = BokehChannelCoC(centerPixel.a, shift);
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        vec4 sum = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, uv,
+        vec4 sum = BokehExactWeight(2, polygon) * BokehLineSum(Edge2Samp, uv,
             BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
         if (polygon.sides > 4)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, uv,
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(Edge3Samp, uv,
                 BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, uv,
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(Edge4Samp, uv,
                 BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, uv,
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(Edge5Samp, uv,
                 BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
@@ -1267,11 +1268,11 @@ vec4 BokehChannelSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sa
 }
 
 // Exact: second pass, the finished polygon
-//   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
-//                     any of them for the rest: it is not read.
+//   Edge2Samp ..  what the first pass wrote; linear filter, clamp. Where there are fewer, pass any
+//                 of them for the rest: it is not read.
 //   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
-vec4 BokehExactSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
-    vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehExactSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp,
+    sampler2D Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 result;
     if (BOKEH_CHARACTER > 1)
@@ -1281,14 +1282,15 @@ vec4 BokehExactSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
         {
             vec4 mask = BokehChannelMask(channel);
             float shift = dot(mask.rb, polygon.axial);
-            vec4 one = BokehChannelSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings,
-                shift);
+            vec4 one = BokehChannelSecond(Edge2Samp, Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon,
+                settings, shift);
             result += one * mask;
         }
     }
     else
     {
-        result = BokehChannelSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings, 0.0);
+        result = BokehChannelSecond(Edge2Samp, Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon,
+            settings, 0.0);
     }
     return result;
 }
@@ -1322,8 +1324,8 @@ vec4 BokehChannelEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon,
 }
 
 // Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+//   Call it for k = 2 .. sides / 2: it makes that target from the lines along edges 1 .. k - 1,
+//   as BokehExactFirst does. For a hexagon that is one line more than with two targets.
 vec4 BokehExactEdge(sampler2D MapSamp, vec2 uv, int k, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 result;

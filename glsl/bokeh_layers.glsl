@@ -15,32 +15,32 @@
 //   blending off. RGBA16F; what uses two channels may be RG16F.
 //   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
 //
-//   function      size  reads                              writes
-//   LayerTiles    1/8   map                                largest near and far CoC, light level
-//   LayerReach    1/8   Tiles; then itself                 the same of the tiles that reach here
-//   LayerSplit    1/2   map, Reach                         T2 near layer, T3 far layer, T4 sums,
-//                                                          T5 leftovers (RG)
-//   LayerKernels  1/8   sums, leftovers                    T2 leftovers (RG), T3 sums of a tile
-//   LayerSpread   1/8   both, Reach                        the same, spread along rows
-//   LayerSizes    1/8   both, Reach                        T2 Reach and leftovers, T3 CoC of the
-//                                                          layers (RG)
-//   LayerHoles    1/4   map, Reach                         T2 middle, T3 far, T4 shares (RG)
-//   LayerFill     1/4   middle, far, shares, Reach         T2 middle, T3 far, without holes
-//   LayerFirst    1/2   a layer, CoC of the layers         exact polygon, first pass
-//   LayerSecond   1/2   what that wrote, CoC of the layers exact polygon, second pass
-//   Layered       1     map, T2 of Sizes, both layers,     the picture
-//                       both of Fill
+//   function        size  reads                             writes
+//   TileMax         1/8   map                               largest near and far CoC, light level
+//   TileDilate      1/8   TileMax; then itself              the same of all tiles that reach here
+//   Prefilter       1/2   map, tiles                        nearLayer, farLayer, kernelSums,
+//                                                           leftovers (RG)
+//   KernelReduce    1/8   kernelSums, leftovers             leftovers (RG), sums: of a tile
+//   KernelRows      1/8   both, tiles                       the same of the tiles in its row
+//   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
+//                                                           CoC of the layers
+//   HoleDownsample  1/4   map, tiles                        middle, far, shares (RG)
+//   HoleFill        1/4   middle, far, shares, tiles        middle, back: without holes
+//   LayerFirst      1/2   a layer, sizes                    exact polygon, first pass
+//   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
+//   Composite       1     map, reach, both layers,          the picture
+//                         middle, back
 //
-//   LayerReach and the two after it run twice: LayerReach along rows, then along columns; First and
-//   Second for the near layer, then for the far one.
+//   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
+//   layer, then for the far one.
 //
 // CONTENTS
-//   [10] layers: BokehMakeLayers, BokehLayerTiles, BokehLayerReach, BokehLayerSplit,
-//        BokehLayerKernels, BokehLayerSpread, BokehLayerSizes
-//   [11] holes: BokehLayerHoles, BokehLayerFill
+//   [10] layers: BokehMakeLayers, BokehTileMax, BokehTileDilate, BokehPrefilter,
+//        BokehKernelReduce, BokehKernelRows, BokehKernelColumns
+//   [11] holes: BokehHoleDownsample, BokehHoleFill
 //   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
-//        BokehLayerEdge, BokehPickTarget
-//   [13] the picture: BokehLayered
+//        BokehLayerEdge
+//   [13] the picture: BokehComposite
 
 // -------------------------------------------------------------------------------------------------
 // [10] layers
@@ -50,6 +50,9 @@
 //   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
 //   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: darker pixels do
+//                                              not lower the level of light; far below what the
+//                                              exposure shows
 //
 //   Presets: define one before both files; in WGSL set the three constants.
 //
@@ -90,6 +93,9 @@
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+#ifndef BOKEH_MIN_LEVEL
+#define BOKEH_MIN_LEVEL 0.00001
 #endif
 
 // Layers: where the image lies in textures of one size, all in their texels
@@ -208,18 +214,24 @@ float BokehLayerSlope(float largest, float none, float whole)
 }
 
 // Layers: the slope of the near layer
+//   It sets in from 6 to 12 pixels. From 3 to 6, or 12 to 24, canopy_12 is worse (FLIP .138 for
+//   .135): the gather is at full size, and has too few samples for more.
 float BokehNearSlope(float largest)
 {
     return BokehLayerSlope(largest, 6.0, 12.0);
 }
 
 // Layers: the slope of the far layer
+//   It sets in from 10 to 16 pixels. From 5 to 8 the half size shows (canopy_12: .147 for .135);
+//   from 20 to 32 no scene is worse, but the gather has to reach farther.
 float BokehFarSlope(float largest)
 {
     return BokehLayerSlope(largest, 10.0, 16.0);
 }
 
 // Layers: how much of a pixel is in a layer: none up to 0.4 of the largest CoC around, all from 0.6
+//   From 0.2 to 0.4, what is half as near is blurred as the nearest (market_7: FLIP .184 for .180);
+//   from 0.6 to 0.8, more of it is left to the gather, and grainy (.181).
 //   CoC           pixels: -s for the near layer, s for the far one
 float BokehLayerShare(float CoC, float slope)
 {
@@ -230,7 +242,7 @@ float BokehLayerShare(float CoC, float slope)
 //   The level is the mean of the logarithm: later passes compare brightness with it, so that the
 //   picture does not depend on exposure.
 //   returns       r = near, g = far, both >= 0, pixels; b = level
-vec4 BokehLayerTiles(sampler2D MapSamp, vec2 uv, BokehLayers layers)
+vec4 BokehTileMax(sampler2D MapSamp, vec2 uv, BokehLayers layers)
 {
     vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + vec2(0.5, 0.5);
     vec3 found = vec3(0.0, 0.0, 0.0);
@@ -241,7 +253,7 @@ vec4 BokehLayerTiles(sampler2D MapSamp, vec2 uv, BokehLayers layers)
             vec2 place = first + vec2(float(x), float(y));
             vec4 pixel = BokehFetchGrid(MapSamp, place, layers.full);
             float s = pixel.a * layers.full.size.y;
-            float level = log2(max(BokehBrightest(pixel.rgb), 0.00001));
+            float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
             found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
@@ -266,9 +278,9 @@ float BokehReachTiles(BokehLayers layers)
 }
 
 // Layers: the largest CoC that reach a tile; along rows first, then along columns
-//   TilesSamp     from BokehLayerTiles, then from here
+//   TilesSamp     from BokehTileMax, then from here
 //   axis          (1, 0), then (0, 1)
-vec4 BokehLayerReach(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers)
+vec4 BokehTileDilate(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     float radius = BokehReachTiles(layers);
@@ -290,16 +302,28 @@ vec4 BokehLayerReach(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers
 
 // Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
 //   brightness    in units of the level around
-float BokehBlurWeight(float brightness)
+//   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
+//                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
+//                 subnormal half either, which some GPUs flush to 0.
+float BokehBlurWeight(float brightness, float heaviest)
 {
-    return min(0.01 + brightness, 10000.0);
+    return min(0.01 + brightness, heaviest);
 }
 
+// Layers: what BokehPrefilter writes
+//   nearLayer, farLayer  rgb times share, share
+//   kernelSums    for the mean CoC of both layers: CoC / 8 times weight, weight
+//   leftovers     rg = largest near and far CoC that is not wholly in its layer, pixels
+struct BokehPrefiltered
+{
+    vec4 nearLayer;
+    vec4 farLayer;
+    vec4 kernelSums;
+    vec4 leftovers;
+};
+
 // Layers: near and far layer at half size, and what is known of their CoC
-//   returns       T2, T3 = near and far layer: rgb times share, share
-//                 T4 = sums for the mean CoC of both: CoC / 128 times weight, weight
-//                 T5.rg = largest near and far CoC that is not wholly in its layer, pixels
-BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+BokehPrefiltered BokehPrefilter(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
 {
     BokehGrid full = layers.full;
     vec2 middle = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + vec2(1.0, 1.0);
@@ -307,6 +331,7 @@ BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
+    float heaviest = 500000.0 / max(layers.largest, 50.0);
     vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
     vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -321,9 +346,9 @@ BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
             float s = pixel.a * full.size.y;
             float nearShare = BokehLayerShare(-s, nearSlope);
             float farShare = BokehLayerShare(s, farSlope);
-            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit);
+            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit, heaviest);
             far += vec4(pixel.rgb, 1.0) * farShare;
-            sums += vec4(0.0, 0.0, weight * s / 128.0, weight);
+            sums += vec4(0.0, 0.0, weight * s / 8.0, weight);
             left = max(left, vec2(-s, s) * min(vec2(4.0 - 4.0 * nearShare, 4.0 - 4.0 * farShare),
                 vec2(1.0, 1.0)));
             largestShare = max(largestShare, nearShare);
@@ -372,24 +397,32 @@ BokehTargets BokehLayerSplit(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
                         nearShare *= (behind - brightest) / (behind - limit);
                     }
                 }
-                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit);
+                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit, heaviest);
                 near += vec4(color, 1.0) * nearShare;
-                sums += vec4(-weight * s / 128.0, weight, 0.0, 0.0);
+                sums += vec4(-weight * s / 8.0, weight, 0.0, 0.0);
             }
         }
     }
-    BokehTargets targets;
-    targets.T2 = near * 0.25;
-    targets.T3 = far * 0.25;
+    BokehPrefiltered targets;
+    targets.nearLayer = near * 0.25;
+    targets.farLayer = far * 0.25;
     float most = BOKEH_MAX_COLOR;
-    targets.T4 = min(sums * 0.25, vec4(most, most, most, most));
-    targets.T5 = vec4(min(left, vec2(most, most)), 0.0, 1.0);
+    targets.kernelSums = min(sums * 0.25, vec4(most, most, most, most));
+    targets.leftovers = vec4(min(left, vec2(most, most)), 0.0, 1.0);
     return targets;
 }
 
-// Layers: T4 and T5 of BokehLayerSplit for each tile
-//   returns       T2.rg = the largest leftovers, T3 = the mean of the sums
-BokehTargets BokehLayerKernels(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, BokehLayers layers)
+// Layers: what is known of the CoC of a tile, and of those around
+//   leftovers     rg = the largest
+//   sums          the mean of kernelSums
+struct BokehKernels
+{
+    vec4 leftovers;
+    vec4 sums;
+};
+
+// Layers: kernelSums and leftovers of BokehPrefilter for each tile
+BokehKernels BokehKernelReduce(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, BokehLayers layers)
 {
     BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
     vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + vec2(0.5, 0.5);
@@ -404,23 +437,21 @@ BokehTargets BokehLayerKernels(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, 
             left = max(left, BokehFetchGrid(LeftSamp, place, halves).rg);
         }
     }
-    BokehTargets targets;
-    targets.T2 = vec4(left, 0.0, 1.0);
-    targets.T3 = sums / 16.0;
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
+    BokehKernels targets;
+    targets.leftovers = vec4(left, 0.0, 1.0);
+    targets.sums = sums / 16.0;
     return targets;
 }
 
-// Layers: leftovers and sums of the tiles around, along one axis
-//   LeftSamp, SumsSamp  T2 and T3 of BokehLayerKernels, then of this
-//   returns       T2.rg = the largest leftovers that reach here; T3 = mean of the sums, by a
-//                 Gaussian as wide as the CoC that reach here
-BokehTargets BokehLayerSpread(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
+// Layers: BokehKernelRows along any axis
+//   axis          (1, 0) or (0, 1)
+BokehKernels BokehKernelAlong(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
     vec2 axis, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
+    // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
+    // .180), half as wide, the kernel changes within one light
     vec2 sigma = max(reach * 0.0375, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -440,37 +471,55 @@ BokehTargets BokehLayerSpread(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D 
         left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid).rg, abs(tiles)));
         total += weight;
     }
-    BokehTargets targets;
-    targets.T2 = vec4(left, 0.0, 1.0);
-    targets.T3 = sums / vec4(total.x, total.x, total.y, total.y);
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
+    BokehKernels targets;
+    targets.leftovers = vec4(left, 0.0, 1.0);
+    targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
     return targets;
 }
 
-// Layers: BokehLayerSpread along columns, and the CoC that the layers are blurred by
-//   One kernel for a neighbourhood and layer is what makes its blur separable.
-//   returns       T2 = near and far CoC that reach here, near and far leftovers that do;
-//                 T3.rg = CoC of the near and of the far layer, 0 where there is none; pixels
-BokehTargets BokehLayerSizes(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
+// Layers: leftovers and sums of the tiles around, along rows
+//   LeftSamp, SumsSamp  what BokehKernelReduce wrote
+//   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
+//                 as the CoC that reach here
+BokehKernels BokehKernelRows(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
     BokehLayers layers)
+{
+    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, uv, vec2(1.0, 0.0), layers);
+}
+
+// Layers: what BokehKernelColumns writes
+//   reach         near and far CoC that reach here, near and far leftovers that do; pixels
+//   sizes         rg = CoC that the near and the far layer are blurred by, 0 where there is none;
+//                 pixels
+struct BokehSizes
+{
+    vec4 reach;
+    vec4 sizes;
+};
+
+// Layers: the same along columns, and the CoC that the layers are blurred by
+//   One kernel for a neighbourhood and layer is what makes its blur separable.
+//   LeftSamp, SumsSamp  what BokehKernelRows wrote
+BokehSizes BokehKernelColumns(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp,
+    vec2 uv, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
-    BokehTargets targets = BokehLayerSpread(LeftSamp, SumsSamp, ReachSamp, uv, vec2(0.0, 1.0),
+    BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, uv, vec2(0.0, 1.0),
         layers);
-    vec4 sums = targets.T3;
+    vec4 sums = kernels.sums;
     vec2 sizes = vec2(0.0, 0.0);
     if (sums.g > 0.0001 && reach.r > 6.0)
     {
-        sizes = vec2(128.0 * sums.r / sums.g, 0.0);
+        sizes = vec2(8.0 * sums.r / sums.g, 0.0);
     }
     if (sums.a > 0.0001 && reach.g > 10.0)
     {
-        sizes = vec2(sizes.x, 128.0 * sums.b / sums.a);
+        sizes = vec2(sizes.x, 8.0 * sums.b / sums.a);
     }
-    targets.T2 = vec4(reach, targets.T2.rg);
-    targets.T3 = vec4(sizes, 0.0, 1.0);
+    BokehSizes targets;
+    targets.reach = vec4(reach, kernels.leftovers.rg);
+    targets.sizes = vec4(sizes, 0.0, 1.0);
     return targets;
 }
 
@@ -478,11 +527,19 @@ BokehTargets BokehLayerSizes(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D R
 // [11] holes: what the near layer hides
 // -------------------------------------------------------------------------------------------------
 
+// Layers: what BokehHoleDownsample writes
+//   middle, far   what is between the layers, and the far layer: rgb times weight, weight
+//   shares        rg = shares of the two, unweighted
+struct BokehHoles
+{
+    vec4 middle;
+    vec4 far;
+    vec4 shares;
+};
+
 // Layers: what is not near, at quarter size, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-//   returns       T2 = what is between the layers, T3 = the far layer: rgb times weight, weight;
-//                 T4.rg = shares of the two, unweighted
-BokehTargets BokehLayerHoles(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+BokehHoles BokehHoleDownsample(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
 {
     BokehGrid full = layers.full;
     vec2 first = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + vec2(0.5, 0.5);
@@ -511,11 +568,10 @@ BokehTargets BokehLayerHoles(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, Bo
             shares += vec2(1.0 - farShare, farShare) * notNear;
         }
     }
-    BokehTargets targets;
-    targets.T2 = middle / 16.0;
-    targets.T3 = far / 16.0;
-    targets.T4 = vec4(shares / 16.0, 0.0, 1.0);
-    targets.T5 = targets.T4;
+    BokehHoles targets;
+    targets.middle = middle / 16.0;
+    targets.far = far / 16.0;
+    targets.shares = vec4(shares / 16.0, 0.0, 1.0);
     return targets;
 }
 
@@ -591,17 +647,26 @@ float BokehEdgeShare(vec2 corner, vec2 nextCorner, BokehPolygon polygon)
     return share;
 }
 
-// Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
+// Layers: how many samples of a ring are on each edge of the polygon
+//   6 on the first ring, 12 on the second and so on, shared out among the sides: all rings are
+//   sampled as densely. A polygon of more sides than that has one a side.
 int BokehOnEdge(int ring, BokehPolygon polygon)
 {
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
+// Layers: what BokehHoleFill writes
+//   middle        what is between the layers; a = its share in what is around
+//   back          the far layer
+struct BokehFilled
+{
+    vec4 middle;
+    vec4 back;
+};
+
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp, SharesSamp  T2, T3, T4 of BokehLayerHoles
-//   returns       T2 = what is between the layers, a = its share in what is around; T3 = the far
-//                 layer
-BokehTargets BokehLayerFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D SharesSamp,
+//   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
+BokehFilled BokehHoleFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D SharesSamp,
     sampler2D ReachSamp, vec2 uv, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
@@ -641,19 +706,17 @@ BokehTargets BokehLayerFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D S
     }
     vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
     float share = shares.r / max(shares.r + shares.g, 0.000001);
-    BokehTargets targets;
-    targets.T2 = vec4(both, share);
-    targets.T3 = vec4(both, 1.0);
+    BokehFilled targets;
+    targets.middle = vec4(both, share);
+    targets.back = vec4(both, 1.0);
     if (middle.a > 0.000001)
     {
-        targets.T2 = vec4(middle.rgb / middle.a, share);
+        targets.middle = vec4(middle.rgb / middle.a, share);
     }
     if (far.a > 0.000001)
     {
-        targets.T3 = vec4(far.rgb / far.a, 1.0);
+        targets.back = vec4(far.rgb / far.a, 1.0);
     }
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
     return targets;
 }
 
@@ -687,7 +750,9 @@ vec4 BokehLayerLine(sampler2D LayerSamp, vec2 center, vec4 segment, float CoC, B
 }
 
 // Layers: the CoC that a layer is blurred by, texels of the half size
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves; so much less is left to do.
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
+//   (street_11: .044 for .041).
 //   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
 float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers layers)
 {
@@ -702,7 +767,7 @@ float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers la
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
-//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
+//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; only those before edge k count
 vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
 {
     float angle = 6.28318531 / float(polygon.sides);
@@ -721,8 +786,8 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 }
 
 // Layers: first pass over a layer
-//   LayerSamp     T2 or T3 of BokehLayerSplit
-//   SizesSamp     T3 of BokehLayerSizes
+//   LayerSamp     nearLayer or farLayer of BokehPrefilter
+//   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
 //   returns       as BokehExactFirst
 BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFar,
@@ -732,10 +797,10 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
     vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
     vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    targets.T2 = none;
-    targets.T3 = none;
-    targets.T4 = none;
-    targets.T5 = none;
+    targets.edge2 = none;
+    targets.edge3 = none;
+    targets.edge4 = none;
+    targets.edge5 = none;
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -743,44 +808,44 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
         vec4 L3 = none;
         vec4 L1 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(1, polygon, false), CoC,
             layers);
-        targets.T2 = L1;
+        targets.edge2 = L1;
         if (polygon.sides > 4)
         {
             L2 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(2, polygon, false), CoC,
                 layers);
-            targets.T3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
+            targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(3, polygon, false), CoC,
                 layers);
-            targets.T4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
+            targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
         }
         if (polygon.sides > 8)
         {
             vec4 L4 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(4, polygon, false), CoC,
                 layers);
-            targets.T5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+            targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
         }
     }
     else
     {
-        targets.T2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
-        targets.T3 = targets.T2;
-        targets.T4 = targets.T2;
-        targets.T5 = targets.T2;
+        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+        targets.edge3 = targets.edge2;
+        targets.edge4 = targets.edge2;
+        targets.edge5 = targets.edge2;
     }
     return targets;
 }
 
 // Layers: second pass: the finished layer
-//   T2Samp .. T5Samp  what the first pass wrote; where there are fewer, pass any of them for the
-//                     rest: it is not read
-//   SizesSamp     T3 of BokehLayerSizes
+//   Edge2Samp ..  what the first pass wrote; where there are fewer, pass any of them for the
+//                 rest: it is not read
+//   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
 //   returns       rgb times share, share
-vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp,
-    sampler2D SizesSamp, vec2 uv, bool isFar, BokehLayers layers)
+vec4 BokehLayerSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp,
+    sampler2D Edge5Samp, sampler2D SizesSamp, vec2 uv, bool isFar, BokehLayers layers)
 {
     BokehPolygon polygon = layers.polygon;
     vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
@@ -789,34 +854,34 @@ vec4 BokehLayerSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, samp
     if (CoC > 0.5)
     {
         float total = BokehExactWeight(2, polygon);
-        vec4 sum = total * BokehLayerLine(T2Samp, center, BokehPolygonEdge(2, polygon, true), CoC,
-            layers);
+        vec4 sum = total * BokehLayerLine(Edge2Samp, center, BokehPolygonEdge(2, polygon, true),
+            CoC, layers);
         if (polygon.sides > 4)
         {
             float weight = BokehExactWeight(3, polygon);
-            sum += weight * BokehLayerLine(T3Samp, center, BokehPolygonEdge(3, polygon, true), CoC,
-                layers);
+            sum += weight * BokehLayerLine(Edge3Samp, center, BokehPolygonEdge(3, polygon, true),
+                CoC, layers);
             total += weight;
         }
         if (polygon.sides > 6)
         {
             float weight = BokehExactWeight(4, polygon);
-            sum += weight * BokehLayerLine(T4Samp, center, BokehPolygonEdge(4, polygon, true), CoC,
-                layers);
+            sum += weight * BokehLayerLine(Edge4Samp, center, BokehPolygonEdge(4, polygon, true),
+                CoC, layers);
             total += weight;
         }
         if (polygon.sides > 8)
         {
             float weight = BokehExactWeight(5, polygon);
-            sum += weight * BokehLayerLine(T5Samp, center, BokehPolygonEdge(5, polygon, true), CoC,
-                layers);
+            sum += weight * BokehLayerLine(Edge5Samp, center, BokehPolygonEdge(5, polygon, true),
+                CoC, layers);
             total += weight;
         }
         result = sum / total;
     }
     else
     {
-        result = BokehFetchGrid(T2Samp, center, BokehReducedGrid(layers.full, 2.0));
+        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers.full, 2.0));
     }
     return result;
 }
@@ -853,25 +918,6 @@ vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFa
         result = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
     }
     return result;
-}
-
-// Layers: target Tk of several, where a pass can write only one: call the pass once for each
-vec4 BokehPickTarget(BokehTargets targets, int k)
-{
-    vec4 picked = targets.T2;
-    if (k == 3)
-    {
-        picked = targets.T3;
-    }
-    else if (k == 4)
-    {
-        picked = targets.T4;
-    }
-    else if (k == 5)
-    {
-        picked = targets.T5;
-    }
-    return picked;
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -938,11 +984,11 @@ float BokehRingRadius(int ring, float radius, float power)
 //   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
 //   over it and behind it.
 //   MapSamp       from BokehSignedCoCMap
-//   TilesSamp     T2 of BokehLayerSizes
+//   TilesSamp     reach of BokehKernelColumns
 //   NearSamp, FarSamp     from BokehLayerSecond
-//   MiddleSamp, BackSamp  T2 and T3 of BokehLayerFill
+//   MiddleSamp, BackSamp  what BokehHoleFill wrote
 //   returns       rgb = the picture, a = signed CoC of this pixel
-vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sampler2D FarSamp,
+vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sampler2D FarSamp,
     sampler2D MiddleSamp, sampler2D BackSamp, vec2 uv, BokehLayers layers)
 {
     BokehGrid full = layers.full;
@@ -966,7 +1012,7 @@ vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sa
 
         // the gather reaches as far as what is in no layer
         float ownRadius = BokehSpreadRadius(s);
-        float restRadius = ownRadius * min(16.0 - 16.0 * farShare, 1.0) * (1.0 - nearShare);
+        float restRadius = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare);
         float radius = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
         if (near.a > 0.998)
         {
@@ -1057,7 +1103,7 @@ vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sa
             BokehGrid quarters = BokehReducedGrid(full, 4.0);
             vec4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters);
             vec4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters);
-            float empty = 1.0 - min(sum.a, 1.0);
+            float empty = clamp(1.0 - sum.a, 0.0, 1.0);
             float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
             float farAlpha = min(far.a, 1.0);
             float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
@@ -1071,7 +1117,9 @@ vec4 BokehLayered(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sa
             }
             result += (stack - result) * nearShare;
         }
-        float alpha = min(near.a * 1.002, 1.0);
+        // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
+        // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
+        float alpha = clamp(near.a * 1.002, 0.0, 1.0);
         result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
     }
     return vec4(result, centerPixel.a);

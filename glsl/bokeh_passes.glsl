@@ -4,56 +4,56 @@
 // A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, for the layers
 // bokeh_layers.glsl, this file.
 //
-//   #define BOKEH_PASS ...       reads                              writes
-//   BOKEH_LINEAR_DEPTH           DepthSamp (any convention)         depth in metres, to R32F
-//   BOKEH_COC_MAP                ColorSamp, DepthSamp               colour, CoC: paper, naive
-//   BOKEH_SIGNED_COC_MAP         ColorSamp, DepthSamp               colour, signed CoC: exact
-//   BOKEH_CONSTANT_COC           ColorSamp                          colour, the same CoC everywhere
-//   BOKEH_DEPTH_OF_FIELD         ColorSamp, DepthSamp               one line of the filter
-//   BOKEH_DEPTH_OF_FIELD_FINAL   ColorSamp, DepthSamp, ColorSampB   the same, min or max with B
-//   BOKEH_ADAPTIVE               ColorSamp, DepthSamp               a line of any length and place
-//   BOKEH_ADAPTIVE_FINAL         ColorSamp, DepthSamp, ColorSampB   the same, min or max with B
-//   BOKEH_NAIVE_GATHER           ColorSamp, DepthSamp, KernelSamp   a table of offsets
-//   BOKEH_NAIVE_GRID             ColorSamp, DepthSamp               a grid of samples
-//   BOKEH_SQUARE_FIRST           ColorSamp                          exact, first pass: 1 target
-//   BOKEH_SQUARE_SECOND          ColorSamp                          exact, second pass: finished
-//   BOKEH_HEXAGON_FIRST          ColorSamp                          2 targets
-//   BOKEH_HEXAGON_SECOND         ColorSamp, ColorSampB              the targets in their order
-//   BOKEH_OCTAGON_FIRST          ColorSamp                          3 targets
-//   BOKEH_OCTAGON_SECOND         ColorSamp, ColorSampB .. C
-//   BOKEH_DECAGON_FIRST          ColorSamp                          4 targets
-//   BOKEH_DECAGON_SECOND         ColorSamp, ColorSampB .. D
-//   BOKEH_EXACT_EDGE             ColorSamp                          target T(BokehEdge)
-//   BOKEH_LATERAL_COLOR          ColorSamp (finished)               red larger, blue smaller
-//   BOKEH_DEBUG                  ColorSamp (with CoC), DepthSamp    debug view
-//   BOKEH_FULL_SCREEN            -                                  (vertex shader) one triangle
+//   #define BOKEH_PASS ...      reads                             writes
+//   BOKEH_LINEAR_DEPTH          DepthSamp (any convention)        depth in metres, to R32F
+//   BOKEH_COC_MAP               ColorSamp, DepthSamp              colour, CoC: paper, naive
+//   BOKEH_SIGNED_COC_MAP        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BOKEH_CONSTANT_COC          ColorSamp                         colour, the same CoC everywhere
+//   BOKEH_DEPTH_OF_FIELD        ColorSamp, DepthSamp              one line of the filter
+//   BOKEH_DEPTH_OF_FIELD_FINAL  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BOKEH_ADAPTIVE              ColorSamp, DepthSamp              a line of any length and place
+//   BOKEH_ADAPTIVE_FINAL        ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
+//   BOKEH_NAIVE_GATHER          ColorSamp, DepthSamp, KernelSamp  a table of offsets
+//   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              a grid of samples
+//   BOKEH_SQUARE_FIRST          ColorSamp                         exact, first pass: 1 target
+//   BOKEH_SQUARE_SECOND         ColorSamp                         exact, second pass: finished
+//   BOKEH_HEXAGON_FIRST         ColorSamp                         2 targets
+//   BOKEH_HEXAGON_SECOND        ColorSamp, ColorSampB             the targets in their order
+//   BOKEH_OCTAGON_FIRST         ColorSamp                         3 targets
+//   BOKEH_OCTAGON_SECOND        ColorSamp, ColorSampB .. C
+//   BOKEH_DECAGON_FIRST         ColorSamp                         4 targets
+//   BOKEH_DECAGON_SECOND        ColorSamp, ColorSampB .. D
+//   BOKEH_EXACT_EDGE            ColorSamp                         one target of the first pass
+//   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
+//   BOKEH_DEBUG                 ColorSamp (with CoC), DepthSamp   debug view
+//   BOKEH_FULL_SCREEN           -                                 (vertex shader) one triangle
 //
 //   Layers, with bokeh_layers.glsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BOKEH_LAYER_TILES            ColorSamp                          largest CoC of 8 x 8 pixels
-//   BOKEH_LAYER_REACH            ColorSamp                          twice: BokehAxis 0, 1
-//   BOKEH_LAYER_SPLIT            ColorSamp, ColorSampB              4 targets
-//   BOKEH_LAYER_KERNELS          ColorSamp, ColorSampB              2 targets
-//   BOKEH_LAYER_SPREAD           ColorSamp, ColorSampB .. C         2 targets
-//   BOKEH_LAYER_SIZES            ColorSamp, ColorSampB .. C         2 targets
-//   BOKEH_LAYER_HOLES            ColorSamp, ColorSampB              3 targets
-//   BOKEH_LAYER_FILL             ColorSamp, ColorSampB .. D         2 targets
-//   BOKEH_SQUARE_LAYER_FIRST     ColorSamp, ColorSampB              1 target, as SquareFirst
-//   BOKEH_SQUARE_LAYER_SECOND    ColorSamp, ColorSampE              a layer, finished
-//   BOKEH_HEXAGON_LAYER_FIRST    ColorSamp, ColorSampB              2 targets
-//   BOKEH_HEXAGON_LAYER_SECOND   ColorSamp, ColorSampB, E
-//   BOKEH_OCTAGON_LAYER_FIRST    ColorSamp, ColorSampB              3 targets
-//   BOKEH_OCTAGON_LAYER_SECOND   ColorSamp, ColorSampB .. C, E
-//   BOKEH_DECAGON_LAYER_FIRST    ColorSamp, ColorSampB              4 targets
-//   BOKEH_DECAGON_LAYER_SECOND   ColorSamp, ColorSampB .. E
-//   BOKEH_LAYERED                ColorSamp, ColorSampB .. F         the picture
-//   BOKEH_LAYER_SPLIT_ONE        ColorSamp, ColorSampB              T(BokehEdge) of LayerSplit
-//   BOKEH_LAYER_KERNELS_ONE      ColorSamp, ColorSampB              of LayerKernels
-//   BOKEH_LAYER_SPREAD_ONE       ColorSamp, ColorSampB .. C         of LayerSpread
-//   BOKEH_LAYER_SIZES_ONE        ColorSamp, ColorSampB .. C         of LayerSizes
-//   BOKEH_LAYER_HOLES_ONE        ColorSamp, ColorSampB              of LayerHoles
-//   BOKEH_LAYER_FILL_ONE         ColorSamp, ColorSampB .. D         of LayerFill
-//   BOKEH_LAYER_EDGE             ColorSamp, ColorSampB              of the first pass over a layer
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BOKEH_TILE_MAX              ColorSamp                         largest CoC of 8 x 8 pixels
+//   BOKEH_TILE_DILATE           ColorSamp                         twice: BokehAxis 0, 1
+//   BOKEH_PREFILTER             ColorSamp, ColorSampB             4 targets
+//   BOKEH_KERNEL_REDUCE         ColorSamp, ColorSampB             2 targets
+//   BOKEH_KERNEL_ROWS           ColorSamp, ColorSampB .. C        2 targets
+//   BOKEH_KERNEL_COLUMNS        ColorSamp, ColorSampB .. C        2 targets
+//   BOKEH_HOLE_DOWNSAMPLE       ColorSamp, ColorSampB             3 targets
+//   BOKEH_HOLE_FILL             ColorSamp, ColorSampB .. D        2 targets
+//   BOKEH_SQUARE_LAYER_FIRST    ColorSamp, ColorSampB             1 target, as SquareFirst
+//   BOKEH_SQUARE_LAYER_SECOND   ColorSamp, ColorSampE             a layer, finished
+//   BOKEH_HEXAGON_LAYER_FIRST   ColorSamp, ColorSampB             2 targets
+//   BOKEH_HEXAGON_LAYER_SECOND  ColorSamp, ColorSampB, E
+//   BOKEH_OCTAGON_LAYER_FIRST   ColorSamp, ColorSampB             3 targets
+//   BOKEH_OCTAGON_LAYER_SECOND  ColorSamp, ColorSampB .. C, E
+//   BOKEH_DECAGON_LAYER_FIRST   ColorSamp, ColorSampB             4 targets
+//   BOKEH_DECAGON_LAYER_SECOND  ColorSamp, ColorSampB .. E
+//   BOKEH_COMPOSITE             ColorSamp, ColorSampB .. F        the picture
+//   BOKEH_PREFILTER_ONE         ColorSamp, ColorSampB             one target of Prefilter
+//   BOKEH_KERNEL_REDUCE_ONE     ColorSamp, ColorSampB             of KernelReduce
+//   BOKEH_KERNEL_ROWS_ONE       ColorSamp, ColorSampB .. C        of KernelRows
+//   BOKEH_KERNEL_COLUMNS_ONE    ColorSamp, ColorSampB .. C        of KernelColumns
+//   BOKEH_HOLE_DOWNSAMPLE_ONE   ColorSamp, ColorSampB             of HoleDownsample
+//   BOKEH_HOLE_FILL_ONE         ColorSamp, ColorSampB .. D        of HoleFill
+//   BOKEH_LAYER_EDGE            ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/parameters.md has the table with units and offsets, and the block as a struct for C++,
@@ -83,14 +83,14 @@
 #define BOKEH_EXACT_EDGE 19
 #define BOKEH_LATERAL_COLOR 20
 #define BOKEH_DEBUG 21
-#define BOKEH_LAYER_TILES 22
-#define BOKEH_LAYER_REACH 23
-#define BOKEH_LAYER_SPLIT 24
-#define BOKEH_LAYER_KERNELS 25
-#define BOKEH_LAYER_SPREAD 26
-#define BOKEH_LAYER_SIZES 27
-#define BOKEH_LAYER_HOLES 28
-#define BOKEH_LAYER_FILL 29
+#define BOKEH_TILE_MAX 22
+#define BOKEH_TILE_DILATE 23
+#define BOKEH_PREFILTER 24
+#define BOKEH_KERNEL_REDUCE 25
+#define BOKEH_KERNEL_ROWS 26
+#define BOKEH_KERNEL_COLUMNS 27
+#define BOKEH_HOLE_DOWNSAMPLE 28
+#define BOKEH_HOLE_FILL 29
 #define BOKEH_SQUARE_LAYER_FIRST 30
 #define BOKEH_SQUARE_LAYER_SECOND 31
 #define BOKEH_HEXAGON_LAYER_FIRST 32
@@ -99,21 +99,26 @@
 #define BOKEH_OCTAGON_LAYER_SECOND 35
 #define BOKEH_DECAGON_LAYER_FIRST 36
 #define BOKEH_DECAGON_LAYER_SECOND 37
-#define BOKEH_LAYERED 38
-#define BOKEH_LAYER_SPLIT_ONE 39
-#define BOKEH_LAYER_KERNELS_ONE 40
-#define BOKEH_LAYER_SPREAD_ONE 41
-#define BOKEH_LAYER_SIZES_ONE 42
-#define BOKEH_LAYER_HOLES_ONE 43
-#define BOKEH_LAYER_FILL_ONE 44
+#define BOKEH_COMPOSITE 38
+#define BOKEH_PREFILTER_ONE 39
+#define BOKEH_KERNEL_REDUCE_ONE 40
+#define BOKEH_KERNEL_ROWS_ONE 41
+#define BOKEH_KERNEL_COLUMNS_ONE 42
+#define BOKEH_HOLE_DOWNSAMPLE_ONE 43
+#define BOKEH_HOLE_FILL_ONE 44
 #define BOKEH_LAYER_EDGE 45
 #define BOKEH_FULL_SCREEN 46
+
+// ..._ONE and ..._EDGE: the target that is written, 0 ..
+#ifndef BOKEH_TARGET_INDEX
+#define BOKEH_TARGET_INDEX 0
+#endif
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
 #elif BOKEH_PASS < BOKEH_LINEAR_DEPTH || BOKEH_PASS > BOKEH_FULL_SCREEN
 #error BOKEH_PASS is none of the names in the table at the top of this file
-#elif BOKEH_PASS >= BOKEH_LAYER_TILES && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
+#elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
 #error put bokeh_layers.glsl before this file
 #endif
 
@@ -202,7 +207,6 @@ BOKEH_PARAMETER(float, BokehImageHeight)
 BOKEH_PARAMETER(float, BokehJitter)
 BOKEH_PARAMETER(float, BokehFrame)
 BOKEH_PARAMETER(float, BokehSides)
-BOKEH_PARAMETER(float, BokehEdge)
 BOKEH_PARAMETER(float, BokehDepthKind)
 BOKEH_PARAMETER(float, BokehNear)
 BOKEH_PARAMETER(float, BokehFar)
@@ -226,17 +230,17 @@ BOKEH_PARAMETER(float, BokehAxialBlue)
 // what a pass writes: one target, or as many as the table says
 #if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_LAYER_KERNELS || BOKEH_PASS == BOKEH_LAYER_SPREAD
+#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE || BOKEH_PASS == BOKEH_KERNEL_ROWS
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_LAYER_SIZES || BOKEH_PASS == BOKEH_LAYER_FILL
+#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 #define BOKEH_TARGETS 3
-#elif BOKEH_PASS == BOKEH_LAYER_HOLES
+#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE
 #define BOKEH_TARGETS 3
 #elif BOKEH_PASS == BOKEH_DECAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
 #define BOKEH_TARGETS 4
-#elif BOKEH_PASS == BOKEH_LAYER_SPLIT
+#elif BOKEH_PASS == BOKEH_PREFILTER
 #define BOKEH_TARGETS 4
 #else
 #define BOKEH_TARGETS 1
@@ -289,6 +293,17 @@ vec4 BokehAdaptiveLine(vec2 uv)
         BokehBlurCoC > 0.5);
 }
 
+// BokehSides; a parameter that nobody has set is a hexagon
+int BokehSidesOrSix()
+{
+    int sides = int(BokehSides + 0.5);
+    if (sides == 0)
+    {
+        sides = 6;
+    }
+    return sides;
+}
+
 // the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
 BokehPolygon BokehAperture(vec2 uv, int sides)
 {
@@ -314,12 +329,31 @@ BokehTargets BokehFirst(vec2 uv, int sides)
 }
 
 // exact, second pass
-vec4 BokehSecond(sampler2D T2Samp, sampler2D T3Samp, sampler2D T4Samp, sampler2D T5Samp, vec2 uv,
-    int sides)
+vec4 BokehSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp, sampler2D Edge5Samp,
+    vec2 uv, int sides)
 {
     BokehFilter settings = BokehBegin(uv, 1.0);
     BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactSecond(T2Samp, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
+    return BokehExactSecond(Edge2Samp, Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon, settings);
+}
+
+// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
+{
+    vec4 picked = first;
+    if (BOKEH_TARGET_INDEX == 1)
+    {
+        picked = second;
+    }
+    else if (BOKEH_TARGET_INDEX == 2)
+    {
+        picked = third;
+    }
+    else if (BOKEH_TARGET_INDEX == 3)
+    {
+        picked = fourth;
+    }
+    return picked;
 }
 
 #ifdef BOKEH_LAYERS
@@ -452,7 +486,7 @@ void main()
 
 void main()
 {
-    BokehResult = BokehFirst(BokehUV, 4).T2;
+    BokehResult = BokehFirst(BokehUV, 4).edge2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_SECOND
@@ -468,8 +502,8 @@ void main()
 void main()
 {
     BokehTargets targets = BokehFirst(BokehUV, 6);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
@@ -485,9 +519,9 @@ void main()
 void main()
 {
     BokehTargets targets = BokehFirst(BokehUV, 8);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
@@ -503,10 +537,10 @@ void main()
 void main()
 {
     BokehTargets targets = BokehFirst(BokehUV, 10);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
-    BokehResultD = targets.T5;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
+    BokehResultD = targets.edge5;
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_SECOND
@@ -522,8 +556,9 @@ void main()
 void main()
 {
     BokehFilter settings = BokehBegin(BokehUV, 0.0);
-    BokehPolygon polygon = BokehAperture(BokehUV, int(BokehSides + 0.5));
-    BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, int(BokehEdge + 0.5), polygon, settings);
+    BokehPolygon polygon = BokehAperture(BokehUV, BokehSidesOrSix());
+    BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2, polygon,
+        settings);
 }
 
 #elif BOKEH_PASS == BOKEH_LATERAL_COLOR
@@ -558,90 +593,90 @@ void main()
     BokehResult = result;
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_TILES
+#elif BOKEH_PASS == BOKEH_TILE_MAX
 
 void main()
 {
-    BokehResult = BokehLayerTiles(BokehColorSamp, BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = BokehTileMax(BokehColorSamp, BokehUV, BokehBeginTiles(BokehUV));
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_REACH
+#elif BOKEH_PASS == BOKEH_TILE_DILATE
 
 void main()
 {
     vec2 axis = vec2(1.0 - BokehAxis, BokehAxis);
-    BokehResult = BokehLayerReach(BokehColorSamp, BokehUV, axis, BokehBeginTiles(BokehUV));
+    BokehResult = BokehTileDilate(BokehColorSamp, BokehUV, axis, BokehBeginTiles(BokehUV));
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_SPLIT
+#elif BOKEH_PASS == BOKEH_PREFILTER
 
 void main()
 {
-    BokehTargets targets = BokehLayerSplit(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
-    BokehResultD = targets.T5;
+    BokehResult = targets.nearLayer;
+    BokehResultB = targets.farLayer;
+    BokehResultC = targets.kernelSums;
+    BokehResultD = targets.leftovers;
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_KERNELS
+#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE
 
 void main()
 {
-    BokehTargets targets = BokehLayerKernels(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
+    BokehResult = targets.leftovers;
+    BokehResultB = targets.sums;
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_SPREAD
+#elif BOKEH_PASS == BOKEH_KERNEL_ROWS
 
 void main()
 {
-    BokehTargets targets = BokehLayerSpread(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, vec2(1.0, 0.0), BokehBeginTiles(BokehUV));
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-}
-
-#elif BOKEH_PASS == BOKEH_LAYER_SIZES
-
-void main()
-{
-    BokehTargets targets = BokehLayerSizes(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehUV, BokehBeginTiles(BokehUV));
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
+    BokehResult = targets.leftovers;
+    BokehResultB = targets.sums;
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_HOLES
+#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS
 
 void main()
 {
-    BokehTargets targets = BokehLayerHoles(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = targets.reach;
+    BokehResultB = targets.sizes;
+}
+
+#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE
+
+void main()
+{
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
+    BokehResult = targets.middle;
+    BokehResultB = targets.far;
+    BokehResultC = targets.shares;
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_FILL
+#elif BOKEH_PASS == BOKEH_HOLE_FILL
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 4.0, 0.0);
-    BokehTargets targets = BokehLayerFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 4.0, 0.0);
+    BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehUV, layers);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
+    BokehResult = targets.middle;
+    BokehResultB = targets.back;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST
 
 void main()
 {
-    BokehResult = BokehLayerPolygon(BokehUV, 4).T2;
+    BokehResult = BokehLayerPolygon(BokehUV, 4).edge2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
@@ -658,8 +693,8 @@ void main()
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, 6);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
@@ -676,9 +711,9 @@ void main()
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, 8);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_SECOND
@@ -695,10 +730,10 @@ void main()
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, 10);
-    BokehResult = targets.T2;
-    BokehResultB = targets.T3;
-    BokehResultC = targets.T4;
-    BokehResultD = targets.T5;
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
+    BokehResultD = targets.edge5;
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_LAYER_SECOND
@@ -710,77 +745,78 @@ void main()
         BokehColorSampD, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYERED
+#elif BOKEH_PASS == BOKEH_COMPOSITE
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 1.0, 2.0);
-    BokehResult = BokehLayered(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 1.0, 2.0);
+    BokehResult = BokehComposite(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
         BokehColorSampE, BokehColorSampF, BokehUV, layers);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_SPLIT_ONE
+#elif BOKEH_PASS == BOKEH_PREFILTER_ONE
 
 void main()
 {
-    BokehTargets targets = BokehLayerSplit(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+    BokehResult = BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
+        targets.leftovers);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_KERNELS_ONE
+#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE_ONE
 
 void main()
 {
-    BokehTargets targets = BokehLayerKernels(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+    BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_SPREAD_ONE
+#elif BOKEH_PASS == BOKEH_KERNEL_ROWS_ONE
 
 void main()
 {
-    BokehTargets targets = BokehLayerSpread(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, vec2(1.0, 0.0), BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
-}
-
-#elif BOKEH_PASS == BOKEH_LAYER_SIZES_ONE
-
-void main()
-{
-    BokehTargets targets = BokehLayerSizes(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehUV, BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+    BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_HOLES_ONE
+#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS_ONE
 
 void main()
 {
-    BokehTargets targets = BokehLayerHoles(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+}
+
+#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE_ONE
+
+void main()
+{
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB, BokehUV,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+    BokehResult = BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_FILL_ONE
+#elif BOKEH_PASS == BOKEH_HOLE_FILL_ONE
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 4.0, 0.0);
-    BokehTargets targets = BokehLayerFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 4.0, 0.0);
+    BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehUV, layers);
-    BokehResult = BokehPickTarget(targets, int(BokehEdge + 0.5));
+    BokehResult = BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
 #elif BOKEH_PASS == BOKEH_LAYER_EDGE
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, int(BokehSides + 0.5), 2.0, 0.0);
+    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 2.0, 0.0);
     BokehResult = BokehLayerEdge(BokehColorSamp, BokehColorSampB, BokehUV, BokehLayer > 0.5,
-        int(BokehEdge + 0.5), layers);
+        BOKEH_TARGET_INDEX + 2, layers);
 }
 
 #endif

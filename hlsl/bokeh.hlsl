@@ -56,22 +56,22 @@
 //          sampler2D MapSamp : register(s0);
 //          float2 imageSize;
 //          float rotation;
-//          void first(float2 uv : TEXCOORD0, out float4 T2 : COLOR0, out float4 T3 : COLOR1)
+//          void first(float2 uv : TEXCOORD0, out float4 edge2 : COLOR0, out float4 edge3 : COLOR1)
 //          {
 //              BokehTargets targets = BokehExactFirst(MapSamp, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
-//              T2 = targets.T2;
-//              T3 = targets.T3;
+//              edge2 = targets.edge2;
+//              edge3 = targets.edge3;
 //          }
 //
-//   4. Second pass. T2Samp, T3Samp: from 3, linear filter, clamp. Target: RGBA16F.
-//          sampler2D T2Samp : register(s0);
-//          sampler2D T3Samp : register(s1);
+//   4. Second pass. Edge2Samp, Edge3Samp: from 3, linear filter, clamp. Target: RGBA16F.
+//          sampler2D Edge2Samp : register(s0);
+//          sampler2D Edge3Samp : register(s1);
 //          float2 imageSize;
 //          float rotation;
 //          float4 second(float2 uv : TEXCOORD0) : COLOR
 //          {
-//              return BokehExactSecond(T2Samp, T3Samp, T3Samp, T3Samp, uv,
+//              return BokehExactSecond(Edge2Samp, Edge3Samp, Edge3Samp, Edge3Samp, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
 //          }
 //
@@ -101,23 +101,23 @@
 //          float2 imageSize;
 //          float rotation;
 //          void first(float4 position : SV_Position, float2 uv : TEXCOORD0,
-//              out float4 T2 : SV_Target0, out float4 T3 : SV_Target1)
+//              out float4 edge2 : SV_Target0, out float4 edge3 : SV_Target1)
 //          {
 //              BokehTargets targets = BokehExactFirst(Map, Linear, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
-//              T2 = targets.T2;
-//              T3 = targets.T3;
+//              edge2 = targets.edge2;
+//              edge3 = targets.edge3;
 //          }
 //
-//   4. Second pass. T2, T3: from 3. Target: RGBA16F.
-//          Texture2D T2 : register(t0);
-//          Texture2D T3 : register(t1);
+//   4. Second pass. Edge2, Edge3: from 3. Target: RGBA16F.
+//          Texture2D Edge2 : register(t0);
+//          Texture2D Edge3 : register(t1);
 //          SamplerState Linear : register(s0);
 //          float2 imageSize;
 //          float rotation;
 //          float4 second(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
 //          {
-//              return BokehExactSecond(T2, Linear, T3, T3, T3, uv,
+//              return BokehExactSecond(Edge2, Linear, Edge3, Edge3, Edge3, uv,
 //                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize));
 //          }
 //
@@ -153,9 +153,11 @@
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
-//   BOKEH_BLEEDING_BIAS     0.02       0 .. 1  Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_BIAS     0.02       0 .. 2  Listing 3; 2 turns the leakage test off
 //   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
-//   BOKEH_MAX_COLOR         65504.0            largest half float
+//   BOKEH_MAX_COLOR         65504.0            brighter colour is cut off here: by default what a
+//                                              half float holds; lower, it is the clamp against
+//                                              fireflies, at the cost of the light of highlights
 //   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
 //   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
 //                                              A f / ((S1 - f) sensorHeight)
@@ -255,6 +257,8 @@
 
 // BOKEH_TEXTURE, BOKEH_TEXELS: a parameter with a sampler, and one without
 // BOKEH_ARGUMENT, BOKEH_SHARED: a texture handed to BokehFetch with its own sampler, or another's
+// BOKEH_LOOP: before a loop whose count is known at run time only, or large: fxc would write it out
+//   all the same, and DXC's [loop] forbids the driver to (RADV: 2 to 16 times the latency)
 // BOKEH_LOOP_LIMIT: the most iterations that one loop may have
 #if BOKEH_HLSL_SM == 3
 #define BOKEH_TEXTURE(name) sampler2D name
@@ -268,7 +272,11 @@
 #define BOKEH_TEXELS(name) Texture2D name
 #define BOKEH_ARGUMENT(name) name, name##Sampler
 #define BOKEH_SHARED(name, other) name, other##Sampler
+#if BOKEH_HLSL_SM == 6
+#define BOKEH_LOOP
+#else
 #define BOKEH_LOOP [loop]
+#endif
 #define BOKEH_LOOP_LIMIT BOKEH_NUM_SAMPLES
 #else
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
@@ -567,7 +575,7 @@ float4 BokehSignedCoCMap(BOKEH_TEXELS(ColorSamp), BOKEH_TEXELS(DepthSamp), float
 //   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
 //   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
 //                 apart than a pixel.
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 1 or more turns
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 or more turns
 //                 the test off
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
@@ -701,19 +709,18 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
 }
 
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
-//   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
-//   sharper one, and centerCoC - bleedingBias is below 0. In the second pass a rejected
-//   sample also displaces what its own line would have gathered; squared weights make up for that.
-//   0.999: rounding must not make a surface sharper than itself.
+//   Behind the focus a sharper sample is a nearer one; in front of it centerCoC is below 0, and
+//   every sample counts. The test sets in from half of the bias to one and a half: a step would
+//   make outlines pop as the focus is pulled. In the second pass a rejected sample also displaces
+//   what its own line would have gathered; squared weights make up for that.
+//   0.001: a bias of 0 must not divide, and a half float's rounding not reject a surface's own
+//   samples.
 float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
 {
-    float weight = 1.0;
-    if (abs(sampleCoC) < centerCoC * 0.999 - settings.bleedingBias)
-    {
-        weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-        weight = weight * weight;
-    }
-    return weight;
+    float scale = 1.0 / max(settings.bleedingBias, 0.001);
+    float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
+    float weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+    return 1.0 - rejected * (1.0 - weight * weight);
 }
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
@@ -900,14 +907,14 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE(ColorSamp), BOKEH_TEXELS(DepthSamp), float2 
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
-//   edge 3 |     |            first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighted
-//          '-, ,-'            second pass  T2 blurred along 2, T3 along 3, weighted 1/3 + 2/3
+//   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
+//          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
 //
-//   sides       targets of the first pass   textures of the second
-//   4           T2                          T2Samp
-//   6           T2, T3                      T2Samp, T3Samp
-//   8           T2, T3, T4                  T2Samp .. T4Samp
-//   10          T2, T3, T4, T5              T2Samp .. T5Samp
+//   sides       targets of the first pass, textures of the second
+//   4           edge2
+//   6           edge2, edge3
+//   8           edge2 .. edge4
+//   10          edge2 .. edge5
 //
 //   Where a pass can write one target only, BokehExactEdge makes them one at a time.
 //   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
@@ -934,13 +941,14 @@ struct BokehPolygon
     float2 axial;
 };
 
-// Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
+// Exact: what the first pass writes: what the second one blurs along edges 2 to 5; those that the
+//   polygon does not have hold the unblurred pixel
 struct BokehTargets
 {
-    float4 T2;
-    float4 T3;
-    float4 T4;
-    float4 T5;
+    float4 edge2;
+    float4 edge3;
+    float4 edge4;
+    float4 edge5;
 };
 
 // Exact: a BokehPolygon in one expression
@@ -1007,14 +1015,14 @@ float2 BokehEdgeVector(int k, BokehPolygon polygon)
 float4 BokehCutEdge(int k, BokehPolygon polygon, bool secondPass)
 {
     float2 corner = float2(0.0, 0.0);
-    BOKEH_LOOP for (int i = 1; i <= polygon.sides / 2; i++)
+    for (int i = 1; i <= polygon.sides / 2; i++)
     {
         corner -= BokehEdgeVector(i, polygon) * 0.5;
     }
     float2 begin = corner;
     float2 middle = float2(0.0, 0.0);
     float2 meanOfFirst = float2(0.0, 0.0);
-    BOKEH_LOOP for (int j = 1; j <= polygon.sides / 2; j++)
+    for (int j = 1; j <= polygon.sides / 2; j++)
     {
         float2 edge = BokehEdgeVector(j, polygon);
         if (j == k)
@@ -1075,7 +1083,7 @@ float BokehExactWeight(int k, BokehPolygon polygon)
     if (BOKEH_CHARACTER > 0)
     {
         area = 0.0;
-        BOKEH_LOOP for (int i = 1; i < k; i++)
+        for (int i = 1; i < k; i++)
         {
             area += sin(2.0 * halfStep * float(k - i)) * BokehEdgeLength(i, polygon);
         }
@@ -1104,17 +1112,16 @@ float BokehHalfWidth(int k, int sides, float4 cut)
 float BokehCutLength(int k, int sides, float4 cut)
 {
     float halfWidth = BokehHalfWidth(k, sides, cut);
-    float before = 1.0;
-    float after = 1.0;
-    BOKEH_LOOP for (int i = 1; i < sides / 2; i++)
+    // before and after
+    float2 ends = float2(1.0, 1.0);
+    for (int i = 1; i < sides / 2; i++)
     {
         float angle = 6.28318531 / float(sides) * float(i);
-        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
+        float2 others = float2(BokehHalfWidth(k - i, sides, cut),
+            BokehHalfWidth(k + i, sides, cut));
+        ends = min(ends, (others - halfWidth * cos(angle)) / sin(angle));
     }
-    return max(before + after, 0.001);
+    return max(ends.x + ends.y, 0.001);
 }
 
 // Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
@@ -1206,7 +1213,7 @@ float4 BokehLineSum(BOKEH_TEXTURE(MapSamp), float2 uv, float4 segment, float CoC
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
 //   their parallelograms and divided once, by the sum of all weights
-//   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
+//   L1 .. L4      from BokehLineSum, along edges 1 to 4; only those before edge k count
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
 float4 BokehExactTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float4 L3, float4 L4,
     float4 centerPixel)
@@ -1234,10 +1241,10 @@ BokehTargets BokehChannelFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon p
 {
     float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(MapSamp), uv);
     BokehTargets targets;
-    targets.T2 = centerPixel;
-    targets.T3 = centerPixel;
-    targets.T4 = centerPixel;
-    targets.T5 = centerPixel;
+    targets.edge2 = centerPixel;
+    targets.edge3 = centerPixel;
+    targets.edge4 = centerPixel;
+    targets.edge5 = centerPixel;
     float centerCoC = BokehChannelCoC(centerPixel.a, shift);
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
@@ -1263,18 +1270,18 @@ BokehTargets BokehChannelFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon p
             L4 = BokehLineSum(BOKEH_ARGUMENT(MapSamp), uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerCoC, shift, settings);
         }
-        targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+        targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
         {
-            targets.T3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 6)
         {
-            targets.T4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            targets.T5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
         }
     }
     return targets;
@@ -1284,27 +1291,27 @@ BokehTargets BokehChannelFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon p
 //   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
 //   CoC: three times the fetches.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
+//   returns       as many as the table above says
 BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon polygon,
     BokehFilter settings)
 {
     BokehTargets targets;
     if (BOKEH_CHARACTER > 1)
     {
-        targets.T2 = float4(0.0, 0.0, 0.0, 0.0);
-        targets.T3 = float4(0.0, 0.0, 0.0, 0.0);
-        targets.T4 = float4(0.0, 0.0, 0.0, 0.0);
-        targets.T5 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.edge2 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.edge3 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.edge4 = float4(0.0, 0.0, 0.0, 0.0);
+        targets.edge5 = float4(0.0, 0.0, 0.0, 0.0);
         BOKEH_LOOP for (int channel = 0; channel < 3; channel++)
         {
             float4 mask = BokehChannelMask(channel);
             float shift = dot(mask.rb, polygon.axial);
             BokehTargets one = BokehChannelFirst(BOKEH_ARGUMENT(MapSamp), uv, polygon, settings,
                 shift);
-            targets.T2 += one.T2 * mask;
-            targets.T3 += one.T3 * mask;
-            targets.T4 += one.T4 * mask;
-            targets.T5 += one.T5 * mask;
+            targets.edge2 += one.edge2 * mask;
+            targets.edge3 += one.edge3 * mask;
+            targets.edge4 += one.edge4 * mask;
+            targets.edge5 += one.edge5 * mask;
         }
     }
     else
@@ -1316,30 +1323,31 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE(MapSamp), float2 uv, BokehPolygon pol
 
 // Exact: BokehExactSecond with one CoC for all channels
 //   shift         as in BokehChannelCoC
-float4 BokehChannelSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
-    BOKEH_TEXELS(T5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings, float shift)
+float4 BokehChannelSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp),
+    BOKEH_TEXELS(Edge4Samp), BOKEH_TEXELS(Edge5Samp), float2 uv, BokehPolygon polygon,
+    BokehFilter settings, float shift)
 {
-    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(T2Samp), uv);
+    float4 centerPixel = BokehFetch(BOKEH_ARGUMENT(Edge2Samp), uv);
     float4 result = centerPixel;
     float centerCoC = BokehChannelCoC(centerPixel.a, shift);
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        float4 sum = BokehExactWeight(2, polygon) * BokehLineSum(BOKEH_ARGUMENT(T2Samp), uv,
+        float4 sum = BokehExactWeight(2, polygon) * BokehLineSum(BOKEH_ARGUMENT(Edge2Samp), uv,
             BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
         if (polygon.sides > 4)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(BOKEH_SHARED(T3Samp, T2Samp),
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(BOKEH_SHARED(Edge3Samp, Edge2Samp),
                 uv, BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(BOKEH_SHARED(T4Samp, T2Samp),
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(BOKEH_SHARED(Edge4Samp, Edge2Samp),
                 uv, BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(BOKEH_SHARED(T5Samp, T2Samp),
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(BOKEH_SHARED(Edge5Samp, Edge2Samp),
                 uv, BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
@@ -1348,11 +1356,11 @@ float4 BokehChannelSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEX
 }
 
 // Exact: second pass, the finished polygon
-//   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
-//                     any of them for the rest: it is not read.
+//   Edge2Samp ..  what the first pass wrote; linear filter, clamp. Where there are fewer, pass any
+//                 of them for the rest: it is not read.
 //   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
-float4 BokehExactSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
-    BOKEH_TEXELS(T5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings)
+float4 BokehExactSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp), BOKEH_TEXELS(Edge4Samp),
+    BOKEH_TEXELS(Edge5Samp), float2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     float4 result;
     if (BOKEH_CHARACTER > 1)
@@ -1362,15 +1370,15 @@ float4 BokehExactSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXEL
         {
             float4 mask = BokehChannelMask(channel);
             float shift = dot(mask.rb, polygon.axial);
-            float4 one = BokehChannelSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv,
-                polygon, settings, shift);
+            float4 one = BokehChannelSecond(BOKEH_ARGUMENT(Edge2Samp), Edge3Samp, Edge4Samp,
+                Edge5Samp, uv, polygon, settings, shift);
             result += one * mask;
         }
     }
     else
     {
-        result = BokehChannelSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon,
-            settings, 0.0);
+        result = BokehChannelSecond(BOKEH_ARGUMENT(Edge2Samp), Edge3Samp, Edge4Samp, Edge5Samp, uv,
+            polygon, settings, 0.0);
     }
     return result;
 }
@@ -1404,8 +1412,8 @@ float4 BokehChannelEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon p
 }
 
 // Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+//   Call it for k = 2 .. sides / 2: it makes that target from the lines along edges 1 .. k - 1,
+//   as BokehExactFirst does. For a hexagon that is one line more than with two targets.
 float4 BokehExactEdge(BOKEH_TEXTURE(MapSamp), float2 uv, int k, BokehPolygon polygon,
     BokehFilter settings)
 {

@@ -15,32 +15,32 @@
 //   blending off. RGBA16F; what uses two channels may be RG16F.
 //   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
 //
-//   function      size  reads                              writes
-//   LayerTiles    1/8   map                                largest near and far CoC, light level
-//   LayerReach    1/8   Tiles; then itself                 the same of the tiles that reach here
-//   LayerSplit    1/2   map, Reach                         T2 near layer, T3 far layer, T4 sums,
-//                                                          T5 leftovers (RG)
-//   LayerKernels  1/8   sums, leftovers                    T2 leftovers (RG), T3 sums of a tile
-//   LayerSpread   1/8   both, Reach                        the same, spread along rows
-//   LayerSizes    1/8   both, Reach                        T2 Reach and leftovers, T3 CoC of the
-//                                                          layers (RG)
-//   LayerHoles    1/4   map, Reach                         T2 middle, T3 far, T4 shares (RG)
-//   LayerFill     1/4   middle, far, shares, Reach         T2 middle, T3 far, without holes
-//   LayerFirst    1/2   a layer, CoC of the layers         exact polygon, first pass
-//   LayerSecond   1/2   what that wrote, CoC of the layers exact polygon, second pass
-//   Layered       1     map, T2 of Sizes, both layers,     the picture
-//                       both of Fill
+//   function        size  reads                             writes
+//   TileMax         1/8   map                               largest near and far CoC, light level
+//   TileDilate      1/8   TileMax; then itself              the same of all tiles that reach here
+//   Prefilter       1/2   map, tiles                        nearLayer, farLayer, kernelSums,
+//                                                           leftovers (RG)
+//   KernelReduce    1/8   kernelSums, leftovers             leftovers (RG), sums: of a tile
+//   KernelRows      1/8   both, tiles                       the same of the tiles in its row
+//   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
+//                                                           CoC of the layers
+//   HoleDownsample  1/4   map, tiles                        middle, far, shares (RG)
+//   HoleFill        1/4   middle, far, shares, tiles        middle, back: without holes
+//   LayerFirst      1/2   a layer, sizes                    exact polygon, first pass
+//   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
+//   Composite       1     map, reach, both layers,          the picture
+//                         middle, back
 //
-//   LayerReach and the two after it run twice: LayerReach along rows, then along columns; First and
-//   Second for the near layer, then for the far one.
+//   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
+//   layer, then for the far one.
 //
 // CONTENTS
-//   [10] layers: BokehMakeLayers, BokehLayerTiles, BokehLayerReach, BokehLayerSplit,
-//        BokehLayerKernels, BokehLayerSpread, BokehLayerSizes
-//   [11] holes: BokehLayerHoles, BokehLayerFill
+//   [10] layers: BokehMakeLayers, BokehTileMax, BokehTileDilate, BokehPrefilter,
+//        BokehKernelReduce, BokehKernelRows, BokehKernelColumns
+//   [11] holes: BokehHoleDownsample, BokehHoleFill
 //   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
-//        BokehLayerEdge, BokehPickTarget
-//   [13] the picture: BokehLayered
+//        BokehLayerEdge
+//   [13] the picture: BokehComposite
 
 // -------------------------------------------------------------------------------------------------
 // [10] layers
@@ -50,6 +50,9 @@
 //   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
 //   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: darker pixels do
+//                                              not lower the level of light; far below what the
+//                                              exposure shows
 //
 //   Presets: define one before both files; in WGSL set the three constants.
 //
@@ -90,6 +93,9 @@
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+#ifndef BOKEH_MIN_LEVEL
+#define BOKEH_MIN_LEVEL 0.00001
 #endif
 
 // Layers: where the image lies in textures of one size, all in their texels
@@ -208,18 +214,24 @@ float BokehLayerSlope(float largest, float none, float whole)
 }
 
 // Layers: the slope of the near layer
+//   It sets in from 6 to 12 pixels. From 3 to 6, or 12 to 24, canopy_12 is worse (FLIP .138 for
+//   .135): the gather is at full size, and has too few samples for more.
 float BokehNearSlope(float largest)
 {
     return BokehLayerSlope(largest, 6.0, 12.0);
 }
 
 // Layers: the slope of the far layer
+//   It sets in from 10 to 16 pixels. From 5 to 8 the half size shows (canopy_12: .147 for .135);
+//   from 20 to 32 no scene is worse, but the gather has to reach farther.
 float BokehFarSlope(float largest)
 {
     return BokehLayerSlope(largest, 10.0, 16.0);
 }
 
 // Layers: how much of a pixel is in a layer: none up to 0.4 of the largest CoC around, all from 0.6
+//   From 0.2 to 0.4, what is half as near is blurred as the nearest (market_7: FLIP .184 for .180);
+//   from 0.6 to 0.8, more of it is left to the gather, and grainy (.181).
 //   CoC           pixels: -s for the near layer, s for the far one
 float BokehLayerShare(float CoC, float slope)
 {
@@ -230,18 +242,18 @@ float BokehLayerShare(float CoC, float slope)
 //   The level is the mean of the logarithm: later passes compare brightness with it, so that the
 //   picture does not depend on exposure.
 //   returns       r = near, g = far, both >= 0, pixels; b = level
-float4 BokehLayerTiles(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
+float4 BokehTileMax(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
 {
     float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + float2(0.5, 0.5);
     float3 found = float3(0.0, 0.0, 0.0);
-    BOKEH_LOOP for (int y = 0; y < 8; y++)
+    for (int y = 0; y < 8; y++)
     {
-        BOKEH_LOOP for (int x = 0; x < 8; x++)
+        for (int x = 0; x < 8; x++)
         {
             float2 place = first + float2(float(x), float(y));
             float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, layers.full);
             float s = pixel.a * layers.full.size.y;
-            float level = log2(max(BokehBrightest(pixel.rgb), 0.00001));
+            float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
             found = float3(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
@@ -266,9 +278,9 @@ float BokehReachTiles(BokehLayers layers)
 }
 
 // Layers: the largest CoC that reach a tile; along rows first, then along columns
-//   TilesSamp     from BokehLayerTiles, then from here
+//   TilesSamp     from BokehTileMax, then from here
 //   axis          (1, 0), then (0, 1)
-float4 BokehLayerReach(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLayers layers)
+float4 BokehTileDilate(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     float radius = BokehReachTiles(layers);
@@ -291,16 +303,28 @@ float4 BokehLayerReach(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLa
 
 // Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
 //   brightness    in units of the level around
-float BokehBlurWeight(float brightness)
+//   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
+//                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
+//                 subnormal half either, which some GPUs flush to 0.
+float BokehBlurWeight(float brightness, float heaviest)
 {
-    return min(0.01 + brightness, 10000.0);
+    return min(0.01 + brightness, heaviest);
 }
 
+// Layers: what BokehPrefilter writes
+//   nearLayer, farLayer  rgb times share, share
+//   kernelSums    for the mean CoC of both layers: CoC / 8 times weight, weight
+//   leftovers     rg = largest near and far CoC that is not wholly in its layer, pixels
+struct BokehPrefiltered
+{
+    float4 nearLayer;
+    float4 farLayer;
+    float4 kernelSums;
+    float4 leftovers;
+};
+
 // Layers: near and far layer at half size, and what is known of their CoC
-//   returns       T2, T3 = near and far layer: rgb times share, share
-//                 T4 = sums for the mean CoC of both: CoC / 128 times weight, weight
-//                 T5.rg = largest near and far CoC that is not wholly in its layer, pixels
-BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
     BokehLayers layers)
 {
     BokehGrid full = layers.full;
@@ -310,23 +334,24 @@ BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
+    float heaviest = 500000.0 / max(layers.largest, 50.0);
     float4 near = float4(0.0, 0.0, 0.0, 0.0);
     float4 far = float4(0.0, 0.0, 0.0, 0.0);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
     float2 left = float2(0.0, 0.0);
     float largestShare = 0.0;
-    BOKEH_LOOP for (int y = 0; y < 2; y++)
+    for (int y = 0; y < 2; y++)
     {
-        BOKEH_LOOP for (int x = 0; x < 2; x++)
+        for (int x = 0; x < 2; x++)
         {
             float2 place = middle + float2(float(x) - 0.5, float(y) - 0.5);
             float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
             float s = pixel.a * full.size.y;
             float nearShare = BokehLayerShare(-s, nearSlope);
             float farShare = BokehLayerShare(s, farSlope);
-            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit);
+            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit, heaviest);
             far += float4(pixel.rgb, 1.0) * farShare;
-            sums += float4(0.0, 0.0, weight * s / 128.0, weight);
+            sums += float4(0.0, 0.0, weight * s / 8.0, weight);
             left = max(left, float2(-s, s) * min(float2(4.0 - 4.0 * nearShare, 4.0 - 4.0 *
                 farShare), float2(1.0, 1.0)));
             largestShare = max(largestShare, nearShare);
@@ -338,9 +363,9 @@ BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
         // brighter, no near pixel stays brighter than the darkest one around
         float behind = 0.0;
         float3 darkest = float3(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
-        BOKEH_LOOP for (int y = 0; y < 4; y++)
+        for (int y = 0; y < 4; y++)
         {
-            BOKEH_LOOP for (int x = 0; x < 4; x++)
+            for (int x = 0; x < 4; x++)
             {
                 float2 place = middle + float2(float(x) - 1.5, float(y) - 1.5);
                 float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
@@ -356,9 +381,9 @@ BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
             }
         }
         float limit = BokehBrightest(darkest);
-        BOKEH_LOOP for (int row = 0; row < 2; row++)
+        for (int row = 0; row < 2; row++)
         {
-            BOKEH_LOOP for (int column = 0; column < 2; column++)
+            for (int column = 0; column < 2; column++)
             {
                 float2 place = middle + float2(float(column) - 0.5, float(row) - 0.5);
                 float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
@@ -375,56 +400,62 @@ BokehTargets BokehLayerSplit(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
                         nearShare *= (behind - brightest) / (behind - limit);
                     }
                 }
-                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit);
+                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit, heaviest);
                 near += float4(color, 1.0) * nearShare;
-                sums += float4(-weight * s / 128.0, weight, 0.0, 0.0);
+                sums += float4(-weight * s / 8.0, weight, 0.0, 0.0);
             }
         }
     }
-    BokehTargets targets;
-    targets.T2 = near * 0.25;
-    targets.T3 = far * 0.25;
+    BokehPrefiltered targets;
+    targets.nearLayer = near * 0.25;
+    targets.farLayer = far * 0.25;
     float most = BOKEH_MAX_COLOR;
-    targets.T4 = min(sums * 0.25, float4(most, most, most, most));
-    targets.T5 = float4(min(left, float2(most, most)), 0.0, 1.0);
+    targets.kernelSums = min(sums * 0.25, float4(most, most, most, most));
+    targets.leftovers = float4(min(left, float2(most, most)), 0.0, 1.0);
     return targets;
 }
 
-// Layers: T4 and T5 of BokehLayerSplit for each tile
-//   returns       T2.rg = the largest leftovers, T3 = the mean of the sums
-BokehTargets BokehLayerKernels(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), float2 uv,
+// Layers: what is known of the CoC of a tile, and of those around
+//   leftovers     rg = the largest
+//   sums          the mean of kernelSums
+struct BokehKernels
+{
+    float4 leftovers;
+    float4 sums;
+};
+
+// Layers: kernelSums and leftovers of BokehPrefilter for each tile
+BokehKernels BokehKernelReduce(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), float2 uv,
     BokehLayers layers)
 {
     BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
     float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + float2(0.5, 0.5);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
     float2 left = float2(0.0, 0.0);
-    BOKEH_LOOP for (int y = 0; y < 4; y++)
+    for (int y = 0; y < 4; y++)
     {
-        BOKEH_LOOP for (int x = 0; x < 4; x++)
+        for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
             sums += BokehFetchGrid(BOKEH_ARGUMENT(SumsSamp), place, halves);
             left = max(left, BokehFetchGrid(BOKEH_SHARED(LeftSamp, SumsSamp), place, halves).rg);
         }
     }
-    BokehTargets targets;
-    targets.T2 = float4(left, 0.0, 1.0);
-    targets.T3 = sums / 16.0;
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
+    BokehKernels targets;
+    targets.leftovers = float4(left, 0.0, 1.0);
+    targets.sums = sums / 16.0;
     return targets;
 }
 
-// Layers: leftovers and sums of the tiles around, along one axis
-//   LeftSamp, SumsSamp  T2 and T3 of BokehLayerKernels, then of this
-//   returns       T2.rg = the largest leftovers that reach here; T3 = mean of the sums, by a
-//                 Gaussian as wide as the CoC that reach here
-BokehTargets BokehLayerSpread(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
+// Layers: BokehKernelRows along any axis
+//   axis          (1, 0) or (0, 1)
+BokehKernels BokehKernelAlong(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
     BOKEH_TEXELS(ReachSamp), float2 uv, float2 axis, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
+    // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
+    // .180), half as wide, the kernel changes within one light
     float2 sigma = max(reach * 0.0375, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
@@ -445,37 +476,56 @@ BokehTargets BokehLayerSpread(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
             abs(tiles)));
         total += weight;
     }
-    BokehTargets targets;
-    targets.T2 = float4(left, 0.0, 1.0);
-    targets.T3 = sums / float4(total.x, total.x, total.y, total.y);
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
+    BokehKernels targets;
+    targets.leftovers = float4(left, 0.0, 1.0);
+    targets.sums = sums / float4(total.x, total.x, total.y, total.y);
     return targets;
 }
 
-// Layers: BokehLayerSpread along columns, and the CoC that the layers are blurred by
+// Layers: leftovers and sums of the tiles around, along rows
+//   LeftSamp, SumsSamp  what BokehKernelReduce wrote
+//   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
+//                 as the CoC that reach here
+BokehKernels BokehKernelRows(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
+    BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+{
+    return BokehKernelAlong(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv, float2(1.0, 0.0),
+        layers);
+}
+
+// Layers: what BokehKernelColumns writes
+//   reach         near and far CoC that reach here, near and far leftovers that do; pixels
+//   sizes         rg = CoC that the near and the far layer are blurred by, 0 where there is none;
+//                 pixels
+struct BokehSizes
+{
+    float4 reach;
+    float4 sizes;
+};
+
+// Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
-//   returns       T2 = near and far CoC that reach here, near and far leftovers that do;
-//                 T3.rg = CoC of the near and of the far layer, 0 where there is none; pixels
-BokehTargets BokehLayerSizes(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
+//   LeftSamp, SumsSamp  what BokehKernelRows wrote
+BokehSizes BokehKernelColumns(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
     BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
     float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
-    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv,
+    BokehKernels kernels = BokehKernelAlong(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv,
         float2(0.0, 1.0), layers);
-    float4 sums = targets.T3;
+    float4 sums = kernels.sums;
     float2 sizes = float2(0.0, 0.0);
     if (sums.g > 0.0001 && reach.r > 6.0)
     {
-        sizes = float2(128.0 * sums.r / sums.g, 0.0);
+        sizes = float2(8.0 * sums.r / sums.g, 0.0);
     }
     if (sums.a > 0.0001 && reach.g > 10.0)
     {
-        sizes = float2(sizes.x, 128.0 * sums.b / sums.a);
+        sizes = float2(sizes.x, 8.0 * sums.b / sums.a);
     }
-    targets.T2 = float4(reach, targets.T2.rg);
-    targets.T3 = float4(sizes, 0.0, 1.0);
+    BokehSizes targets;
+    targets.reach = float4(reach, kernels.leftovers.rg);
+    targets.sizes = float4(sizes, 0.0, 1.0);
     return targets;
 }
 
@@ -483,11 +533,19 @@ BokehTargets BokehLayerSizes(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
 // [11] holes: what the near layer hides
 // -------------------------------------------------------------------------------------------------
 
+// Layers: what BokehHoleDownsample writes
+//   middle, far   what is between the layers, and the far layer: rgb times weight, weight
+//   shares        rg = shares of the two, unweighted
+struct BokehHoles
+{
+    float4 middle;
+    float4 far;
+    float4 shares;
+};
+
 // Layers: what is not near, at quarter size, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-//   returns       T2 = what is between the layers, T3 = the far layer: rgb times weight, weight;
-//                 T4.rg = shares of the two, unweighted
-BokehTargets BokehLayerHoles(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
+BokehHoles BokehHoleDownsample(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
     BokehLayers layers)
 {
     BokehGrid full = layers.full;
@@ -501,9 +559,9 @@ BokehTargets BokehLayerHoles(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
     float4 middle = float4(0.0, 0.0, 0.0, 0.0);
     float4 far = float4(0.0, 0.0, 0.0, 0.0);
     float2 shares = float2(0.0, 0.0);
-    BOKEH_LOOP for (int y = 0; y < 4; y++)
+    for (int y = 0; y < 4; y++)
     {
-        BOKEH_LOOP for (int x = 0; x < 4; x++)
+        for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
             float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
@@ -518,11 +576,10 @@ BokehTargets BokehLayerHoles(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), fl
             shares += float2(1.0 - farShare, farShare) * notNear;
         }
     }
-    BokehTargets targets;
-    targets.T2 = middle / 16.0;
-    targets.T3 = far / 16.0;
-    targets.T4 = float4(shares / 16.0, 0.0, 1.0);
-    targets.T5 = targets.T4;
+    BokehHoles targets;
+    targets.middle = middle / 16.0;
+    targets.far = far / 16.0;
+    targets.shares = float4(shares / 16.0, 0.0, 1.0);
     return targets;
 }
 
@@ -535,7 +592,7 @@ float2 BokehFirstCorner(BokehPolygon polygon)
     {
         // the last edge, less the others
         float2 sum = BokehEdgeVector(polygon.sides / 2, polygon);
-        BOKEH_LOOP for (int i = 1; i < polygon.sides / 2; i++)
+        for (int i = 1; i < polygon.sides / 2; i++)
         {
             sum -= BokehEdgeVector(i, polygon);
         }
@@ -588,7 +645,7 @@ float BokehEdgeShare(float2 corner, float2 nextCorner, BokehPolygon polygon)
     if (BOKEH_CHARACTER > 0)
     {
         float area = 0.0;
-        BOKEH_LOOP for (int k = 2; k <= polygon.sides / 2; k++)
+        for (int k = 2; k <= polygon.sides / 2; k++)
         {
             area += BokehExactWeight(k, polygon);
         }
@@ -598,17 +655,26 @@ float BokehEdgeShare(float2 corner, float2 nextCorner, BokehPolygon polygon)
     return share;
 }
 
-// Layers: how many samples of a ring are on each edge of the polygon; about 6 a ring and ring
+// Layers: how many samples of a ring are on each edge of the polygon
+//   6 on the first ring, 12 on the second and so on, shared out among the sides: all rings are
+//   sampled as densely. A polygon of more sides than that has one a side.
 int BokehOnEdge(int ring, BokehPolygon polygon)
 {
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
+// Layers: what BokehHoleFill writes
+//   middle        what is between the layers; a = its share in what is around
+//   back          the far layer
+struct BokehFilled
+{
+    float4 middle;
+    float4 back;
+};
+
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp, SharesSamp  T2, T3, T4 of BokehLayerHoles
-//   returns       T2 = what is between the layers, a = its share in what is around; T3 = the far
-//                 layer
-BokehTargets BokehLayerFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
+//   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
+BokehFilled BokehHoleFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
     BOKEH_TEXELS(SharesSamp), BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
@@ -621,7 +687,7 @@ BokehTargets BokehLayerFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
     float4 middle = BokehFetchGrid(BOKEH_ARGUMENT(MiddleSamp), center, grid);
     float4 far = BokehFetchGrid(BOKEH_SHARED(FarSamp, MiddleSamp), center, grid);
     float2 shares = BokehFetchGrid(BOKEH_SHARED(SharesSamp, MiddleSamp), center, grid).rg;
-    BOKEH_LOOP for (int ring = 1; ring < 3; ring++)
+    for (int ring = 1; ring < 3; ring++)
     {
         // no near layer, no holes
         if (reach < 6.0)
@@ -650,19 +716,17 @@ BokehTargets BokehLayerFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
     }
     float3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
     float share = shares.r / max(shares.r + shares.g, 0.000001);
-    BokehTargets targets;
-    targets.T2 = float4(both, share);
-    targets.T3 = float4(both, 1.0);
+    BokehFilled targets;
+    targets.middle = float4(both, share);
+    targets.back = float4(both, 1.0);
     if (middle.a > 0.000001)
     {
-        targets.T2 = float4(middle.rgb / middle.a, share);
+        targets.middle = float4(middle.rgb / middle.a, share);
     }
     if (far.a > 0.000001)
     {
-        targets.T3 = float4(far.rgb / far.a, 1.0);
+        targets.back = float4(far.rgb / far.a, 1.0);
     }
-    targets.T4 = targets.T2;
-    targets.T5 = targets.T2;
     return targets;
 }
 
@@ -697,7 +761,9 @@ float4 BokehLayerLine(BOKEH_TEXTURE(LayerSamp), float2 center, float4 segment, f
 }
 
 // Layers: the CoC that a layer is blurred by, texels of the half size
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves; so much less is left to do.
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
+//   (street_11: .044 for .041).
 //   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
 float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLayers layers)
 {
@@ -713,7 +779,7 @@ float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLa
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
-//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; those from k on have no effect
+//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; only those before edge k count
 float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float4 L3, float4 L4)
 {
     float angle = 6.28318531 / float(polygon.sides);
@@ -732,8 +798,8 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 }
 
 // Layers: first pass over a layer
-//   LayerSamp     T2 or T3 of BokehLayerSplit
-//   SizesSamp     T3 of BokehLayerSizes
+//   LayerSamp     nearLayer or farLayer of BokehPrefilter
+//   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
 //   returns       as BokehExactFirst
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 uv,
@@ -743,10 +809,10 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
     float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
     float4 none = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    targets.T2 = none;
-    targets.T3 = none;
-    targets.T4 = none;
-    targets.T5 = none;
+    targets.edge2 = none;
+    targets.edge3 = none;
+    targets.edge4 = none;
+    targets.edge5 = none;
     float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
     if (CoC > 0.5)
     {
@@ -754,73 +820,73 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
         float4 L3 = none;
         float4 L1 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
             BokehPolygonEdge(1, polygon, false), CoC, layers);
-        targets.T2 = L1;
+        targets.edge2 = L1;
         if (polygon.sides > 4)
         {
             L2 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(2, polygon, false), CoC, layers);
-            targets.T3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
+            targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
         }
         if (polygon.sides > 6)
         {
             L3 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(3, polygon, false), CoC, layers);
-            targets.T4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
+            targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
         }
         if (polygon.sides > 8)
         {
             float4 L4 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
                 BokehPolygonEdge(4, polygon, false), CoC, layers);
-            targets.T5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+            targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
         }
     }
     else
     {
-        targets.T2 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
+        targets.edge2 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
             BokehReducedGrid(layers.full, 2.0));
-        targets.T3 = targets.T2;
-        targets.T4 = targets.T2;
-        targets.T5 = targets.T2;
+        targets.edge3 = targets.edge2;
+        targets.edge4 = targets.edge2;
+        targets.edge5 = targets.edge2;
     }
     return targets;
 }
 
 // Layers: second pass: the finished layer
-//   T2Samp .. T5Samp  what the first pass wrote; where there are fewer, pass any of them for the
-//                     rest: it is not read
-//   SizesSamp     T3 of BokehLayerSizes
+//   Edge2Samp ..  what the first pass wrote; where there are fewer, pass any of them for the
+//                 rest: it is not read
+//   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
 //   returns       rgb times share, share
-float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
-    BOKEH_TEXELS(T5Samp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar, BokehLayers layers)
+float4 BokehLayerSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp), BOKEH_TEXELS(Edge4Samp),
+    BOKEH_TEXELS(Edge5Samp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar, BokehLayers layers)
 {
     BokehPolygon polygon = layers.polygon;
     float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, T2Samp), center, isFar, layers);
+    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, Edge2Samp), center, isFar, layers);
     if (CoC > 0.5)
     {
         float total = BokehExactWeight(2, polygon);
-        float4 sum = total * BokehLayerLine(BOKEH_ARGUMENT(T2Samp), center,
+        float4 sum = total * BokehLayerLine(BOKEH_ARGUMENT(Edge2Samp), center,
             BokehPolygonEdge(2, polygon, true), CoC, layers);
         if (polygon.sides > 4)
         {
             float weight = BokehExactWeight(3, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(T3Samp, T2Samp), center,
+            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge3Samp, Edge2Samp), center,
                 BokehPolygonEdge(3, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 6)
         {
             float weight = BokehExactWeight(4, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(T4Samp, T2Samp), center,
+            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge4Samp, Edge2Samp), center,
                 BokehPolygonEdge(4, polygon, true), CoC, layers);
             total += weight;
         }
         if (polygon.sides > 8)
         {
             float weight = BokehExactWeight(5, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(T5Samp, T2Samp), center,
+            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge5Samp, Edge2Samp), center,
                 BokehPolygonEdge(5, polygon, true), CoC, layers);
             total += weight;
         }
@@ -828,7 +894,8 @@ float4 BokehLayerSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXEL
     }
     else
     {
-        result = BokehFetchGrid(BOKEH_ARGUMENT(T2Samp), center, BokehReducedGrid(layers.full, 2.0));
+        result = BokehFetchGrid(BOKEH_ARGUMENT(Edge2Samp), center, BokehReducedGrid(layers.full,
+            2.0));
     }
     return result;
 }
@@ -866,25 +933,6 @@ float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 
             BokehReducedGrid(layers.full, 2.0));
     }
     return result;
-}
-
-// Layers: target Tk of several, where a pass can write only one: call the pass once for each
-float4 BokehPickTarget(BokehTargets targets, int k)
-{
-    float4 picked = targets.T2;
-    if (k == 3)
-    {
-        picked = targets.T3;
-    }
-    else if (k == 4)
-    {
-        picked = targets.T4;
-    }
-    else if (k == 5)
-    {
-        picked = targets.T5;
-    }
-    return picked;
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -955,11 +1003,11 @@ float BokehRingRadius(int ring, float radius, float power)
 //   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
 //   over it and behind it.
 //   MapSamp       from BokehSignedCoCMap
-//   TilesSamp     T2 of BokehLayerSizes
+//   TilesSamp     reach of BokehKernelColumns
 //   NearSamp, FarSamp     from BokehLayerSecond
-//   MiddleSamp, BackSamp  T2 and T3 of BokehLayerFill
+//   MiddleSamp, BackSamp  what BokehHoleFill wrote
 //   returns       rgb = the picture, a = signed CoC of this pixel
-float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXELS(NearSamp),
+float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXELS(NearSamp),
     BOKEH_TEXELS(FarSamp), BOKEH_TEXELS(MiddleSamp), BOKEH_TEXELS(BackSamp), float2 uv,
     BokehLayers layers)
 {
@@ -987,7 +1035,7 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
 
         // the gather reaches as far as what is in no layer
         float ownRadius = BokehSpreadRadius(s);
-        float restRadius = ownRadius * min(16.0 - 16.0 * farShare, 1.0) * (1.0 - nearShare);
+        float restRadius = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare);
         float radius = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
         if (near.a > 0.998)
         {
@@ -1045,7 +1093,7 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
                     float2 texel = floor(offset);
                     offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
                         float2(0.0, 0.0), float2(1.0, 1.0));
-                    BOKEH_LOOP for (int side = 0; side < 2; side++)
+                    for (int side = 0; side < 2; side++)
                     {
                         float4 pixel = BokehFetchAround(BOKEH_ARGUMENT(MapSamp), uv, offset, full);
                         float isBehind = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
@@ -1079,7 +1127,7 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
             float4 middle = BokehFetchGrid(BOKEH_SHARED(MiddleSamp, MapSamp), 0.25 * center,
                 quarters);
             float4 back = BokehFetchGrid(BOKEH_SHARED(BackSamp, MapSamp), 0.25 * center, quarters);
-            float empty = 1.0 - min(sum.a, 1.0);
+            float empty = clamp(1.0 - sum.a, 0.0, 1.0);
             float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
             float farAlpha = min(far.a, 1.0);
             float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
@@ -1093,7 +1141,9 @@ float4 BokehLayered(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXEL
             }
             result += (stack - result) * nearShare;
         }
-        float alpha = min(near.a * 1.002, 1.0);
+        // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
+        // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
+        float alpha = clamp(near.a * 1.002, 0.0, 1.0);
         result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
     }
     return float4(result, centerPixel.a);

@@ -23,21 +23,21 @@
 //   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
 //   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehExactEdge_PS           ColorSamp                         one target of the first pass
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
 //
 //   Layers, with bokeh_layers.hlsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BokehLayerTiles_PS          ColorSamp                         largest CoC of 8 x 8 pixels
-//   BokehLayerReach_PS          ColorSamp                         twice: BokehAxis 0, 1
-//   BokehLayerSplit_PS          ColorSamp, ColorSampB             4 targets
-//   BokehLayerKernels_PS        ColorSamp, ColorSampB             2 targets
-//   BokehLayerSpread_PS         ColorSamp, ColorSampB .. C        2 targets
-//   BokehLayerSizes_PS          ColorSamp, ColorSampB .. C        2 targets
-//   BokehLayerHoles_PS          ColorSamp, ColorSampB             3 targets
-//   BokehLayerFill_PS           ColorSamp, ColorSampB .. D        2 targets
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BokehTileMax_PS             ColorSamp                         largest CoC of 8 x 8 pixels
+//   BokehTileDilate_PS          ColorSamp                         twice: BokehAxis 0, 1
+//   BokehPrefilter_PS           ColorSamp, ColorSampB             4 targets
+//   BokehKernelReduce_PS        ColorSamp, ColorSampB             2 targets
+//   BokehKernelRows_PS          ColorSamp, ColorSampB .. C        2 targets
+//   BokehKernelColumns_PS       ColorSamp, ColorSampB .. C        2 targets
+//   BokehHoleDownsample_PS      ColorSamp, ColorSampB             3 targets
+//   BokehHoleFill_PS            ColorSamp, ColorSampB .. D        2 targets
 //   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
 //   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
 //   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
@@ -46,13 +46,13 @@
 //   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
 //   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
 //   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
-//   BokehLayered_PS             ColorSamp, ColorSampB .. F        the picture
-//   BokehLayerSplitOne_PS       ColorSamp, ColorSampB             T(BokehEdge) of LayerSplit
-//   BokehLayerKernelsOne_PS     ColorSamp, ColorSampB             of LayerKernels
-//   BokehLayerSpreadOne_PS      ColorSamp, ColorSampB .. C        of LayerSpread
-//   BokehLayerSizesOne_PS       ColorSamp, ColorSampB .. C        of LayerSizes
-//   BokehLayerHolesOne_PS       ColorSamp, ColorSampB             of LayerHoles
-//   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
+//   BokehComposite_PS           ColorSamp, ColorSampB .. F        the picture
+//   BokehPrefilterOne_PS        ColorSamp, ColorSampB             one target of Prefilter
+//   BokehKernelReduceOne_PS     ColorSamp, ColorSampB             of KernelReduce
+//   BokehKernelRowsOne_PS       ColorSamp, ColorSampB .. C        of KernelRows
+//   BokehKernelColumnsOne_PS    ColorSamp, ColorSampB .. C        of KernelColumns
+//   BokehHoleDownsampleOne_PS   ColorSamp, ColorSampB             of HoleDownsample
+//   BokehHoleFillOne_PS         ColorSamp, ColorSampB .. D        of HoleFill
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
@@ -65,6 +65,11 @@
 #endif
 #ifdef BOKEH_INCLUDE_LAYERS
 #include "bokeh_layers.hlsl"
+#endif
+
+// ...One and ...Edge: the target that is written, 0 ..
+#ifndef BOKEH_TARGET_INDEX
+#define BOKEH_TARGET_INDEX 0
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -132,22 +137,21 @@ BOKEH_PARAMETER(float, BokehImageHeight, 20)
 BOKEH_PARAMETER(float, BokehJitter, 21)
 BOKEH_PARAMETER(float, BokehFrame, 22)
 BOKEH_PARAMETER(float, BokehSides, 23)
-BOKEH_PARAMETER(float, BokehEdge, 24)
-BOKEH_PARAMETER(float, BokehDepthKind, 25)
-BOKEH_PARAMETER(float, BokehNear, 26)
-BOKEH_PARAMETER(float, BokehFar, 27)
-BOKEH_PARAMETER(float, BokehViewportX, 28)
-BOKEH_PARAMETER(float, BokehViewportY, 29)
-BOKEH_PARAMETER(float, BokehTextureWidth, 30)
-BOKEH_PARAMETER(float, BokehTextureHeight, 31)
-BOKEH_PARAMETER(float, BokehPassIndex, 32)
-BOKEH_PARAMETER(float, BokehAxis, 33)
-BOKEH_PARAMETER(float, BokehLayer, 34)
-BOKEH_PARAMETER(float, BokehCatsEye, 35)
-BOKEH_PARAMETER(float, BokehRoundness, 36)
-BOKEH_PARAMETER(float, BokehLateral, 37)
-BOKEH_PARAMETER(float, BokehAxialRed, 38)
-BOKEH_PARAMETER(float, BokehAxialBlue, 39)
+BOKEH_PARAMETER(float, BokehDepthKind, 24)
+BOKEH_PARAMETER(float, BokehNear, 25)
+BOKEH_PARAMETER(float, BokehFar, 26)
+BOKEH_PARAMETER(float, BokehViewportX, 27)
+BOKEH_PARAMETER(float, BokehViewportY, 28)
+BOKEH_PARAMETER(float, BokehTextureWidth, 29)
+BOKEH_PARAMETER(float, BokehTextureHeight, 30)
+BOKEH_PARAMETER(float, BokehPassIndex, 31)
+BOKEH_PARAMETER(float, BokehAxis, 32)
+BOKEH_PARAMETER(float, BokehLayer, 33)
+BOKEH_PARAMETER(float, BokehCatsEye, 34)
+BOKEH_PARAMETER(float, BokehRoundness, 35)
+BOKEH_PARAMETER(float, BokehLateral, 36)
+BOKEH_PARAMETER(float, BokehAxialRed, 37)
+BOKEH_PARAMETER(float, BokehAxialBlue, 38)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -233,6 +237,17 @@ float4 BokehAdaptiveLine(float2 uv)
         settings, BokehBlurCoC > 0.5);
 }
 
+// BokehSides; a parameter that nobody has set is a hexagon
+int BokehSidesOrSix()
+{
+    int sides = int(BokehSides + 0.5);
+    if (sides == 0)
+    {
+        sides = 6;
+    }
+    return sides;
+}
+
 // the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
 BokehPolygon BokehAperture(float2 uv, int sides)
 {
@@ -258,12 +273,32 @@ BokehTargets BokehFirst(float2 uv, int sides)
 }
 
 // exact, second pass
-float4 BokehSecond(BOKEH_TEXTURE(T2Samp), BOKEH_TEXELS(T3Samp), BOKEH_TEXELS(T4Samp),
-    BOKEH_TEXELS(T5Samp), float2 uv, int sides)
+float4 BokehSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp), BOKEH_TEXELS(Edge4Samp),
+    BOKEH_TEXELS(Edge5Samp), float2 uv, int sides)
 {
     BokehFilter settings = BokehBegin(uv, 1.0);
     BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactSecond(BOKEH_ARGUMENT(T2Samp), T3Samp, T4Samp, T5Samp, uv, polygon, settings);
+    return BokehExactSecond(BOKEH_ARGUMENT(Edge2Samp), Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon,
+        settings);
+}
+
+// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+float4 BokehPickTarget(float4 first, float4 second, float4 third, float4 fourth)
+{
+    float4 picked = first;
+    if (BOKEH_TARGET_INDEX == 1)
+    {
+        picked = second;
+    }
+    else if (BOKEH_TARGET_INDEX == 2)
+    {
+        picked = third;
+    }
+    else if (BOKEH_TARGET_INDEX == 3)
+    {
+        picked = fourth;
+    }
+    return picked;
 }
 
 #ifdef BOKEH_LAYERS
@@ -375,7 +410,7 @@ float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 {
-    target0 = BokehFirst(uv, 4).T2;
+    target0 = BokehFirst(uv, 4).edge2;
 }
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -388,8 +423,8 @@ void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
     BokehTargets targets = BokehFirst(uv, 6);
-    target0 = targets.T2;
-    target1 = targets.T3;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
 }
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -402,9 +437,9 @@ void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
     BokehTargets targets = BokehFirst(uv, 8);
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
 }
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -418,10 +453,10 @@ void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target3 : BOKEH_TARGET(3))
 {
     BokehTargets targets = BokehFirst(uv, 10);
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
-    target3 = targets.T5;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
+    target3 = targets.edge5;
 }
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -433,8 +468,8 @@ float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehAperture(uv, int(BokehSides + 0.5));
-    return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, int(BokehEdge + 0.5), polygon,
+    BokehPolygon polygon = BokehAperture(uv, BokehSidesOrSix());
+    return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, BOKEH_TARGET_INDEX + 2, polygon,
         settings);
 }
 
@@ -468,79 +503,79 @@ float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 #ifdef BOKEH_LAYERS
 
-float4 BokehLayerTiles_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehTileMax_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerTiles(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehBeginTiles(uv));
+    return BokehTileMax(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehBeginTiles(uv));
 }
 
-float4 BokehLayerReach_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 axis = float2(1.0 - BokehAxis, BokehAxis);
-    return BokehLayerReach(BOKEH_ARGUMENT(BokehColorSamp), uv, axis, BokehBeginTiles(uv));
+    return BokehTileDilate(BOKEH_ARGUMENT(BokehColorSamp), uv, axis, BokehBeginTiles(uv));
 }
 
-void BokehLayerSplit_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+void BokehPrefilter_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
     out float4 target3 : BOKEH_TARGET(3))
 {
-    BokehTargets targets = BokehLayerSplit(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehPrefiltered targets = BokehPrefilter(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
-    target3 = targets.T5;
+    target0 = targets.nearLayer;
+    target1 = targets.farLayer;
+    target2 = targets.kernelSums;
+    target3 = targets.leftovers;
 }
 
-void BokehLayerKernels_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+void BokehKernelReduce_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehTargets targets = BokehLayerKernels(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehKernels targets = BokehKernelReduce(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    target0 = targets.T2;
-    target1 = targets.T3;
+    target0 = targets.leftovers;
+    target1 = targets.sums;
 }
 
-void BokehLayerSpread_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+void BokehKernelRows_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, float2(1.0, 0.0), BokehBeginTiles(uv));
-    target0 = targets.T2;
-    target1 = targets.T3;
-}
-
-void BokehLayerSizes_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
-{
-    BokehTargets targets = BokehLayerSizes(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+    BokehKernels targets = BokehKernelRows(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
         BokehColorSampC, uv, BokehBeginTiles(uv));
-    target0 = targets.T2;
-    target1 = targets.T3;
+    target0 = targets.leftovers;
+    target1 = targets.sums;
 }
 
-void BokehLayerHoles_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+void BokehKernelColumns_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehSizes targets = BokehKernelColumns(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, BokehBeginTiles(uv));
+    target0 = targets.reach;
+    target1 = targets.sizes;
+}
+
+void BokehHoleDownsample_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
-    BokehTargets targets = BokehLayerHoles(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehHoles targets = BokehHoleDownsample(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
+    target0 = targets.middle;
+    target1 = targets.far;
+    target2 = targets.shares;
 }
 
-void BokehLayerFill_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+void BokehHoleFill_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 4.0, 0.0);
-    BokehTargets targets = BokehLayerFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 4.0, 0.0);
+    BokehFilled targets = BokehHoleFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
         BokehColorSampC, BokehColorSampD, uv, layers);
-    target0 = targets.T2;
-    target1 = targets.T3;
+    target0 = targets.middle;
+    target1 = targets.back;
 }
 
 void BokehSquareLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
 {
-    target0 = BokehLayerPolygon(uv, 4).T2;
+    target0 = BokehLayerPolygon(uv, 4).edge2;
 }
 
 float4 BokehSquareLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -554,8 +589,8 @@ void BokehHexagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0)
     out float4 target1 : BOKEH_TARGET(1))
 {
     BokehTargets targets = BokehLayerPolygon(uv, 6);
-    target0 = targets.T2;
-    target1 = targets.T3;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
 }
 
 float4 BokehHexagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -569,9 +604,9 @@ void BokehOctagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0)
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
     BokehTargets targets = BokehLayerPolygon(uv, 8);
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
 }
 
 float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -586,10 +621,10 @@ void BokehDecagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0)
     out float4 target3 : BOKEH_TARGET(3))
 {
     BokehTargets targets = BokehLayerPolygon(uv, 10);
-    target0 = targets.T2;
-    target1 = targets.T3;
-    target2 = targets.T4;
-    target3 = targets.T5;
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
+    target3 = targets.edge5;
 }
 
 float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -599,61 +634,62 @@ float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehColorSampD, BokehColorSampE, uv, BokehLayer > 0.5, layers);
 }
 
-float4 BokehLayered_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehComposite_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 1.0, 2.0);
-    return BokehLayered(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
+    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 1.0, 2.0);
+    return BokehComposite(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehColorSampF, uv, layers);
 }
 
-float4 BokehLayerSplitOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehPrefilterOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehTargets targets = BokehLayerSplit(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehPrefiltered targets = BokehPrefilter(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+    return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
+        targets.leftovers);
 }
 
-float4 BokehLayerKernelsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehKernelReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehTargets targets = BokehLayerKernels(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehKernels targets = BokehKernelReduce(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-float4 BokehLayerSpreadOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehKernelRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehTargets targets = BokehLayerSpread(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, float2(1.0, 0.0), BokehBeginTiles(uv));
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
-}
-
-float4 BokehLayerSizesOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    BokehTargets targets = BokehLayerSizes(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+    BokehKernels targets = BokehKernelRows(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
         BokehColorSampC, uv, BokehBeginTiles(uv));
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-float4 BokehLayerHolesOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehKernelColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehTargets targets = BokehLayerHoles(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
+    BokehSizes targets = BokehKernelColumns(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+        BokehColorSampC, uv, BokehBeginTiles(uv));
+    return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+}
+
+float4 BokehHoleDownsampleOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehHoles targets = BokehHoleDownsample(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
         BokehBeginTiles(uv));
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+    return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
 
-float4 BokehLayerFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 4.0, 0.0);
-    BokehTargets targets = BokehLayerFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
+    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 4.0, 0.0);
+    BokehFilled targets = BokehHoleFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
         BokehColorSampC, BokehColorSampD, uv, layers);
-    return BokehPickTarget(targets, int(BokehEdge + 0.5));
+    return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
 float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, int(BokehSides + 0.5), 2.0, 0.0);
+    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 2.0, 0.0);
     return BokehLayerEdge(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv, BokehLayer > 0.5,
-        int(BokehEdge + 0.5), layers);
+        BOKEH_TARGET_INDEX + 2, layers);
 }
 
 #endif

@@ -56,7 +56,7 @@
 //
 //   3. First pass. Map: from 2. Linear: linear filter, clamp. Targets: two rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
-//          struct Targets { @location(0) T2: vec4f, @location(1) T3: vec4f }
+//          struct Targets { @location(0) edge2: vec4f, @location(1) edge3: vec4f }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
 //          @group(0) @binding(1) var Map: texture_2d<f32>;
 //          @group(0) @binding(2) var Linear: sampler;
@@ -65,18 +65,18 @@
 //              let targets = BokehExactFirst(Map, Linear, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
 //                  BokehDefaultFilter(aperture.imageSize));
-//              return Targets(targets.T2, targets.T3);
+//              return Targets(targets.edge2, targets.edge3);
 //          }
 //
-//   4. Second pass. T2, T3: from 3. Linear: linear filter, clamp. Target: rgba16float.
+//   4. Second pass. Edge2, Edge3: from 3. Linear: linear filter, clamp. Target: rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
-//          @group(0) @binding(1) var T2: texture_2d<f32>;
-//          @group(0) @binding(2) var T3: texture_2d<f32>;
+//          @group(0) @binding(1) var Edge2: texture_2d<f32>;
+//          @group(0) @binding(2) var Edge3: texture_2d<f32>;
 //          @group(0) @binding(3) var Linear: sampler;
 //          @fragment fn second(@location(0) uv: vec2f) -> @location(0) vec4f
 //          {
-//              return BokehExactSecond(T2, Linear, T3, T3, T3, uv,
+//              return BokehExactSecond(Edge2, Linear, Edge3, Edge3, Edge3, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
 //                  BokehDefaultFilter(aperture.imageSize));
 //          }
@@ -113,9 +113,11 @@
 //   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
 //   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
 //                                              samples become visible
-//   BOKEH_BLEEDING_BIAS     0.02       0 .. 1  Listing 3; 1 turns the leakage test off
+//   BOKEH_BLEEDING_BIAS     0.02       0 .. 2  Listing 3; 2 turns the leakage test off
 //   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
-//   BOKEH_MAX_COLOR         65504.0            largest half float
+//   BOKEH_MAX_COLOR         65504.0            brighter colour is cut off here: by default what a
+//                                              half float holds; lower, it is the clamp against
+//                                              fireflies, at the cost of the light of highlights
 //   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
 //   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
 //                                              A f / ((S1 - f) sensorHeight)
@@ -431,7 +433,7 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>, uv:
 //   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
 //   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
 //                 apart than a pixel.
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 1 or more turns
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 or more turns
 //                 the test off
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
@@ -565,19 +567,18 @@ fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, center
 }
 
 // Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
-//   Behind the focus a sharper sample is a nearer one. In front of it a nearer sample is never the
-//   sharper one, and centerCoC - bleedingBias is below 0. In the second pass a rejected
-//   sample also displaces what its own line would have gathered; squared weights make up for that.
-//   0.999: rounding must not make a surface sharper than itself.
+//   Behind the focus a sharper sample is a nearer one; in front of it centerCoC is below 0, and
+//   every sample counts. The test sets in from half of the bias to one and a half: a step would
+//   make outlines pop as the focus is pulled. In the second pass a rejected sample also displaces
+//   what its own line would have gathered; squared weights make up for that.
+//   0.001: a bias of 0 must not divide, and a half float's rounding not reject a surface's own
+//   samples.
 fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
 {
-    var weight: f32 = 1.0;
-    if (abs(sampleCoC) < centerCoC * 0.999 - settings.bleedingBias)
-    {
-        weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-        weight = weight * weight;
-    }
-    return weight;
+    let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
+    let rejected: f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
+    let weight: f32 = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+    return 1.0 - rejected * (1.0 - weight * weight);
 }
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
@@ -766,14 +767,14 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSa
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
-//   edge 3 |     |            first pass   T2 = blur along 1;  T3 = blurs along 1 and 2, weighted
-//          '-, ,-'            second pass  T2 blurred along 2, T3 along 3, weighted 1/3 + 2/3
+//   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
+//          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
 //
-//   sides       targets of the first pass   textures of the second
-//   4           T2                          T2Samp
-//   6           T2, T3                      T2Samp, T3Samp
-//   8           T2, T3, T4                  T2Samp .. T4Samp
-//   10          T2, T3, T4, T5              T2Samp .. T5Samp
+//   sides       targets of the first pass, textures of the second
+//   4           edge2
+//   6           edge2, edge3
+//   8           edge2 .. edge4
+//   10          edge2 .. edge5
 //
 //   Where a pass can write one target only, BokehExactEdge makes them one at a time.
 //   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
@@ -800,13 +801,14 @@ struct BokehPolygon
     axial: vec2f,
 }
 
-// Exact: what the first pass writes; targets that the polygon does not use hold the unblurred pixel
+// Exact: what the first pass writes: what the second one blurs along edges 2 to 5; those that the
+//   polygon does not have hold the unblurred pixel
 struct BokehTargets
 {
-    T2: vec4f,
-    T3: vec4f,
-    T4: vec4f,
-    T5: vec4f,
+    edge2: vec4f,
+    edge3: vec4f,
+    edge4: vec4f,
+    edge5: vec4f,
 }
 
 // Exact: a BokehPolygon in one expression
@@ -970,17 +972,16 @@ fn BokehHalfWidth(k: i32, sides: i32, cut: vec4f) -> f32
 fn BokehCutLength(k: i32, sides: i32, cut: vec4f) -> f32
 {
     let halfWidth: f32 = BokehHalfWidth(k, sides, cut);
-    var before: f32 = 1.0;
-    var after: f32 = 1.0;
+    // before and after
+    var ends: vec2f = vec2f(1.0, 1.0);
     for (var i: i32 = 1; i < sides / 2; i++)
     {
         let angle: f32 = 6.28318531 / f32(sides) * f32(i);
-        before = min(before, (BokehHalfWidth(k - i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
-        after = min(after, (BokehHalfWidth(k + i, sides, cut) - halfWidth * cos(angle)) /
-            sin(angle));
+        let others: vec2f = vec2f(BokehHalfWidth(k - i, sides, cut),
+            BokehHalfWidth(k + i, sides, cut));
+        ends = min(ends, (others - halfWidth * cos(angle)) / sin(angle));
     }
-    return max(before + after, 0.001);
+    return max(ends.x + ends.y, 0.001);
 }
 
 // Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
@@ -1071,7 +1072,7 @@ fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, se
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
 //   their parallelograms and divided once, by the sum of all weights
-//   L1 .. L4      from BokehLineSum, along edges 1 to 4; those from k on have no effect
+//   L1 .. L4      from BokehLineSum, along edges 1 to 4; only those before edge k count
 //   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
 fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
     centerPixel: vec4f) -> vec4f
@@ -1099,10 +1100,10 @@ fn BokehChannelFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
     var targets: BokehTargets;
-    targets.T2 = centerPixel;
-    targets.T3 = centerPixel;
-    targets.T4 = centerPixel;
-    targets.T5 = centerPixel;
+    targets.edge2 = centerPixel;
+    targets.edge3 = centerPixel;
+    targets.edge4 = centerPixel;
+    targets.edge5 = centerPixel;
     let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
     let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
@@ -1128,18 +1129,18 @@ fn BokehChannelFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2
             L4 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon, false), CoC,
                 centerCoC, shift, settings);
         }
-        targets.T2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+        targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
         if (polygon.sides > 4)
         {
-            targets.T3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 6)
         {
-            targets.T4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
         }
         if (polygon.sides > 8)
         {
-            targets.T5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+            targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
         }
     }
     return targets;
@@ -1149,27 +1150,27 @@ fn BokehChannelFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2
 //   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
 //   CoC: three times the fetches.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       T2 .. T5: as many as the table above says
+//   returns       as many as the table above says
 fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
     polygon: BokehPolygon, settings: BokehFilter) -> BokehTargets
 {
     var targets: BokehTargets;
     if (BOKEH_CHARACTER > 1)
     {
-        targets.T2 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.T3 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.T4 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.T5 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.edge2 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.edge3 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.edge4 = vec4f(0.0, 0.0, 0.0, 0.0);
+        targets.edge5 = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var channel: i32 = 0; channel < 3; channel++)
         {
             let mask: vec4f = BokehChannelMask(channel);
             let shift: f32 = dot(mask.rb, polygon.axial);
             let one: BokehTargets = BokehChannelFirst(MapSamp, MapSampSampler, uv, polygon,
                 settings, shift);
-            targets.T2 += one.T2 * mask;
-            targets.T3 += one.T3 * mask;
-            targets.T4 += one.T4 * mask;
-            targets.T5 += one.T5 * mask;
+            targets.edge2 += one.edge2 * mask;
+            targets.edge3 += one.edge3 * mask;
+            targets.edge4 += one.edge4 * mask;
+            targets.edge5 += one.edge5 * mask;
         }
     }
     else
@@ -1181,31 +1182,31 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
 
 // Exact: BokehExactSecond with one CoC for all channels
 //   shift         as in BokehChannelCoC
-fn BokehChannelSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_2d<f32>,
-    T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, shift: f32) -> vec4f
+fn BokehChannelSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler,
+    Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(T2Samp, T2SampSampler, uv);
+    let centerPixel: vec4f = BokehFetch(Edge2Samp, Edge2SampSampler, uv);
     var result: vec4f = centerPixel;
     let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
     let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
     if (CoC > 0.0)
     {
-        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(T2Samp, T2SampSampler,
+        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(Edge2Samp, Edge2SampSampler,
             uv, BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
         if (polygon.sides > 4)
         {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(T3Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(3, polygon) * BokehLineSum(Edge3Samp, Edge2SampSampler, uv,
                 BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 6)
         {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(T4Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(4, polygon) * BokehLineSum(Edge4Samp, Edge2SampSampler, uv,
                 BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
         }
         if (polygon.sides > 8)
         {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(T5Samp, T2SampSampler, uv,
+            sum += BokehExactWeight(5, polygon) * BokehLineSum(Edge5Samp, Edge2SampSampler, uv,
                 BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
         }
         result = BokehResolve(sum, sum.a, centerPixel, false);
@@ -1214,12 +1215,12 @@ fn BokehChannelSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: t
 }
 
 // Exact: second pass, the finished polygon
-//   T2Samp .. T5Samp  what the first pass wrote; linear filter, clamp. Where there are fewer, pass
-//                     any of them for the rest: it is not read.
+//   Edge2Samp ..  what the first pass wrote; linear filter, clamp. Where there are fewer, pass any
+//                 of them for the rest: it is not read.
 //   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
-fn BokehExactSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_2d<f32>,
-    T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter) -> vec4f
+fn BokehExactSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler,
+    Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
 {
     var result: vec4f;
     if (BOKEH_CHARACTER > 1)
@@ -1229,15 +1230,15 @@ fn BokehExactSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: tex
         {
             let mask: vec4f = BokehChannelMask(channel);
             let shift: f32 = dot(mask.rb, polygon.axial);
-            let one: vec4f = BokehChannelSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv,
-                polygon, settings, shift);
+            let one: vec4f = BokehChannelSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp,
+                Edge5Samp, uv, polygon, settings, shift);
             result += one * mask;
         }
     }
     else
     {
-        result = BokehChannelSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv, polygon,
-            settings, 0.0);
+        result = BokehChannelSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp, Edge5Samp,
+            uv, polygon, settings, 0.0);
     }
     return result;
 }
@@ -1271,8 +1272,8 @@ fn BokehChannelEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f
 }
 
 // Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes target Tk from the lines along edges 1 .. k - 1, the
-//   same as BokehExactFirst does. For a hexagon that is one line more than with two targets.
+//   Call it for k = 2 .. sides / 2: it makes that target from the lines along edges 1 .. k - 1,
+//   as BokehExactFirst does. For a hexagon that is one line more than with two targets.
 fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
     polygon: BokehPolygon, settings: BokehFilter) -> vec4f
 {

@@ -22,21 +22,21 @@
 //   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
 //   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS           ColorSamp                         target T(BokehEdge)
+//   BokehExactEdge_PS           ColorSamp                         one target of the first pass
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle
 //
 //   Layers, with bokeh_layers.wgsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has T3 of LayerSizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BokehLayerTiles_PS          ColorSamp                         largest CoC of 8 x 8 pixels
-//   BokehLayerReach_PS          ColorSamp                         twice: BokehAxis 0, 1
-//   BokehLayerSplit_PS          ColorSamp, ColorSampB             4 targets
-//   BokehLayerKernels_PS        ColorSamp, ColorSampB             2 targets
-//   BokehLayerSpread_PS         ColorSamp, ColorSampB .. C        2 targets
-//   BokehLayerSizes_PS          ColorSamp, ColorSampB .. C        2 targets
-//   BokehLayerHoles_PS          ColorSamp, ColorSampB             3 targets
-//   BokehLayerFill_PS           ColorSamp, ColorSampB .. D        2 targets
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
+//   BokehTileMax_PS             ColorSamp                         largest CoC of 8 x 8 pixels
+//   BokehTileDilate_PS          ColorSamp                         twice: BokehAxis 0, 1
+//   BokehPrefilter_PS           ColorSamp, ColorSampB             4 targets
+//   BokehKernelReduce_PS        ColorSamp, ColorSampB             2 targets
+//   BokehKernelRows_PS          ColorSamp, ColorSampB .. C        2 targets
+//   BokehKernelColumns_PS       ColorSamp, ColorSampB .. C        2 targets
+//   BokehHoleDownsample_PS      ColorSamp, ColorSampB             3 targets
+//   BokehHoleFill_PS            ColorSamp, ColorSampB .. D        2 targets
 //   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
 //   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
 //   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
@@ -45,13 +45,13 @@
 //   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
 //   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
 //   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
-//   BokehLayered_PS             ColorSamp, ColorSampB .. F        the picture
-//   BokehLayerSplitOne_PS       ColorSamp, ColorSampB             T(BokehEdge) of LayerSplit
-//   BokehLayerKernelsOne_PS     ColorSamp, ColorSampB             of LayerKernels
-//   BokehLayerSpreadOne_PS      ColorSamp, ColorSampB .. C        of LayerSpread
-//   BokehLayerSizesOne_PS       ColorSamp, ColorSampB .. C        of LayerSizes
-//   BokehLayerHolesOne_PS       ColorSamp, ColorSampB             of LayerHoles
-//   BokehLayerFillOne_PS        ColorSamp, ColorSampB .. D        of LayerFill
+//   BokehComposite_PS           ColorSamp, ColorSampB .. F        the picture
+//   BokehPrefilterOne_PS        ColorSamp, ColorSampB             one target of Prefilter
+//   BokehKernelReduceOne_PS     ColorSamp, ColorSampB             of KernelReduce
+//   BokehKernelRowsOne_PS       ColorSamp, ColorSampB .. C        of KernelRows
+//   BokehKernelColumnsOne_PS    ColorSamp, ColorSampB .. C        of KernelColumns
+//   BokehHoleDownsampleOne_PS   ColorSamp, ColorSampB             of HoleDownsample
+//   BokehHoleFillOne_PS         ColorSamp, ColorSampB .. D        of HoleFill
 //   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 160 bytes
@@ -62,6 +62,9 @@
 // -------------------------------------------------------------------------------------------------
 // bindings
 // -------------------------------------------------------------------------------------------------
+
+// ...One and ...Edge: the target that is written, 0 ..
+override BOKEH_TARGET_INDEX: i32 = 0;
 
 struct BokehParameters
 {
@@ -89,7 +92,6 @@ struct BokehParameters
     BokehJitter: f32,
     BokehFrame: f32,
     BokehSides: f32,
-    BokehEdge: f32,
     BokehDepthKind: f32,
     BokehNear: f32,
     BokehFar: f32,
@@ -177,6 +179,17 @@ fn BokehAdaptiveLine(uv: vec2f) -> vec4f
         settings, bokehParameters.BokehBlurCoC > 0.5);
 }
 
+// BokehSides; a parameter that nobody has set is a hexagon
+fn BokehSidesOrSix() -> i32
+{
+    var sides: i32 = i32(bokehParameters.BokehSides + 0.5);
+    if (sides == 0)
+    {
+        sides = 6;
+    }
+    return sides;
+}
+
 // the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
 fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
 {
@@ -205,12 +218,32 @@ fn BokehFirst(uv: vec2f, sides: i32) -> BokehTargets
 }
 
 // exact, second pass
-fn BokehSecond(T2Samp: texture_2d<f32>, T2SampSampler: sampler, T3Samp: texture_2d<f32>,
-    T4Samp: texture_2d<f32>, T5Samp: texture_2d<f32>, uv: vec2f, sides: i32) -> vec4f
+fn BokehSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler, Edge3Samp: texture_2d<f32>,
+    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, sides: i32) -> vec4f
 {
     let settings: BokehFilter = BokehBegin(uv, 1.0);
     let polygon: BokehPolygon = BokehAperture(uv, sides);
-    return BokehExactSecond(T2Samp, T2SampSampler, T3Samp, T4Samp, T5Samp, uv, polygon, settings);
+    return BokehExactSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp, Edge5Samp, uv,
+        polygon, settings);
+}
+
+// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+fn BokehPickTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> vec4f
+{
+    var picked: vec4f = first;
+    if (BOKEH_TARGET_INDEX == 1)
+    {
+        picked = second;
+    }
+    else if (BOKEH_TARGET_INDEX == 2)
+    {
+        picked = third;
+    }
+    else if (BOKEH_TARGET_INDEX == 3)
+    {
+        picked = fourth;
+    }
+    return picked;
 }
 
 // what a pass of the layers begins with: the viewport set, and its settings
@@ -331,7 +364,7 @@ fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
 
 @fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehFirst(input.uv, 4).T2;
+    return BokehFirst(input.uv, 4).edge2;
 }
 
 @fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -349,7 +382,7 @@ struct BokehTargets2
 @fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehTargets = BokehFirst(input.uv, 6);
-    return BokehTargets2(targets.T2, targets.T3);
+    return BokehTargets2(targets.edge2, targets.edge3);
 }
 
 @fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -368,7 +401,7 @@ struct BokehTargets3
 @fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
 {
     let targets: BokehTargets = BokehFirst(input.uv, 8);
-    return BokehTargets3(targets.T2, targets.T3, targets.T4);
+    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
 }
 
 @fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -388,7 +421,7 @@ struct BokehTargets4
 @fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
 {
     let targets: BokehTargets = BokehFirst(input.uv, 10);
-    return BokehTargets4(targets.T2, targets.T3, targets.T4, targets.T5);
+    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 @fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -400,9 +433,9 @@ struct BokehTargets4
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    let polygon: BokehPolygon = BokehAperture(input.uv, i32(bokehParameters.BokehSides + 0.5));
+    let polygon: BokehPolygon = BokehAperture(input.uv, BokehSidesOrSix());
     return BokehExactEdge(BokehColorSamp, BokehLinearClamp, input.uv,
-        i32(bokehParameters.BokehEdge + 0.5), polygon, settings);
+        BOKEH_TARGET_INDEX + 2, polygon, settings);
 }
 
 // the last pass
@@ -435,65 +468,65 @@ struct BokehTargets4
     return result;
 }
 
-@fragment fn BokehLayerTiles_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehTileMax_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerTiles(BokehColorSamp, BokehLinearClamp, input.uv, BokehBeginTiles(input.uv));
+    return BokehTileMax(BokehColorSamp, BokehLinearClamp, input.uv, BokehBeginTiles(input.uv));
 }
 
-@fragment fn BokehLayerReach_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-    return BokehLayerReach(BokehColorSamp, BokehLinearClamp, input.uv, axis,
+    return BokehTileDilate(BokehColorSamp, BokehLinearClamp, input.uv, axis,
         BokehBeginTiles(input.uv));
 }
 
-@fragment fn BokehLayerSplit_PS(input: BokehVertex) -> BokehTargets4
+@fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehTargets = BokehLayerSplit(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehLinearClamp,
+        BokehColorSampB, input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets4(targets.nearLayer, targets.farLayer, targets.kernelSums,
+        targets.leftovers);
+}
+
+@fragment fn BokehKernelReduce_PS(input: BokehVertex) -> BokehTargets2
+{
+    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         input.uv, BokehBeginTiles(input.uv));
-    return BokehTargets4(targets.T2, targets.T3, targets.T4, targets.T5);
+    return BokehTargets2(targets.leftovers, targets.sums);
 }
 
-@fragment fn BokehLayerKernels_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehKernelRows_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehTargets = BokehLayerKernels(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
-    return BokehTargets2(targets.T2, targets.T3);
-}
-
-@fragment fn BokehLayerSpread_PS(input: BokehVertex) -> BokehTargets2
-{
-    let targets: BokehTargets = BokehLayerSpread(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, vec2f(1.0, 0.0), BokehBeginTiles(input.uv));
-    return BokehTargets2(targets.T2, targets.T3);
-}
-
-@fragment fn BokehLayerSizes_PS(input: BokehVertex) -> BokehTargets2
-{
-    let targets: BokehTargets = BokehLayerSizes(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
-    return BokehTargets2(targets.T2, targets.T3);
+    return BokehTargets2(targets.leftovers, targets.sums);
 }
 
-@fragment fn BokehLayerHoles_PS(input: BokehVertex) -> BokehTargets3
+@fragment fn BokehKernelColumns_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehTargets = BokehLayerHoles(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    return BokehTargets2(targets.reach, targets.sizes);
+}
+
+@fragment fn BokehHoleDownsample_PS(input: BokehVertex) -> BokehTargets3
+{
+    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         input.uv, BokehBeginTiles(input.uv));
-    return BokehTargets3(targets.T2, targets.T3, targets.T4);
+    return BokehTargets3(targets.middle, targets.far, targets.shares);
 }
 
-@fragment fn BokehLayerFill_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehHoleFill_PS(input: BokehVertex) -> BokehTargets2
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 4.0,
-        0.0);
-    let targets: BokehTargets = BokehLayerFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 4.0, 0.0);
+    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         BokehColorSampC, BokehColorSampD, input.uv, layers);
-    return BokehTargets2(targets.T2, targets.T3);
+    return BokehTargets2(targets.middle, targets.back);
 }
 
 @fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerPolygon(input.uv, 4).T2;
+    return BokehLayerPolygon(input.uv, 4).edge2;
 }
 
 @fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -506,7 +539,7 @@ struct BokehTargets4
 @fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, 6);
-    return BokehTargets2(targets.T2, targets.T3);
+    return BokehTargets2(targets.edge2, targets.edge3);
 }
 
 @fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -519,7 +552,7 @@ struct BokehTargets4
 @fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, 8);
-    return BokehTargets3(targets.T2, targets.T3, targets.T4);
+    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
 }
 
 @fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -532,7 +565,7 @@ struct BokehTargets4
 @fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, 10);
-    return BokehTargets4(targets.T2, targets.T3, targets.T4, targets.T5);
+    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 @fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -542,62 +575,60 @@ struct BokehTargets4
         BokehColorSampD, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
 }
 
-@fragment fn BokehLayered_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehComposite_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 1.0,
-        2.0);
-    return BokehLayered(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
+    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 1.0, 2.0);
+    return BokehComposite(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehColorSampF, input.uv, layers);
 }
 
-@fragment fn BokehLayerSplitOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehPrefilterOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehTargets = BokehLayerSplit(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehLinearClamp,
+        BokehColorSampB, input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
+        targets.leftovers);
+}
+
+@fragment fn BokehKernelReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         input.uv, BokehBeginTiles(input.uv));
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-@fragment fn BokehLayerKernelsOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehKernelRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehTargets = BokehLayerKernels(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
-}
-
-@fragment fn BokehLayerSpreadOne_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    let targets: BokehTargets = BokehLayerSpread(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, vec2f(1.0, 0.0), BokehBeginTiles(input.uv));
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
-}
-
-@fragment fn BokehLayerSizesOne_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    let targets: BokehTargets = BokehLayerSizes(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
-@fragment fn BokehLayerHolesOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehKernelColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehTargets = BokehLayerHoles(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+}
+
+@fragment fn BokehHoleDownsampleOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         input.uv, BokehBeginTiles(input.uv));
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+    return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
 
-@fragment fn BokehLayerFillOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehHoleFillOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 4.0,
-        0.0);
-    let targets: BokehTargets = BokehLayerFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
+    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 4.0, 0.0);
+    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
         BokehColorSampC, BokehColorSampD, input.uv, layers);
-    return BokehPickTarget(targets, i32(bokehParameters.BokehEdge + 0.5));
+    return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
 @fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, i32(bokehParameters.BokehSides + 0.5), 2.0,
-        0.0);
+    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 2.0, 0.0);
     return BokehLayerEdge(BokehColorSamp, BokehLinearClamp, BokehColorSampB, input.uv,
-        bokehParameters.BokehLayer > 0.5, i32(bokehParameters.BokehEdge + 0.5), layers);
+        bokehParameters.BokehLayer > 0.5, BOKEH_TARGET_INDEX + 2, layers);
 }

@@ -12,7 +12,7 @@ import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
-import { cocMap, exact, layered } from './frames.js';
+import { cocMap, exact, layered, stored } from './frames.js';
 
 const FRAMES = { layered, exact };
 
@@ -29,7 +29,7 @@ const VIEWS = {
 };
 
 // `#version 300 es` keeps Babylon.js from rewriting what follows.
-const glsl = (library, uniforms, { writes, reads, call, opaque }, { sides, samples, preset }) => `#version 300 es
+const glsl = (library, uniforms, { writes, reads, call, returned, opaque }, { sides, samples, preset }) => `#version 300 es
 #define BOKEH_NUM_SAMPLES ${samples}
 #define BOKEH_PRESET_${preset}
 ${library}
@@ -37,7 +37,7 @@ ${reads.map((name) => `uniform sampler2D ${name};`).join('\n')}
 uniform float ${uniforms.join(', ')};
 uniform vec2 imageSize;
 in vec2 vUV;
-${writes.map((_, i) => `layout(location = ${i}) out vec4 T${i + 2};`).join('\n')}
+${writes.map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n')}
 
 void main()
 {
@@ -46,9 +46,8 @@ void main()
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     BokehFilter settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `T2 = ${call};`}
-    ${writes.length > 1 ? writes.map((_, i) => `T${i + 2} = targets.T${i + 2};`).join(' ') : ''}
-    ${opaque ? 'T2.a = 1.0;' : ''}
+    ${stored(call, returned, (i) => `written${i}`)}
+    ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
 // of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
@@ -64,9 +63,9 @@ function configured(library, { samples, preset }) {
 // In WGSL the sampler comes after the first texture, and vectors have other names. Babylon.js binds what is called
 // cocSampler with coc, and makes the struct around main of what it finds here.
 const wgslCall = (call) =>
-  call.replace(/^(Bokeh(?:Layer|Exact)\w*)\((\w+)/, '$1($2, $2Sampler').replace(/\b(vec[24])\(/g, '$1f(');
+  call.replace(/^(Bokeh(?!Debug|\w*CoCMap)\w+)\((\w+)/, '$1($2, $2Sampler').replace(/\b(vec[24])\(/g, '$1f(');
 
-const wgsl = (library, uniforms, { writes, reads, call, opaque }, options) => `
+const wgsl = (library, uniforms, { writes, reads, call, returned, opaque }, options) => `
 varying vUV: vec2f;
 ${uniforms.map((name) => `uniform ${name}: f32;`).join('\n')}
 uniform imageSize: vec2f;
@@ -84,9 +83,8 @@ fn main(input: FragmentInputs) -> FragmentOutputs
     let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     var settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    let targets = ${wgslCall(call)};
-    ${writes.length === 1 ? `fragmentOutputs.color = ${opaque ? 'vec4f(targets.rgb, 1.0)' : 'targets'};` : ''}
-    ${writes.length > 1 ? writes.map((_, i) => `fragmentOutputs.fragData${i} = targets.T${i + 2};`).join(' ') : ''}
+    ${stored(wgslCall(call), returned, (i) => `fragmentOutputs.${writes.length > 1 ? `fragData${i}` : 'color'}`, 'let')}
+    ${opaque ? 'fragmentOutputs.color.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokeh extends PostProcess {
@@ -125,10 +123,10 @@ export class PolygonBokeh extends PostProcess {
     const frame = inputs.concat(view ? [[['result'], 1, VIEWS[view]]] : FRAMES[method](sides));
     const [language, shader] = engine.isWebGPU ? [ShaderLanguage.WGSL, wgsl] : [ShaderLanguage.GLSL, glsl];
     const names = [...new Set(['color', 'depth', 'metres', ...frame.flatMap(([writes]) => writes)])];
-    const passes = frame.map(([writes, scale, call]) => {
+    const passes = frame.map(([writes, scale, call, returned]) => {
       // in the order of the call
       const reads = [...new Set(call.match(/\w+/g))].filter((name) => names.includes(name));
-      const pass = { writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
+      const pass = { writes, reads, scale, call, returned, opaque: opaque && writes[0] === 'result' };
       pass.wrapper = new EffectWrapper({
         engine,
         name: `bokeh ${writes[0]}`,

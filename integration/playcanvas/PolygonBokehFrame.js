@@ -6,7 +6,7 @@
 import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, RenderTarget } from 'playcanvas';
 import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
 import { PROJECTION_PERSPECTIVE, ShaderUtils, Texture } from 'playcanvas';
-import { cocMap, exact, layered, paper } from './frames.js';
+import { cocMap, exact, layered, paper, stored } from './frames.js';
 
 const FRAMES = { layered, exact, paper };
 
@@ -63,7 +63,7 @@ varying vec2 bokehUv;
 `,
   uniform: own,
   call: (text) => text,
-  main: (sides, call, writes, opaque) => `
+  main: (sides, call, returned, opaque) => `
 void main()
 {
     vec2 uv = bokehUv;
@@ -71,8 +71,7 @@ void main()
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     BokehFilter settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `pcFragColor0 = ${call};`}
-    ${writes.length > 1 ? writes.map((_, i) => `pcFragColor${i} = targets.T${i + 2};`).join(' ') : ''}
+    ${stored(call, returned, (i) => `pcFragColor${i}`)}
     ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
 }`,
 };
@@ -105,7 +104,7 @@ varying bokehUv: vec2f;
   // a sampler comes after the first texture, but where a texel is fetched
   call: (text) =>
     text.replace(/(Bokeh(?!FetchNearest|\w*CoCMap)\w+\((bokeh_\w+))/g, '$1, $2Sampler').replaceAll('vec2(', 'vec2f('),
-  main: (sides, call, writes, opaque) => `
+  main: (sides, call, returned, opaque) => `
 @fragment fn fragmentMain(input: FragmentInput) -> FragmentOutput
 {
     var output: FragmentOutput;
@@ -114,8 +113,7 @@ varying bokehUv: vec2f;
     let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     var settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    ${writes.length > 1 ? `let targets = ${call};` : `output.color = ${call};`}
-    ${writes.length > 1 ? writes.map((_, i) => `output.color${i || ''} = targets.T${i + 2};`).join(' ') : ''}
+    ${stored(call, returned, (i) => `output.color${i || ''}`, 'let')}
     ${opaque ? 'output.color.a = 1.0;' : ''}
     return output;
 }`,
@@ -126,9 +124,9 @@ function replaced(text, names, by) {
 }
 
 // What comes after the library in a pass that reads the textures `reads`
-function fragment(language, reads, [writes, , call], sides, opaque) {
+function fragment(language, reads, [, , call, returned], sides, opaque) {
   const uniforms = Object.keys(UNIFORMS);
-  const main = language.main(sides, language.call(replaced(call, reads, own)), writes, opaque);
+  const main = language.main(sides, language.call(replaced(call, reads, own)), returned, opaque);
   return language.declarations(reads, uniforms) + replaced(main, [...uniforms, 'imageSize'], language.uniform);
 }
 

@@ -15,10 +15,11 @@ const FRAMES = { layered, exact, paper };
 const METRES = [['metres'], 1, 'vec4f(BokehLinearDepth(depth, depthKind, cameraNear, cameraFar))'];
 
 // In WGSL the sampler comes after the first texture, and vectors have other names.
-const wgslRow = ([writes, scale, call]) => [
+const wgslRow = ([writes, scale, call, returned]) => [
   writes,
   scale,
   call.replace(/(Bokeh\w+\([a-z]\w*),/g, '$1, Linear,').replaceAll('vec2(', 'vec2f('),
+  returned,
 ];
 
 const VIEWS = [
@@ -144,18 +145,21 @@ export class PolygonBokehNode extends Node {
 
   // A pass as a node: a function around its call. three.js reads the names and types of the parameters out of the text,
   // and fills them by name. It does not know the library's structs, but matrices.
-  fragment([writes, , call], inputs) {
+  fragment([writes, , call, returned], inputs) {
     const several = writes.length > 1;
+    const members = (returned ?? '').split(' ').slice(1);
+    // a column for each; of two or three, the last one again
+    const columns = [0, 1, 2, 3].map((i) => `targets.${members[Math.min(i, members.length - 1)]}`);
     const body = `
     let polygon = BokehMakePolygon(${this.sides}, rotation, squeeze);
     let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     var settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
     let targets = ${call};
-    return ${several ? 'mat4x4f(targets.T2, targets.T3, targets.T4, targets.T5)' : 'targets'};
+    return ${several ? `mat4x4f(${columns.join(', ')})` : 'targets'};
 `;
     const type = (name) => TYPES[name] ?? (name in this.uniforms ? 'f32' : 'texture_2d<f32>');
-    const named = Object.keys(inputs).filter((name) => new RegExp(`\\b${name}\\b`).test(body));
+    const named = Object.keys(inputs).filter((name) => new RegExp(`(?<![.\\w])${name}\\b`).test(body));
     const parameters = named.map((name) => `${name}: ${type(name)}`).join(', ');
     const code = `fn bokehPass(${parameters}) -> ${several ? 'mat4x4f' : 'vec4f'}\n{${body}}`;
     // only what is named: three.js binds all that it gets, and a pass may read 16 textures

@@ -6,7 +6,7 @@
 import { FloatType, GLSL3, HalfFloatType, MathUtils, NearestFilter, NoBlending, RedFormat } from 'three';
 import { ShaderMaterial, Vector2, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
-import { cocMap, exact, layered, paper } from './frames.js';
+import { cocMap, exact, layered, paper, stored } from './frames.js';
 
 const FRAMES = { layered, exact, paper };
 
@@ -32,14 +32,14 @@ void main()
     gl_Position = vec4(position.xy, 0.0, 1.0);
 }`;
 
-const fragment = (textures, [writes, , call], sides, opaque) => `
+const fragment = (textures, [writes, , call, returned], sides, opaque) => `
 uniform sampler2D ${textures.join(', ')};
 uniform float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, rotation, squeeze, spacing;
 uniform float cameraNear, cameraFar;
 uniform vec2 imageSize;
 uniform int depthKind, debugMode;
 in vec2 bokehUv;
-${writes.map((_, i) => `layout(location = ${i}) out vec4 T${i + 2};`).join('\n')}
+${writes.map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n')}
 
 void main()
 {
@@ -48,9 +48,8 @@ void main()
     BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
     BokehFilter settings = BokehDefaultFilter(imageSize);
     settings.spacing = spacing;
-    ${writes.length > 1 ? `BokehTargets targets = ${call};` : `T2 = ${call};`}
-    ${writes.length > 1 ? writes.map((_, i) => `T${i + 2} = targets.T${i + 2};`).join(' ') : ''}
-    ${opaque ? 'T2.a = 1.0;' : ''}
+    ${stored(call, returned, (i) => `written${i}`)}
+    ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokehPass extends Pass {

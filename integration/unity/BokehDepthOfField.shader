@@ -70,8 +70,8 @@ Shader "Hidden/BokehDepthOfField"
     {
         BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
             BokehAperture(6), BokehSettings());
-        target0 = targets.T2;
-        target1 = targets.T3;
+        target0 = targets.edge2;
+        target1 = targets.edge3;
     }
 
     float4 HexagonSecondFragment(Varyings input) : SV_Target
@@ -86,9 +86,9 @@ Shader "Hidden/BokehDepthOfField"
     {
         BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
             BokehAperture(8), BokehSettings());
-        target0 = targets.T2;
-        target1 = targets.T3;
-        target2 = targets.T4;
+        target0 = targets.edge2;
+        target1 = targets.edge3;
+        target2 = targets.edge4;
     }
 
     float4 OctagonSecondFragment(Varyings input) : SV_Target

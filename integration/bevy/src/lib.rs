@@ -324,7 +324,6 @@ struct BokehParameters {
     jitter: f32,
     frame: f32,
     sides: f32,
-    edge: f32,
     depth_kind: f32,
     near: f32,
     far: f32,

@@ -52,16 +52,19 @@ def _of_layers(item: Pass) -> int:
         return sum(sides * max(int(6 * ring / sides + 0.5), 1) for ring in range(1, count + 1))
 
     if item.spec.role in (FIRST, SECOND, EDGE):
-        edges = round(values["BokehEdge"]) - 1 if item.spec.role == EDGE else sides // 2 - 1
+        edges = item.constants["BOKEH_TARGET_INDEX"] + 1 if item.spec.role == EDGE else sides // 2 - 1
         return 1 + max(edges * cells, 1)
-    return {
-        "LayerTiles": 8 * 8,
-        "LayerReach": along,
-        "LayerSplit": 1 + 2 * 2 + 4 * 4 + 2 * 2,
-        "LayerKernels": 2 * 4 * 4,
-        "LayerSpread": 1 + 2 * along,
-        "LayerSizes": 2 + 2 * along,
-        "LayerHoles": 1 + 4 * 4,
-        "LayerFill": 1 + 3 * (1 + ring_samples(2)),
-        "Layered": 2 + 2 * (5 if cubic else 1) + ring_samples(rings) + 2,
+    filled = 1 + ring_samples(2)
+    # of several targets, those of each alone: its program leaves out what only the others need
+    counts = {
+        "TileMax": (8 * 8,),
+        "TileDilate": (along,),
+        "Prefilter": (1 + 2 * 2 + 4 * 4 + 2 * 2, 25, 5, 25, 5),
+        "KernelReduce": (2 * 4 * 4, 16, 16),
+        "KernelRows": (1 + 2 * along, along, 1 + along),
+        "KernelColumns": (2 + 2 * along, 1 + along, 2 + along),
+        "HoleDownsample": (1 + 4 * 4, 17, 17, 17),
+        "HoleFill": (1 + 3 * filled, 1 + 3 * filled, 1 + 2 * filled),
+        "Composite": (2 + 2 * (5 if cubic else 1) + ring_samples(rings) + 2,),
     }[(item.spec.whole or item.entry).removeprefix("Bokeh")]
+    return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

@@ -113,7 +113,7 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
     character = character if settings.cats_eye > 0.0 or settings.roundness < 1.0 else {}
     return character | {
         "BokehAspectRatio": size[0] / size[1],
-        "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 1.0,
+        "BokehBleedingBias": settings.bleeding_bias if settings.leak_fix else 2.0,
         "BokehBleedingMult": settings.bleeding_mult,
         "BokehBlurCoC": 1.0 if settings.blur_coc else 0.0,
         "BokehSqueeze": settings.squeeze,
@@ -185,9 +185,10 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     if settings.targets:
         passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count))
     else:
-        for k, name in enumerate(names, 2):
-            edge = {**common, "BokehSides": float(sides), "BokehEdge": float(k)}
-            passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count))
+        for number, name in enumerate(names):
+            index = {"BOKEH_TARGET_INDEX": number}
+            edge = {**common, "BokehSides": float(sides)}
+            passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count, index))
     read = dict(zip(COLORS, names, strict=False))
     passes.append(Pass(stem + "Second", read, "result", common, settings.count))
     return Plan(tuple(passes), {})
@@ -215,19 +216,19 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
             passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
             return
         one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
-        for k, name in enumerate(outputs, 2):
-            values = {**values, "BokehEdge": float(k)}
-            passes.append(Pass(one, read, name, values, settings.count, defines, scale=scale))
+        for number, name in enumerate(outputs):
+            index = {"BOKEH_TARGET_INDEX": number}
+            passes.append(Pass(one, read, name, values, settings.count, defines | index, scale=scale))
 
-    add(8, "BokehLayerTiles", ("coc",), ("tiles",))
-    add(8, "BokehLayerReach", ("tiles",), ("reach along rows",))
-    add(8, "BokehLayerReach", ("reach along rows",), ("reach",), BokehAxis=1.0)
-    add(2, "BokehLayerSplit", ("coc", "reach"), ("near", "far", "sums", "leftovers"))
-    add(8, "BokehLayerKernels", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
-    add(8, "BokehLayerSpread", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
-    add(8, "BokehLayerSizes", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
-    add(4, "BokehLayerHoles", ("coc", "reach"), ("middle with holes", "far with holes", "shares"))
-    add(4, "BokehLayerFill", ("middle with holes", "far with holes", "shares", "reach"), ("middle", "back"))
+    add(8, "BokehTileMax", ("coc",), ("tiles",))
+    add(8, "BokehTileDilate", ("tiles",), ("reach along rows",))
+    add(8, "BokehTileDilate", ("reach along rows",), ("reach",), BokehAxis=1.0)
+    add(2, "BokehPrefilter", ("coc", "reach"), ("near", "far", "sums", "leftovers"))
+    add(8, "BokehKernelReduce", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
+    add(8, "BokehKernelRows", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
+    add(8, "BokehKernelColumns", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
+    add(4, "BokehHoleDownsample", ("coc", "reach"), ("middle with holes", "far with holes", "shares"))
+    add(4, "BokehHoleFill", ("middle with holes", "far with holes", "shares", "reach"), ("middle", "back"))
     for index, layer in enumerate(("near", "far")):
         names = tuple(f"{layer} target {k}" for k in range(2, sides // 2 + 1))
         add(2, stem + "First", (layer, "sizes"), names, BokehLayer=float(index))
@@ -235,7 +236,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
         read = dict(zip(COLORS, names, strict=False)) | {"ColorSampE": "sizes"}
         values = {**common, "BokehLayer": float(index)}
         passes.append(Pass(stem + "Second", read, f"{layer} blurred", values, settings.count, defines, scale=2))
-    add(1, "BokehLayered", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
+    add(1, "BokehComposite", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
     return Plan(tuple(passes), {})
 
 

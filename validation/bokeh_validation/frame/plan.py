@@ -13,7 +13,7 @@ import typer
 from bokeh_validation import __version__, options, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, VIEW
+from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, UNREAD, VIEW
 from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
 
@@ -74,6 +74,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
     if viewport:
         plan = methods.in_viewport(plan, viewport, size)
+    plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
     same, changes = _parameters(plan.passes)
     preset = {
         "name": settings.preset,
@@ -107,6 +108,14 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "bytes_shared": sum({texture["memory"]: texture["bytes"] for texture in targets}.values()),
         "fetches": fetches.of_frame(plan.passes),
     }
+
+
+def _read(item: Pass) -> Pass:
+    """Without the inputs that its one target does not need: no program has a uniform for them."""
+    if item.spec.whole not in UNREAD:
+        return item
+    unread = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
+    return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in unread})
 
 
 def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
@@ -159,7 +168,7 @@ def programs(method: str) -> dict[str, dict]:
 
 def constants(item: Pass) -> dict[str, int]:
     """What a program is compiled with beside the library's defaults and the preset; 0 is the default of the others."""
-    known = {name: value for name, value in item.constants.items() if name not in item.defines and value}
+    known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
     # whether a spacing acts is for BokehSpacing to say
     del known["BOKEH_NUM_SAMPLES"]
     known.pop("BOKEH_ADAPTIVE_SAMPLES", None)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from bokeh_validation import shaders
 from bokeh_validation.frame import methods, plan
-from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EXACT
+from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, ENTRIES, EXACT, Entry
 from bokeh_validation.shaders.passes import Pass
 
 # What the samples call what they hand to a frame
@@ -16,7 +16,7 @@ LENS = "apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC"
 # No sample has noise on its samples' places, which this numbers
 LEFT_OUT = "BokehPassIndex"
 # Entries of the layers that read BokehSides, where each pass may be of another polygon
-SIDED = ("BokehLayerFill", "BokehLayered")
+SIDED = ("BokehHoleFill", "BokehComposite")
 SIZE = (64, 64)
 
 
@@ -24,10 +24,10 @@ class Language(NamedTuple):
     """How a table of passes is written.
 
     head, tail        around all; {} is its name
-    row               a pass: {entry} such as BokehLayerTiles, {define} such as LAYER_TILES, {scale} that its targets'
-                      size is divided by, {call} of the library in GLSL, {sets} for its own parameters, {turn} in
-                      degrees, {reads} with '-' for a colour slot that it leaves out, {writes}, and {quoted} for these,
-                      each in quotes
+    row               a pass: {entry} such as BokehTileMax, {define} such as TILE_MAX, {scale} that its targets'
+                      size is divided by, {call} of the library in GLSL, {returned} for the struct and members of
+                      several targets, {sets} for its own parameters, {turn} in degrees, {reads} with '-' for a
+                      colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -70,11 +70,11 @@ OGRE = Language(
     "    }};\n    return frames.at(sides);\n}}", '{{"Bokeh{}", {:.1f}f}}', "", "        {{{}, {{", "        }}}},",
 )  # fmt: skip
 SCRIPT = Language(
-    "const {} = {{", "    [[{quoted}], {scale}, '{call}'],", "}};",
+    "const {} = {{", "    [[{quoted}], {scale}, '{call}'{returned}],", "}};",
     polygon="  {}: [", its_end="  ],", quote="'", camel=True,
 )  # fmt: skip
 LUA = Language(
-    "FRAMES.{} = {{", '    {{ {{ {quoted} }}, {scale}, "{call}" }},', "}}",
+    "FRAMES.{} = {{", '    {{ {{ {quoted} }}, {scale}, "{call}"{returned} }},', "}}",
     polygon="  [{}] = {{", its_end="  }},", camel=True,
 )  # fmt: skip
 GODOT = Language(
@@ -129,6 +129,7 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
             sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
             turn=sets.get("Angle", 0.0),
             call=call(item, names),
+            returned=f", {language.quote}{' '.join(returned(item))}{language.quote}" if len(writes) > 1 else "",
         )
         lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
     return lines
@@ -158,9 +159,8 @@ def call(item: Pass, names: dict[str, str]) -> str:
         line = f"BokehDepthOfFieldAdaptive({textures['ColorSamp']}, {DEPTH_NAME}, uv, {segment}, settings, true)"
         other = textures.get("ColorSampB")
         return f"BokehCombine({line}, BokehFetch({other}, uv), false)" if other else line
-    function = re.sub("Square|Hexagon|Octagon|Decagon", "" if entry.layers else "Exact", entry.whole or entry.name)
-    head = rf"^(\w+) {function}\(([^)]*)\)\n\{{"
-    returned, parameters = re.search(head, shaders.text("glsl"), re.MULTILINE).groups()
+    function = _function(entry)
+    _, parameters = _signature(function)
     arguments, sampled, slots = [], "", iter(COLORS)
     for kind, name in (parameter.split() for parameter in parameters.split(",")):
         if kind == "sampler2D":
@@ -170,10 +170,29 @@ def call(item: Pass, names: dict[str, str]) -> str:
             "sampler2D": sampled,
             "vec2": "uv" if name == "uv" else "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
-            "int": f"{values['BokehEdge']:.0f}",
+            "int": f"{item.constants.get('BOKEH_TARGET_INDEX', 0) + 2}",
         }.get(kind, name)
         arguments.append(argument)
     text = f"{function}({', '.join(arguments)})"
-    if entry.whole:
-        return f"BokehPickTarget({text}, {values['BokehEdge']:.0f})"
-    return f"{text}.T2" if returned == "BokehTargets" and len(item.outputs) == 1 else text
+    members = returned(item)[1:] if len(item.outputs) == 1 else ()
+    return f"{text}.{members[item.constants.get('BOKEH_TARGET_INDEX', 0)]}" if members else text
+
+
+def returned(item: Pass) -> tuple[str, ...]:
+    """Name and members of the struct that a pass's function returns, as many as the entry has targets; or nothing."""
+    kind, _ = _signature(_function(item.spec))
+    members = re.findall(rf"^struct {kind}\n\{{\n((?:    vec4 \w+;\n)+)", shaders.text("glsl"), re.MULTILINE)
+    if not members:
+        return ()
+    targets = ENTRIES[item.spec.whole].targets if item.spec.whole else max(item.spec.targets, 1)
+    return kind, *re.findall(r"vec4 (\w+)", members[0])[:targets]
+
+
+def _function(entry: Entry) -> str:
+    """The function of the library that an entry calls."""
+    return re.sub("Square|Hexagon|Octagon|Decagon", "" if entry.layers else "Exact", entry.whole or entry.name)
+
+
+def _signature(function: str) -> tuple[str, str]:
+    """Type of a function of the GLSL library, and its parameters."""
+    return re.search(rf"^(\w+) {function}\(([^)]*)\)\n\{{", shaders.text("glsl"), re.MULTILINE).groups()

@@ -23,9 +23,18 @@ NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
 # Not within brackets of a function whose arguments may be in any order
 ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerShare\()(?<!BokehRotated\()"
 PAIRS = "+ -, * /, && ||, == !=, true false, min max, sin cos, floor ceil"
-SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx, .T2 .T3, .T4 .T5"
-OTHER = {"<": ">", ">": "<", ">=": "<", "<=": ">"}
-for pair in f"{PAIRS}, {SWIZZLES}".split(", "):
+SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx"
+MEMBERS = ".edge2 .edge3, .edge4 .edge5, .nearLayer .farLayer, .reach .sizes, .far .shares"
+OTHER = {
+    "<": ">",
+    ">": "<",
+    ">=": "<",
+    "<=": ">",
+    ".kernelSums": ".leftovers",
+    ".sums": ".leftovers",
+    ".back": ".middle",
+}
+for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
@@ -58,7 +67,10 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
         r"|\b(?:min|max|sin|cos|floor|ceil)(?=\()",
         _other,
     ),
-    "axis": (r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|T\d)\b(?!\()", _other),
+    "axis": (
+        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|edge\d|(?:near|far)Layer|(?:kernelS|s)ums|reach|sizes|far|shares|back)\b(?!\()",
+        _other,
+    ),
     "constant": (r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])", _number),
     "operands": (rf"{ORDERED}({NAME}), ({NAME})\b(?![.(])", _swapped),
     "guard": (rf"\b{GUARDS}\(((?:[^(),]|{CALL})*)(?:,(?:[^()]|{CALL})*)?\)", lambda found, _: f"({found[1]})"),
@@ -72,7 +84,7 @@ WHOLE = ("always", "never", "dropped")
 # Of a variable that nobody has set a driver makes 0 by itself
 ZEROED = re.compile(r"= (?:0\.0|vec\d\([0., ]+\));")
 # What compilers want of targets that a pass has not: nobody reads it
-UNREAD = re.compile(r"targets\.T\d = (?:none|targets\.T\d);")
+UNREAD = re.compile(r"targets\.edge\d = (?:none|targets\.edge\d);")
 
 
 def bodies() -> Iterator[tuple[str, str, str, int, int]]:

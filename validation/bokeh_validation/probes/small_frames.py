@@ -254,6 +254,10 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     frame.textures["color"][:, :32, :3] = 0.0
     frame.textures["color"][3::9, 36::7, :3] = 60000.0
     yield "black and bright", frame
+    # the noise of a layer's edge shows, and a parameter that nobody has set is a hexagon
+    frame = of_settings(replace(LAYERED, preset="low", targets=False, **WIDEST), (75, 50))
+    passes = (replace(item, parameters={**item.parameters, "BokehSides": 0.0}) for item in frame.passes)
+    yield "layered, sides unset, one target", replace(frame, passes=tuple(passes))
     # a CoC of 96 pixels spreads over 12 tiles
     yield "large", of_settings(replace(LAYERED, **WIDEST), (128, 96))
     yield "layered, one pixel", of_settings(replace(LAYERED, **WIDE), (1, 1))
@@ -296,5 +300,5 @@ def _values() -> Iterator[tuple[str, Frame]]:
         main = f"{DECLARED} float values[] = float[]({listed}); float value = values[int(gl_FragCoord.x)];"
         main += " BokehResult = vec4(value, value, value, value);"
         expected = np.repeat([[[value] for value in values.values()]], 4, axis=2)
-        item = Pass("BokehLayerTiles", {}, "result", defines=defines)
+        item = Pass("BokehTileMax", {}, "result", defines=defines)
         yield label, Frame((item,), {}, (len(values), 1), "float", expected={"result": expected}, main=main)

@@ -76,7 +76,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
             for k in range(2, last + 1)
         }
         return tuple(Line(COLORS[k - 2], edge(k, True), (area,)) for k, area in areas.items())
-    targets = range(2, last + 1) if entry.role == FIRST else (round(values["BokehEdge"]),)
+    targets = range(2, last + 1) if entry.role == FIRST else (item.constants["BOKEH_TARGET_INDEX"] + 2,)
     return tuple(
         Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
         for i in range(1, max(targets))

@@ -6,7 +6,7 @@ MAX_COLOR = 65504.0
 MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
 # So much of a signed CoC counts as its own surface: half floats and filters round
-SIGNED_SHARE = 0.999
+LEAST_BIAS = 0.001
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
@@ -89,6 +89,6 @@ def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mul
 
 
 def signed_leakage_weight(sample_coc, center_coc, bias, mult):
-    """`BokehSignedLeakageWeight`: the same test from signed CoC alone, which grow with depth; the weight squared."""
-    leaks = np.abs(sample_coc) < center_coc * SIGNED_SHARE - bias
-    return np.where(leaks, np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2, 1.0)
+    """`BokehSignedLeakageWeight`: the same test from signed CoC alone, set in around the bias; the weight squared."""
+    rejected = np.clip((center_coc - np.abs(sample_coc)) / max(bias, LEAST_BIAS) - 0.5, 0.0, 1.0)
+    return 1.0 - rejected + rejected * np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2

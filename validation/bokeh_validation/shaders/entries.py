@@ -23,7 +23,7 @@ class Entry:
     targets   how many it writes
     sides     of its polygon; 0 where a parameter says it, or there is none
     layers    whether it is one of bokeh_layers.*
-    whole     name of the entry of whose targets it writes one, chosen by BokehEdge
+    whole     name of the entry of whose targets it writes one: number BOKEH_TARGET_INDEX
     """
 
     name: str
@@ -47,17 +47,24 @@ def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]
 
 
 def _layers(name: str, textures: int, targets: int = 1) -> Entry:
-    return Entry(f"BokehLayer{name}", LAYERS, COLORS[:textures], targets, layers=True)
+    return Entry(f"Bokeh{name}", LAYERS, COLORS[:textures], targets, layers=True)
 
 
 _SEVERAL = (
-    _layers("Split", 2, 4),
-    _layers("Kernels", 2, 2),
-    _layers("Spread", 3, 2),
-    _layers("Sizes", 3, 2),
-    _layers("Holes", 2, 3),
-    _layers("Fill", 4, 2),
+    _layers("Prefilter", 2, 4),
+    _layers("KernelReduce", 2, 2),
+    _layers("KernelRows", 3, 2),
+    _layers("KernelColumns", 3, 2),
+    _layers("HoleDownsample", 2, 3),
+    _layers("HoleFill", 4, 2),
 )
+# Slots that one of the targets alone does not need, target by target
+UNREAD = {
+    "BokehKernelReduce": (COLORS[:1], COLORS[1:2]),
+    "BokehKernelRows": (COLORS[1:3], COLORS[:1]),
+    "BokehKernelColumns": (COLORS[1:2], COLORS[:1]),
+    "BokehHoleFill": ((), COLORS[2:3]),
+}
 _COLOR_DEPTH = ("ColorSamp", "DepthSamp")
 _ALL = (
     Entry("BokehLinearDepth", DEPTH, ("DepthSamp",)),
@@ -74,11 +81,11 @@ _ALL = (
     Entry("BokehExactEdge", EDGE, COLORS[:1]),
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
     Entry("BokehDebug", VIEW, _COLOR_DEPTH),
-    _layers("Tiles", 1),
-    _layers("Reach", 1),
+    _layers("TileMax", 1),
+    _layers("TileDilate", 1),
     *_SEVERAL,
     *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
-    Entry("BokehLayered", LAYERS, COLORS, layers=True),
+    _layers("Composite", 6),
     # one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
     Entry("BokehLayerEdge", EDGE, COLORS[:2], layers=True),

@@ -54,7 +54,7 @@ def _wgsl_head(found: re.Match) -> str:
 
 
 def _wgsl_targets(found: re.Match) -> str:
-    return " ".join(f"target{i} = {value};" for i, value in enumerate(found[1].split(", ")))
+    return " ".join(f"target{i} = {value};" for i, value in enumerate(re.split(r",\s+", found[1])))
 
 
 # (pattern, replacement), in the order in which they are carried out: of the whole text, then of the code

@@ -27,11 +27,11 @@ SAMPLES: dict[str, tuple[int, ...]] = {
 SWITCHES = {"viewport": {"BOKEH_VIEWPORT": 1}, "character": {"BOKEH_CHARACTER": 1}, "axial": {"BOKEH_CHARACTER": 2}}
 # The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
-    "CoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor LayerReach "
-    "LayerSplit LayerFill DecagonLayerSecond Layered"
+    "CoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor TileDilate "
+    "Prefilter HoleFill DecagonLayerSecond Composite"
 )
 # In shader model 3 only exact polygons with several targets have room for a cat's eye, and none for axial colour
-NO_ROOM = {"character": ("ExactEdge", "Layer"), "axial": ("",)}
+NO_ROOM = {"character": ("ExactEdge", "Layer", "HoleFill", "Composite"), "axial": ("",)}
 
 # Language, profile, main compilers, the others. The main ones are those that users of the language have.
 VARIANTS = (

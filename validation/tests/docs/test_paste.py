@@ -28,8 +28,13 @@ README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer for
 CAMERA = methods.Camera(aperture_diameter=0.08, focal_length=0.05, focus_distance=6.0)
 # What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes
-READS = ({"Depth": "depth buffer"}, {"Color": "color", "Depth": "metres"}, {"Map": "map"}, {"T2": "T2", "T3": "T3"})
-WRITES = (("metres",), ("map",), ("T2", "T3"), ("result",))
+READS = (
+    {"Depth": "depth buffer"},
+    {"Color": "color", "Depth": "metres"},
+    {"Map": "map"},
+    {"Edge2": "edge2", "Edge3": "edge3"},
+)
+WRITES = (("metres",), ("map",), ("edge2", "edge3"), ("result",))
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def test_command(tmp_path):
     """A small run. Ratios are of the same round; bounds are broken where eight in ten rounds are beyond them."""
     file = tmp_path / "times.json"
     done = called("bench", "--driver", "osmesa", "--size", "192x192", "--rounds", "3", "--json", file)
-    assert done.returncode == 0 and "layered medium" in done.stdout and "BokehLayerSplit" in done.stdout
+    assert done.returncode == 0 and "layered medium" in done.stdout and "BokehPrefilter" in done.stdout
     (result,) = json.loads(file.read_text())["drivers"]
     rows = {row["key"]: row for row in result["rows"]}
     assert result["software"] and result["clock"] == "cpu" and len(rows["layered medium"]["passes"]) == 15

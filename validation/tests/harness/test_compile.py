@@ -64,7 +64,7 @@ def test_an_undeclared_name_is_noticed(program):
         assert "weigth" in cell.message and f"bokeh.{program.language}:{first}" in cell.message
 
 
-@pytest.mark.parametrize("entry", ["BokehLayered", "BokehNaiveGather", "BokehHexagonFirst", "BokehLayerSplit"])
+@pytest.mark.parametrize("entry", ["BokehComposite", "BokehNaiveGather", "BokehHexagonFirst", "BokehPrefilter"])
 def test_no_sample_takes_its_level_from_derivatives(entry):
     """Such a sample is an error in a loop or a branch in HLSL and WGSL; SPIR-V says it."""
     for build in SPIRV.values():

@@ -12,7 +12,7 @@ LIBRARY, LAYERS = (
     for file in (paths.library, paths.layers)
 )
 WRONG_GLSL = {
-    "no layers": (shaders.glsl("BokehLayered").replace(LAYERS["glsl"], ""), "put bokeh_layers.glsl before this file"),
+    "no layers": (shaders.glsl("BokehComposite").replace(LAYERS["glsl"], ""), "put bokeh_layers.glsl before this file"),
     "no library": (GLSL.replace(LIBRARY["glsl"], ""), "put bokeh.glsl before bokeh_layers.glsl"),
     "no pass": ("#version 330\n" + GLSL_TEXT, "define BOKEH_PASS before this file"),
     "pass": (f"#version 330\n#define BOKEH_PASS BOKEH_FEILD\n{GLSL_TEXT}", "BOKEH_PASS is none of the names"),

@@ -18,7 +18,7 @@ def test_libraries_have_no_half():
             assert not halves, f"{file.name}: {halves}"
 
 
-@pytest.mark.parametrize("entry", ["BokehDepthOfField", "BokehLayered"])
+@pytest.mark.parametrize("entry", ["BokehDepthOfField", "BokehComposite"])
 def test_highp_wins_over_mediump(entry):
     """`precision mediump float;` before the library relaxes nothing; without the library's own lines it would."""
     head = f"#version 310 es\nprecision mediump float;\n#define BOKEH_PASS {shaders.glsl_pass(entry)}\n"

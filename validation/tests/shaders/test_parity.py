@@ -63,9 +63,9 @@ LIBRARY = {
     "a type of a parameter": "int i, [[int=>float]] numSamples)",
     "a type of another language": ("[[float4=>vec4]] color =", "[[vec4=>float4]] color =", "color: [[vec4f=>float4]]"),
     "the sampler of another texture": (
-        "T3Samp, [[T2=>T3]]Samp",
+        "Edge3Samp, [[Edge2=>Edge3]]Samp",
         "Fetch(ColorSamp[[=>, TSampler]]",
-        "T3Samp, [[T2=>T3]]Samp",
+        "Edge3Samp, [[Edge2=>Edge3]]Samp",
     ),
     "sampling past BokehFetch": "SafeDepth([[BokehFetchNearest=>texture]](DepthSamp, uv)",
     "a value of a preset": ("#define BOKEH_PRESET_SAMPLES [[9=>8]]", "//   BOKEH_PRESET_MEDIUM     [[9=>8]] "),

@@ -146,7 +146,7 @@ func _make(host: Viewport, size: Vector2i) -> void:
 		var reads := ""
 		var call: String = row[2]
 		for key: String in textures:
-			var word := RegEx.create_from_string("\\b%s\\b" % key)
+			var word := RegEx.create_from_string("(?<!\\.)\\b%s\\b" % key)
 			if word.search(call):
 				call = word.sub(call, "from_" + key, true)
 				reads += "uniform sampler2D from_%s : filter_linear, repeat_disable;\n" % key

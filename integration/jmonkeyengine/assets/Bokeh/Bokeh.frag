@@ -31,7 +31,6 @@
 #define BokehJitter m_Jitter
 #define BokehFrame m_Frame
 #define BokehSides m_Sides
-#define BokehEdge m_Edge
 #define BokehDepthKind m_DepthKind
 #define BokehNear m_Near
 #define BokehFar m_Far
