@@ -8,6 +8,10 @@ import { addBokeh, depthsUnder } from './sample.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
+// of the shots: small, since the reference runs every pass of each
+const SIZE = [160, 120];
+// one that 2, 4 and 8 do not divide, where there are smaller targets
+const ODD_SIZE = [157, 117];
 const SHAPES = { hexagon: 6, square: 4, octagon: 8, decagon: 10 };
 const METHODS = ['layered', 'exact']; // the default first
 
@@ -68,15 +72,14 @@ export async function capture(kind) {
   const sample = await stopped(kind);
   const { engine } = sample;
   const title = `Babylon.js ${AbstractEngine.Version}, ${engine.name}`;
-  const data = { engine: title, device: engine.getInfo().renderer, width: WIDTH, height: HEIGHT, shots: [] };
+  const data = { engine: title, device: engine.getInfo().renderer, width: SIZE[0], height: SIZE[1], shots: [] };
   await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
   const picture = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
   const files = { 'picture.png': base64(await picture.bytes()) };
   for (const method of METHODS) {
     for (const [aperture, sides] of Object.entries(SHAPES)) {
       const name = `${method}-${aperture}`;
-      // a size that 2, 4 and 8 do not divide, where there are smaller targets
-      const [width, height] = method === 'layered' ? [WIDTH - 3, HEIGHT - 3] : [WIDTH, HEIGHT];
+      const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
       await draw(sample, { method, sides, opaque: false }, [width, height]);
       const shot = { name, method, aperture, width, height, samples: 33, ...settings(sample.bokeh.uniforms) };
       for (const [what, array] of Object.entries(await readFrame(sample))) {
@@ -97,7 +100,7 @@ export async function capture(kind) {
 // The autofocus, frame by frame, on the floor and the wall
 function pulled(sample) {
   const { bokeh } = sample;
-  const points = [[304.5, 157.5], [190.5, 111.5]];
+  const points = [[152.5, 78.5], [95.5, 55.5]];
   const depths = depthsUnder(points, sample);
   const [frame, seconds, from, distances] = [1 / 30, 0.2, bokeh.uniforms.focusDistance, []];
   for (let i = 0; i < 12; i++) {
@@ -105,7 +108,8 @@ function pulled(sample) {
     distances.push(bokeh.uniforms.focusDistance);
   }
   // v = 0 is the lowest row
-  return { frame, seconds, from, points: points.map(([x, y], i) => [x / WIDTH, 1 - y / HEIGHT, depths[i]]), distances };
+  const rows = ([x, y], i) => [x / SIZE[0], 1 - y / SIZE[1], depths[i]];
+  return { frame, seconds, from, points: points.map(rows), distances };
 }
 
 // What the shaders got, which is float32.

@@ -7,15 +7,15 @@ from bokeh_validation import drivers
 
 # They take longest: begun first, so that nobody waits for one alone at the end.
 LONGEST = (
-    "engines", "drivers", "truth", "validate", "compile", "hostile", "exact", "pictures", "layers", "fuzz", "patterns",
-    "render", "parity", "bench", "browser", "pages", "mutants",
-    "invariance", "installed",
+    "engines", "patterns", "within", "compile", "hostile", "truth", "demo", "pages", "godot", "drivers",
+    "fuzz", "reference", "guides", "exact", "pictures", "viewport", "validate", "browser", "peers", "bench", "parity",
 )  # fmt: skip
 
 
 def pytest_addoption(parser):
-    """validation/test --all: engine samples that were not built here yet, and every probe in each language, too."""
-    parser.addoption("--all", action="store_true", help="every sample (Bevy builds for minutes) and probe")
+    """validation/test --all, for CI."""
+    said = "every engine's sample (Bevy builds for minutes), and every probe and setting in each language"
+    parser.addoption("--all", action="store_true", help=said)
 
 
 def pytest_collection_modifyitems(items):

@@ -17,14 +17,14 @@ COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
-def whole(aperture: str, coc: float = COC) -> Bokeh:
+def whole(aperture: str, coc: float = COC, size: tuple[int, int] = SIZE, place: tuple[int, int] = PLACE) -> Bokeh:
     """Of the light through a lens without character."""
-    return Bokeh(polygon_of(aperture, ROTATION, coc), SIZE, pixel_center(*PLACE))
+    return Bokeh(polygon_of(aperture, ROTATION, coc), size, pixel_center(*place))
 
 
-def lit(label: str, aperture: str = "hexagon", depth: float = 10.0, **changes) -> Case:
+def lit(label: str, bokeh: Bokeh, aperture: str = "hexagon", depth: float = 10.0, **changes) -> Case:
     """One bright pixel in the exact method, with changes to its settings; a sample a pixel."""
-    return whole(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes), depth)
+    return bokeh.case(label, replace(exact.settings(aperture, ROTATION, bokeh.size, COC), **changes), depth)
 
 
 # ------------------------------------------------------------------------------------------------------------ cat's eye
@@ -89,7 +89,7 @@ CUT = Probe(
     "cats-eye-exact",
     "A light towards a corner of the image is cut by the lens barrel",
     "The narrow side points to the middle of the image; edges are straight, and the brightness is even.",
-    tuple(lit(aperture, aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
+    tuple(lit(aperture, whole(aperture), aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
     _judge_cut,
 )
 
@@ -97,18 +97,21 @@ CUT = Probe(
 
 LATERAL = {"red larger": 0.05, "blue larger": -0.05}
 AXIAL = (-4, 6)  # pixels of CoC that red and blue have more, as through a plain lens
+AXIAL_FRAME = (128, 96), (92, 34)  # as above, but the place matters little: so far off that a shift would show
 CHANNELS = ("red", "green", "blue")
 
 
 def axial_case(label: str, sign: int) -> Case:
     """A plane with a light, out of focus and far or near."""
-    lens = {"camera": near_edges.CAMERA, "coc": None, "axial": tuple(pixels / SIZE[1] for pixels in AXIAL)}
-    return lit(label, depth=near_edges.metres(sign * COC, SIZE[1]), **lens)
+    bokeh = whole("hexagon", COC, *AXIAL_FRAME)
+    height = bokeh.size[1]
+    lens = {"camera": near_edges.CAMERA, "coc": None, "axial": tuple(pixels / height for pixels in AXIAL)}
+    return lit(label, bokeh, depth=near_edges.metres(sign * COC, height), **lens)
 
 
 def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
     """Light, place and outline, known to `off` pixels; share (H, W): what each pixel has of the light."""
-    y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
+    y, x = np.mgrid[: bokeh.size[1], : bokeh.size[0]] + 0.5
     # the surroundings may be stored a step off: so many pixels of them, far from the light, would move the middle
     light = share - np.median(share)
     moved = np.linalg.norm(np.array([(light * x).sum(), (light * y).sum()]) / light.sum() - bokeh.middle)
@@ -143,7 +146,8 @@ def _judge_axial(outputs: dict[str, Outputs]) -> list[Check]:
     for label, sign in (("far", 1), ("near", -1)):
         for channel, more in enumerate((AXIAL[0], 0, AXIAL[1])):
             share = (outputs[label]["result"][..., channel] - AMBIENT) / PEAK
-            checks += _color_checks(f"{label}, {CHANNELS[channel]}", share, whole("hexagon", sign * COC + more), 0.5)
+            bokeh = whole("hexagon", sign * COC + more, *AXIAL_FRAME)
+            checks += _color_checks(f"{label}, {CHANNELS[channel]}", share, bokeh, 0.5)
     return checks
 
 
@@ -151,7 +155,7 @@ LATERAL_COLOR = Probe(
     "lateral-color",
     "Red and blue of a picture at other scales",
     "A red rim on one side of the bokeh and a blue one on the other, both on the line to the image's middle.",
-    tuple(lit(label, lateral=amount) for label, amount in LATERAL.items()),
+    tuple(lit(label, whole("hexagon"), lateral=amount) for label, amount in LATERAL.items()),
     _judge_lateral,
 )
 AXIAL_COLOR = Probe(

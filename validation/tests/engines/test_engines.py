@@ -1,13 +1,17 @@
-"""Every engine sample: run with its own colour and depth, and within the interval of the reference."""
+"""Every engine sample: run with its own colour and depth, and within the interval of the reference.
+
+One also from an archive of validation/run release, installed into an empty project.
+"""
 
 import json
+import re
 from math import exp, radians, tan
 
 import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation import engines, paths
+from bokeh_validation import engines, paths, release
 from bokeh_validation.engines import bevy, pages
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
@@ -23,6 +27,12 @@ LENSES = {
     **dict.fromkeys(("direct3d9", "direct3d11"), (16.071, 1.0)),
     "bevy": (26.991, 0.2),
 }
+
+
+def check_shots(capture):
+    """Each is within the interval."""
+    outside = {shot.name: f"{shot.comparison}, {shot.outside}" for shot in capture.shots if shot.comparison.outside}
+    assert capture.shots and not outside, outside
 
 
 def check_lens(camera, fovy, stop):
@@ -62,12 +72,13 @@ def check_pull(folder):
 
 
 # Bevy's first build takes a quarter of an hour
+@pytest.mark.sample
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("name", engines.ENGINES)
 def test_sample(name, request):
     """Hexagon and octagon, exact and mostly paper, the layered hexagon where it is the default, on what was drawn.
 
-    A slow sample is run where it has been built, or with --all.
+    Once, until something changes (conftest.py); a slow one where it has been built, or with --all.
     """
     if name in engines.SLOW and not request.config.getoption("--all") and not bevy.built():
         pytest.skip(f"{name}: not built here yet; --all builds it")
@@ -78,10 +89,45 @@ def test_sample(name, request):
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
     assert name in WITHOUT_LAYERED or shown[0] == ("layered", "hexagon")
+    check_shots(capture)
     for shot in capture.shots:
         check_lens(shot.case.settings.camera, *LENSES[name])
-        assert shot.comparison.outside == 0, f"{shot.name}: {shot.comparison}, {shot.outside}"
         # something is in focus, something is not, and something is brighter than white
         depth, color = shot.case.depth, shot.case.color
         assert depth.max() > 2 * depth.min() and color[..., :3].max() > 4.0
         assert abs(shot.result.astype(float) - color.astype(float))[..., :3].max() > 0.1
+
+
+ENGINE = "threejs"
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """Folder with the sample's own files and its package from the archive, without the checkout's."""
+    root = tmp_path_factory.mktemp(ENGINE)
+    name, files = release.npm(ENGINE)
+    release.pack(root / name, files)
+    manifest = json.loads(files["package/package.json"].read_bytes())
+    folder = root / "integration" / ENGINE
+    folder.mkdir(parents=True)
+    # what finds the package in the checkout
+    lines = re.compile(rf'"(bokeh-{ENGINE}/|\./)[\w.]*": "[^"]*",\s*')
+    installed = f'"imports": {{ "bokeh-{ENGINE}/": "./node_modules/bokeh-{ENGINE}/", '
+    for path in (paths.ROOT / "integration" / ENGINE).iterdir():
+        if path.suffix in (".js", ".html") and path.name not in manifest["files"]:
+            page = lines.sub("", path.read_text(encoding="utf-8")).replace('"imports": { ', installed)
+            (folder / path.name).write_text(page, encoding="utf-8")
+    (folder / "package.json").write_text("{}")
+    ((engine_package, version),) = manifest["devDependencies"].items()
+    with needed("npm"):
+        pages.call_npm(folder, "install", root / name, f"{engine_package}@{version}")
+    return root
+
+
+@pytest.mark.sample
+@pytest.mark.parametrize("name", [f"{ENGINE}-webgl", f"{ENGINE}-webgpu"])
+def test_npm_page(project, name, tmp_path):
+    """The sample's page on the installed package: every shot within the reference's interval."""
+    with needed(ENGINE):
+        pages.run(name, tmp_path, project)
+    check_shots(engines.read(tmp_path))

@@ -9,6 +9,8 @@ from support_pages import SIZE, assert_debug_views, pixels
 
 from bokeh_validation.engines import godot
 
+pytestmark = pytest.mark.sample("godot")
+
 
 @pytest.fixture(scope="module")
 def sample():

@@ -102,6 +102,7 @@ def test_bevy_passes():
     assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
 
 
+@pytest.mark.sample
 @pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"])
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide."""

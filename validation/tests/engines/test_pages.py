@@ -20,6 +20,9 @@ CAMERAS = {
 }
 
 
+pytestmark = pytest.mark.sample
+
+
 @pytest.fixture(scope="module", params=CAMERAS)
 def sample(request):
     """(name, its opened page)"""
@@ -47,21 +50,17 @@ def test_what_the_guide_says(sample):
     assert_debug_views(page.call("views", kind))
 
 
+@pytest.mark.parametrize("sample", ["threejs-webgpu"], indirect=True)
 def test_logarithmic_depth(sample):
-    """WebGPU: refused, and told why."""
-    name, page = sample
-    if name != "threejs-webgpu":
-        pytest.skip("WebGL reads it; the other engines have no such buffer")
+    """WebGPU: refused, and told why. WebGL reads it; the other engines have no such buffer."""
     with pytest.raises(browser.Refused, match="PolygonBokehNode cannot read logarithmicDepthBuffer"):
-        page.call("logarithmic", "webgpu")
+        sample[1].call("logarithmic", "webgpu")
 
 
+@pytest.mark.parametrize("sample", ["playcanvas-webgl", "playcanvas-webgpu"], indirect=True)
 def test_other_effects(sample):
     """With bloom, occlusion, TAA and several samples a pixel it is the same picture, but for what those change."""
-    name, page = sample
-    if "playcanvas" not in name:
-        pytest.skip("the guide of PlayCanvas alone says so")
-    said = page.call("effects", None)
+    said = sample[1].call("effects", None)
     found = {name: pixels(one["result"], one["size"]).astype(float) for name, one in said.items()}
     assert all((result[..., 3] == 1).all() for result in found.values())
     plain = found.pop("none")

@@ -18,7 +18,7 @@ EVERYTHING = all_mutants()
 NAMES = "caught alive refused equivalent broken"
 # `validation/run mutants` on one frame with mutants of one function, of which two do not end by themselves
 COMMAND = """
-import signal, sys, time
+import os, signal, sys, time
 from dataclasses import replace
 from bokeh_validation import cli
 from bokeh_validation.mutants import hunt, mutants_command, operators
@@ -26,6 +26,7 @@ from bokeh_validation.probes import small_frames
 
 def judged(mutant, judges, judged=hunt._judged):
     if mutant.name in ("broken", "endless"):
+        open(os.environ.get("BEGUN", os.devnull), "w").close()
         signal.alarm(1 if mutant.name == "broken" else 600)
         time.sleep(999)
     return judged(mutant, judges)
@@ -73,11 +74,14 @@ def test_outcomes(tmp_path):
     assert {row["name"] for row in found["mutants"] if row["name"] == row["outcome"]} == set(NAMES.split())
 
 
-def test_interrupted():
+def test_interrupted(tmp_path):
     """The command is gone within seconds, with its processes."""
+    begun = tmp_path / "begun"
     # whoever runs this in the background has its children ignore it
-    process = command("endless", preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    time.sleep(12.0)
+    foreground = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    process = command("endless", env={**os.environ, "BEGUN": str(begun)}, **foreground)
+    while not begun.exists() and process.poll() is None:
+        time.sleep(0.1)
     process.send_signal(signal.SIGINT)
     assert process.communicate(timeout=20)[1] == "" and process.returncode == 128 + signal.SIGINT
     with pytest.raises(ProcessLookupError):

@@ -25,10 +25,13 @@ def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_layered(name):
-    """MEDIUM within its bound, LOW not much farther, one set of parameters for all scenes."""
+def test_layered(name, request):
+    """MEDIUM within its bound, one set of parameters for all scenes; LOW not much farther: on the widest blur, on
+    street_11 in test_command, on all with --all.
+    """
     assert flip(name, "layered medium") <= BOUNDS[name]
-    assert flip(name, "layered low") <= BOUNDS[name] + LOW_MORE
+    if name == "canopy_12x3" or request.config.getoption("--all"):
+        assert flip(name, "layered low") <= BOUNDS[name] + LOW_MORE
 
 
 def test_octagon():
@@ -49,6 +52,7 @@ def test_command(tmp_path):
     rows = {row["label"]: row for row in json.loads(done.stdout)["rows"]}
     assert list(rows) == list(truth.DEFAULT)
     assert rows["layered medium"]["flip"] == pytest.approx(flip("street_11", "layered medium"))
+    assert rows["layered low"]["flip"] <= BOUNDS["street_11"] + LOW_MORE
     ahead = sorted(rows, key=lambda label: rows[label]["flip"])
     assert ahead[:2] == ["layered medium", "layered low"]
     assert [path.name for path in tmp_path.glob("*.png")] == ["likeness_street_11_detail.png"]
