@@ -30,9 +30,14 @@ def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) ->
 
 
 def filmic(color: np.ndarray, exposure: float = 1.0) -> np.ndarray:
-    """Linear rgb (H, W, >= 3) to 8 bits by a filmic curve (Narkowicz's fit of ACES); gamma 2.2."""
+    """Linear rgb (H, W, >= 3) to 8 bits by filmic_curve()."""
+    return _bytes(filmic_curve(color, exposure))
+
+
+def filmic_curve(color: np.ndarray, exposure: float = 1.0) -> np.ndarray:
+    """Linear rgb (H, W, >= 3) to what a display shows, 0 .. 1: Narkowicz's fit of ACES, gamma 2.2."""
     x = _exposed(color, exposure)
-    return _bytes(np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0) ** (1.0 / 2.2))
+    return np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def _exposed(color: np.ndarray, exposure: float) -> np.ndarray:
@@ -138,4 +143,14 @@ def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
     if len(data) > MAX_PNG_BYTES:
         data, path = _encoded(pixels, "WEBP", lossless=True, quality=100), folder / f"{name}.webp"
     files.whole(path, lambda partial: partial.write_bytes(data))
+    return path
+
+
+def write_animation(folder: Path, name: str, frames: Sequence[np.ndarray], milliseconds: int, quality: int) -> Path:
+    """Write 8-bit rgb frames as NAME.webp, which repeats without end, and return its path. Not to the last bit."""
+    first, *others = map(Image.fromarray, frames)
+    buffer, path = io.BytesIO(), folder / f"{name}.webp"
+    options = {"save_all": True, "append_images": others, "duration": milliseconds, "loop": 0, "method": 6}
+    first.save(buffer, "WEBP", quality=quality, **options)
+    files.whole(path, lambda partial: partial.write_bytes(buffer.getvalue()))
     return path

@@ -1,7 +1,6 @@
 """Every method on every scene against what a lens sees there: the work behind `validation/run truth`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -10,16 +9,16 @@ import typer
 
 from bokeh_validation import files, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.frame.methods import PRESETS
+from bokeh_validation.errors import UserError
 from bokeh_validation.pictures import Panel
-from bokeh_validation.probes import shapes
-from bokeh_validation.probes.model import Case, drawn
-from bokeh_validation.truth import ray_traced
+from bokeh_validation.probes.model import Case
+from bokeh_validation.truth import labels, motion, random_score, ray_traced
+from bokeh_validation.truth.labels import METHODS
 from bokeh_validation.truth.ray_traced import SceneFile
 
-# gather: shapes.brute_force, in one pass with Listing 3's weights
-METHODS = ("pinhole", "paper", "exact", "gather", *(f"layered {preset}" for preset in PRESETS))
 DEFAULT = METHODS[: METHODS.index("layered medium") + 1]
+# Above it, the memory of places to look at
+MOST_RANDOM = 10_000
 # How bright the scenes are shown
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
 CAPTIONS = {
@@ -35,22 +34,14 @@ PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_
 
 def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
     """A scene by one of METHODS, the polygon turned as in the truth. `changes` to the settings."""
-    method, _, preset = label.partition(" ")
-    drawn_by = {"paper": "paper", "layered": "layered"}.get(method, "exact")
     changes = {"rotation": ray_traced.TRUTH_ROTATION[aperture], **changes}
-    changes |= {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
-    plain = ray_traced.scene_case(scene, drawn_by, aperture)
-    return replace(plain, settings=replace(plain.settings, **changes))
+    image = ray_traced.picture(scene)
+    return Case(scene.name, labels.settings(label, scene.camera, aperture, **changes), image.color, image.depth)
 
 
 def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
     """What a method makes of a scene, (H, W, >= 3). The rest as of case()."""
-    blurred, method = case(scene, label, aperture, **changes), label.partition(" ")[0]
-    if method == "pinhole":
-        return blurred.color
-    if method == "gather":
-        return shapes.brute_force(driver, blurred)
-    return drawn(driver, blurred)
+    return labels.picture(driver, label, case(scene, label, aperture, **changes))
 
 
 def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
@@ -86,6 +77,23 @@ def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarr
     return found
 
 
+def ray_traced_report(
+    methods: Sequence[str], used: Driver, folder: Path | None, scenes: Sequence[SceneFile]
+) -> tuple[list[dict], list[str]]:
+    """Rows and their table, and pictures into a folder."""
+    rows = []
+    with terminal.progress("truth", len(scenes) * len(methods)) as step:
+        for file in scenes:
+            lens, images = ray_traced.truth(file, "hexagon"), {}
+            for label in methods:
+                images[label] = picture(used, file, label)
+                rows.append({"scene": file.name, "label": label, **measured(images[label], lens)})
+                step(f"{file.name}, {label}")
+            for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
+                pictures.write_document(folder, name, pixels)
+    return rows, markdown(rows)
+
+
 def truth(
     method: Annotated[
         list[str] | None,
@@ -94,6 +102,14 @@ def truth(
     scene: Annotated[
         list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
     ] = None,
+    count: Annotated[
+        int | None,
+        typer.Option("--random", metavar="N", help="N random scenes, by layered medium unless others are named."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(metavar="S", help="Of the first random scene. Default: 0.")] = None,
+    sequence: Annotated[
+        str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker: {', '.join(motion.NAMES)}, or all.")
+    ] = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
     json_file: terminal.JsonFile = None,
@@ -101,19 +117,27 @@ def truth(
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/likeness.md here.")
     ] = None,
 ) -> None:
-    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's."""
-    chosen, scenes = terminal.chosen("--method", method, METHODS, DEFAULT), ray_traced.chosen(scene)
+    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's, on
+    ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
+    """
+    given = {"--scene": scene, "--random": count, "--motion": sequence}
+    if len(several := [name for name, value in given.items() if value is not None]) > 1:
+        raise UserError(f"{' and '.join(several)}: those are different pictures. Give one of them.")
+    if seed is not None and (count is None or seed < 0):
+        raise UserError(f"--seed {seed}: not allowed. Give 0 or more, with --random N.")
+    if count is not None and not 1 <= count <= MOST_RANDOM:
+        raise UserError(f"--random {count}: not allowed. Give 1 to {MOST_RANDOM}.")
+    known, default = (METHODS, DEFAULT) if sequence is None else (motion.KNOWN, motion.DEFAULT)
+    chosen = terminal.chosen("--method", method, known, default if count is None else DEFAULT[-1:])
+    names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
     files.check_folder("--pictures", folder)
-    used, rows = terminal.pick_driver(driver, adapter), []
-    with terminal.progress("truth", len(scenes) * len(chosen)) as step:
-        for file in scenes:
-            lens, images = ray_traced.truth(file, "hexagon"), {}
-            for label in chosen:
-                images[label] = picture(used, file, label)
-                rows.append({"scene": file.name, "label": label, **measured(images[label], lens)})
-                step(f"{file.name}, {label}")
-            for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
-                pictures.write_document(folder, name, pixels)
+    used = terminal.pick_driver(driver, adapter)
+    if count is not None:
+        rows, lines = random_score.report(chosen, used.name, adapter, folder, range(seed or 0, (seed or 0) + count))
+    elif sequence is not None:
+        rows, lines = motion.report(chosen, used.name, adapter, folder, names)
+    else:
+        rows, lines = ray_traced_report(chosen, used, folder, scenes)
     terminal.write_json(json_file, {"driver": used.name, "adapter": used.adapter, "rows": rows})
-    terminal.tell(*markdown(rows), f"FLIP, PSNR, light; {used.name} ({used.adapter})")
+    terminal.tell(*lines, f"{used.name} ({used.adapter})")

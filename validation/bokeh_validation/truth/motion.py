@@ -1,0 +1,188 @@
+"""How much a method flickers where the truth does not, and how near it is where blur is moderate: truth.sequences."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bokeh_validation import drivers, jobs, metrics, pictures, terminal
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.pictures import Panel
+from bokeh_validation.probes.model import Case
+from bokeh_validation.reference import sampling
+from bokeh_validation.truth import faults, labels
+from bokeh_validation.truth.rasteriser import Pinhole, Rasteriser, sequence
+from bokeh_validation.truth.sequences import MODERATE, MOTIONS, moment, street
+
+SIZE, POINTS, FRAMES = (480, 270), 384, 24
+# Of temporal anti-aliasing: frames before the first that is measured, for it to settle; the share of the newest frame;
+# places in the pixel, one after the other
+LEAD, SHARE, PLACES = 8, 0.1, sequence(8).tolist()
+# Sequences, and moderate blur without motion
+AT_REST = "moderate"
+NAMES = (*MOTIONS, AT_REST)
+KNOWN = labels.METHODS + labels.JITTERED
+DEFAULT = (
+    "pinhole", "paper", "exact", "exact, jitter", "layered low", "layered medium", "layered medium, jitter",
+    "layered high", "layered ultra",
+)  # fmt: skip
+ALIASED, ANTIALIASED, BEFORE, AFTER = INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after")
+# The animation: left, top, width, height of a detail, and how much larger; milliseconds a frame; quality of WebP
+DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
+SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
+
+
+class Recording(NamedTuple):
+    """A sequence: one sample of colour a pixel, in the middle; many; one, elsewhere in each frame, and LEAD frames
+    before the others; the truth, linear (H, W, 3).
+    """
+
+    aliased: list[Pinhole]
+    antialiased: list[Pinhole]
+    jittered: list[Pinhole]
+    truth: list[np.ndarray]
+
+
+def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
+    """One of sequences.MOTIONS."""
+    recording = Recording([], [], [], [])
+    for frame in range(-LEAD, frames):
+        scene, before = moment(name, frame), moment(name, frame - 1)
+        recording.jittered.append(rasteriser.pinhole(scene, before, place=PLACES[frame % len(PLACES)]))
+        if frame >= 0:
+            recording.aliased.append(rasteriser.pinhole(scene, before))
+            recording.antialiased.append(rasteriser.pinhole(scene, before, antialiased=True))
+            recording.truth.append(rasteriser.lens(scene).color)
+    return recording
+
+
+def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator[np.ndarray]:
+    """Plain temporal anti-aliasing of linear (H, W, >= 3): the history, from where each pixel was, within the range of
+    the newest 3 x 3 pixels, and SHARE of the newest.
+    """
+    history = None
+    for image, pinhole in zip(frames, given, strict=True):
+        color = np.maximum(image[..., :3].astype(np.float64), 0.0)
+        # lights must not outweigh all else
+        color /= 1.0 + color.max(axis=-1, keepdims=True)
+        y, x = np.indices(color.shape[:2]) + 0.5
+        history = color if history is None else history
+        history = sampling.bilinear(history, x - pinhole.moved[..., 0], y - pinhole.moved[..., 1])
+        history = np.clip(history, faults.around(color, 1, np.min), faults.around(color, 1, np.max))
+        history += SHARE * (color - history)
+        yield history / (1.0 - history.max(axis=-1, keepdims=True))
+
+
+def results(driver: Driver, name: str, label: str, recording: Recording) -> dict[str, list[np.ndarray]]:
+    """What a method makes of a sequence: one of INPUTS -> linear frames."""
+
+    def drawn(given: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
+        images = []
+        for frame, (pinhole, color) in enumerate(zip(given, colors, strict=True), first):
+            settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
+            rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
+            images.append(labels.picture(driver, label, Case(name, settings, rgba, pinhole.depth))[..., :3])
+        return images
+
+    frames = {k: drawn(v, [p.color for p in v]) for k, v in zip(INPUTS, recording[:2], strict=False)}
+    jittered, colors = recording.jittered, [pinhole.color for pinhole in recording.jittered]
+    frames[BEFORE] = drawn(jittered[LEAD:], list(resolved(colors, jittered))[LEAD:])
+    frames[AFTER] = list(resolved(drawn(jittered, colors, -LEAD), jittered))[LEAD:]
+    return frames
+
+
+def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
+    """Of the error in display values, 1/255, a pixel's worst channel: mean and 99th percentile over the pixels.
+
+    deviation  standard deviation over the frames
+    change     from a frame to the next
+    """
+    error = 255.0 * np.stack([faults.display(a) - faults.display(b) for a, b in zip(frames, truth, strict=True)])
+    values = {"deviation": error.std(axis=0).max(axis=-1), "change": np.abs(np.diff(error, axis=0)).max(axis=-1)}
+    return {name: (float(value.mean()), float(np.percentile(value, 99))) for name, value in values.items()}
+
+
+def measured(
+    name: str, methods: Sequence[str], driver: str, adapter: str | None = None,
+    size: tuple[int, int] = SIZE, points: int = POINTS, frames: int = FRAMES,
+) -> tuple[list[dict], list[np.ndarray]]:  # fmt: skip
+    """Rows of a sequence, and its animation, 8-bit rgb, empty where one of SHOWN is not among the methods."""
+    used = drivers.load(driver, adapter)
+    recording = recorded(name, Rasteriser(size, points, used), frames)
+    rows, shown = [], {}
+    for label in methods:
+        found = results(used, name, label, recording)
+        rows += [{"scene": name, "label": label, "input": k} | flicker(v, recording.truth) for k, v in found.items()]
+        shown[label] = found[ANTIALIASED]
+    if not set(SHOWN) <= set(shown):
+        return rows, []
+    panels = {caption: shown[label] for label, caption in SHOWN.items()} | {"truth": recording.truth}
+    return rows, [
+        _side_by_side(dict(zip(panels, images, strict=True))) for images in zip(*panels.values(), strict=True)
+    ]
+
+
+def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
+    cut = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
+    shown = [Panel(pictures.enlarged(pictures.filmic(v, faults.EXPOSURE), ZOOM), k) for k, v in cut.items()]
+    return pictures.grid([shown[:2], shown[2:]])
+
+
+def moderate(
+    place: tuple[int, float, float], methods: Sequence[str], driver: str, adapter: str | None = None
+) -> tuple[list[dict], list]:
+    """Rows of one of sequences.MODERATE: FLIP, from both inputs."""
+    used = drivers.load(driver, adapter)
+    rasteriser, scene, rows = Rasteriser(SIZE, POINTS, used), street(*place), []
+    truth = rasteriser.lens(scene).color
+    for kind in (ALIASED, ANTIALIASED):
+        given = rasteriser.pinhole(scene, antialiased=kind == ANTIALIASED)
+        for label in methods:
+            case = Case(kind, labels.settings(label, scene.camera), given.color, given.depth)
+            error = metrics.flip(labels.picture(used, label, case), truth)
+            rows.append({"scene": AT_REST, "place": place, "label": label, "input": kind, "flip": error})
+    return rows, []
+
+
+def table(rows: Sequence[Mapping]) -> list[str]:
+    """For each scene a row for a method and a column for an input: FLIP, or deviation and change, mean / 99th."""
+    lines: list[str] = []
+    for name in dict.fromkeys(row["scene"] for row in rows):
+        own = [row for row in rows if row["scene"] == name]
+        inputs = list(dict.fromkeys(row["input"] for row in own))
+        lines += ["", f"| {name} | {' | '.join(inputs)} |", "|---" * (len(inputs) + 1) + "|"]
+        for label in dict.fromkeys(row["label"] for row in own):
+            cells = [[row for row in own if (row["label"], row["input"]) == (label, kind)] for kind in inputs]
+            lines.append(f"| {label} | {' | '.join(map(_cell, cells))} |")
+    return lines[1:]
+
+
+def _cell(rows: Sequence[Mapping]) -> str:
+    if "flip" in rows[0]:
+        return f"{np.mean([row['flip'] for row in rows]):.4f}"
+    return ", ".join("{:.1f} / {:.0f}".format(*rows[0][name]) for name in ("deviation", "change"))
+
+
+def chosen(name: str | None) -> list[str]:
+    """What --motion names. Raises UserError."""
+    named = terminal.chosen("--motion", [name or "all"], [*NAMES, "all"])
+    return list(NAMES) if named == ["all"] else named
+
+
+def report(
+    methods: Sequence[str], driver: str, adapter: str | None, folder: Path | None, names: Sequence[str]
+) -> tuple[list[dict], list[str]]:
+    """Rows of sequences and their table, by several processes; into a folder motion_NAME.webp."""
+    work = [(measured, (name, methods, driver, adapter)) for name in names if name in MOTIONS]
+    work += [(moderate, (place, methods, driver, adapter)) for place in MODERATE] if AT_REST in names else []
+    with terminal.progress("truth", len(work)) as step:
+        found = jobs.run(work, step)
+    for name, (_, frames) in zip(names, found, strict=False):
+        if folder and frames:
+            pictures.write_animation(folder, f"motion_{name}", frames, MILLISECONDS, QUALITY)
+    rows = [row for some, _ in found for row in some]
+    explained = (
+        "Error against the truth, 1/255: standard deviation over the frames, change between frames; mean / 99th "
+    )
+    return rows, [*table(rows), f"{explained} percentile of the pixels. {AT_REST}: FLIP"]
