@@ -21,8 +21,9 @@ PATTERNS = ("plain", "checks", "windows", "dapples", "shaded")
 VIEWS, ANTIALIASING = 16, 16
 # Metres to where nothing is; cells of a sphere's mesh, around and from pole to pole
 SKY, SPHERE_CELLS = 200.0, (64, 32)
-# Multiples of these fill a square evenly: powers of 1 / 1.3247..., the R2 sequence
+# Multiples of these fill a square evenly, whatever their number: powers of 1 / 1.3247..., the R2 sequence
 R2 = (0.7548776662466927, 0.5698402909980532)
+GOLDEN = 0.6180339887498949
 
 VERTEX = """#version 330
 in vec2 corner, size;
@@ -213,8 +214,9 @@ class Rasteriser:
     def lens(self, scene: Scene) -> Lens:
         """The truth, each point of the lens with its own place in the pixel."""
         self._draw(self.pinhole_frame, scene, np.zeros((1, 4)))
-        places, corners = sequence(3 * self.points), apertures.even_polygon(scene.sides)
-        points = places[polygons.inside(corners, *places.T)][: self.points] * scene.camera.aperture_diameter
+        square, corners = np.outer(np.arange(3 * self.points), R2) % 1.0 - 0.5, apertures.even_polygon(scene.sides)
+        points = square[polygons.inside(corners, *square.T)][: self.points] * scene.camera.aperture_diameter
+        # in an order that has nothing to do with that of the places in the pixel
         color, hidden = self._average(scene, np.random.default_rng(1).permutation(points))
         return Lens(color[..., :3], color[..., 3], hidden[..., :3])
 
@@ -223,7 +225,7 @@ class Rasteriser:
         context, adding = self.driver.context, self.adding
         adding["focus"], adding["zoom"] = scene.camera.focus_distance, scene.zoom
         self.sum_frame.clear()
-        views = np.hstack([lens, sequence(len(lens))])
+        views = np.hstack([lens, places_in_pixel(len(lens))])
         for first in range(0, len(lens), VIEWS):
             portion = views[first : first + VIEWS]
             self._draw(self.view_frame, scene, portion)
@@ -277,6 +279,8 @@ def _mesh(columns: int, rows: int) -> bytes:
     return (corners / (columns, rows) * 2.0 - 1.0).astype("f4").tobytes()
 
 
-def sequence(count: int) -> np.ndarray:
-    """Places spread evenly over a square of side 1, from its middle, (count, 2)."""
-    return np.outer(np.arange(1, count + 1), R2) % 1.0 - 0.5
+def places_in_pixel(count: int) -> np.ndarray:
+    """Spread evenly, in pixels from its middle, which is their mean: (count, 2)."""
+    numbers = np.arange(count)
+    places = np.stack([(numbers + 0.5) / count, numbers * GOLDEN % 1.0], axis=-1)
+    return places - places.mean(axis=0)

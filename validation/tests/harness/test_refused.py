@@ -57,6 +57,12 @@ release | --output
 release --output /no/such/folder/x | /no/such/folder; Make it first
 truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, layered low, layered medium,
 truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
+truth --random 0 | --random 0: not allowed. Give 1 to 10000
+truth --random 3 --motion pan | --random and --motion; Give one of them
+truth --random 3 --seed -1 | --seed -1: not allowed; 0 or more
+truth --seed 3 | --seed 3; with --random N
+truth --motion walk | --motion walk: unknown. Give one of pan, dolly; all.
+truth --motion pan --method "gather, jitter" | gather, jitter: unknown; layered medium, jitter
 truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
 """
 
