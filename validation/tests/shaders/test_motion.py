@@ -38,8 +38,9 @@ def test_temporal_anti_aliasing():
     assert off[0, 1] < 0.5 and off[1, 1] < 1.0 and off[1, 1] < 0.7 * off[1, 0], off
 
 
-def test_pan():
+def test_pan(monkeypatch):
     """Six frames: the paper's and layered's error changes less than the pinhole's; the table and the animation."""
+    monkeypatch.setattr(motion, "DETAIL", (100, 20, 80, 60))
     rows, frames = motion.measured("pan", list(motion.SHOWN), "egl", None, SIZE, POINTS, 6)
     got = {(row["input"], row["label"]): row["deviation"][0] for row in rows}
     for kind in motion.INPUTS:
