@@ -29,7 +29,10 @@ FULL_PROBES = (
 )  # fmt: skip
 BRIEF_PROBES = tuple(probe.name for probe in probes.PROBES if probe.name not in FULL_PROBES)
 # What takes longest is begun first
-SLOWEST = ("halo-hexagon", "exact-decagon", "exact-octagon", "layered-sweep", "layered-light-1", *engines.SLOWEST)
+SLOWEST = (
+    "halo-hexagon", "cats-eye-exact", "lateral-color", "exact-decagon", "exact-octagon", "layered-sweep",
+    "layered-light-1", *engines.SLOWEST,
+)  # fmt: skip
 MINUTES = {False: 2, True: 11}
 
 
