@@ -124,16 +124,22 @@ def test_scene(page):
     assert np.abs(canvas[..., :3].astype(int) - np.hstack([left[:, :480], right[:, 480:]])).max() <= 1
 
 
+@pytest.fixture(scope="module")
+def beside():
+    """market_7 on the page of validation/run peers."""
+    picture = ray_traced.picture(ray_traced.MARKET)
+    with effects.Page(list(demo.OTHERS)) as opened:
+        opened.load(picture.color, picture.depth, ray_traced.MARKET.camera)
+        yield opened
+
+
 @pytest.mark.parametrize("name", demo.OTHERS)
-def test_others(page, name):
+def test_others(page, beside, name):
     """Another library's depth of field, with the scene's lens: what `validation/run peers` makes of it."""
     page.call("scene", 0)
     said = page.call("set", [{"left": "input", "right": name}, {}])
     assert said["facts"].startswith("a disc, ") and said["said"] == ""
-    picture, camera = ray_traced.picture(ray_traced.MARKET), ray_traced.MARKET.camera
-    with effects.Page([name]) as beside:
-        beside.load(picture.color, picture.depth, camera)
-        expected = beside.draw(name, effects.FOUND["market_7"][name])
+    expected = beside.draw(name, effects.FOUND["market_7"][name])
     np.testing.assert_allclose(Shown(page, "right").pictures(name)[0][..., :3], expected[..., :3], rtol=2e-3, atol=2e-3)
 
 
