@@ -59,7 +59,7 @@ def default(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
     full: Annotated[
-        bool, typer.Option("--full", help="Every driver, compiler, probe and engine's sample: eleven minutes.")
+        bool, typer.Option("--full", help="Every driver, compiler, probe and engine's sample: twelve minutes.")
     ] = False,
     adapter: terminal.Adapter = None,
     output: Annotated[

@@ -6,7 +6,6 @@ rim), near leaves, bars and lights; an aperture from tiny to wide; one sample a 
 
 from math import cos, exp, log, pi, sin
 from random import Random
-from typing import NamedTuple
 
 from bokeh_validation.frame.methods import Camera
 from bokeh_validation.truth.rasteriser import Scene, Thing
@@ -20,15 +19,8 @@ LEAST_LIGHT = 0.045
 LEANING = 1000
 
 
-class RandomScene(NamedTuple):
-    """A scene of a seed, and whether its input is antialiased."""
-
-    scene: Scene
-    antialiased: bool
-
-
-def random_scene(seed: int) -> RandomScene:
-    """The same for a seed everywhere."""
+def random_scene(seed: int) -> tuple[Scene, bool]:
+    """That of a seed, the same everywhere, and whether its input is antialiased."""
     chance = _Chance(seed)
     chance.backdrop()
     chance.around_the_focus()
@@ -41,7 +33,7 @@ def random_scene(seed: int) -> RandomScene:
     aperture = chance.coc * chance.focus * chance.view
     camera = Camera(aperture, FOCAL_LENGTH, chance.focus, SENSOR_HEIGHT, 0.5)
     scene = Scene(tuple(chance.things), camera, sky=sky, sides=chance.choice((6, 8)))
-    return RandomScene(scene, chance.random.random() < 0.4)
+    return scene, chance.random.random() < 0.4
 
 
 class _Chance:

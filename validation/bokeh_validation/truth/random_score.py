@@ -11,7 +11,9 @@ import numpy as np
 from bokeh_validation import drivers, jobs, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.pictures import Panel
-from bokeh_validation.probes.model import Case
+from bokeh_validation.probes.model import Case, Check
+from bokeh_validation.probes.sections import Panel as SectionPanel
+from bokeh_validation.probes.sections import Run, Section
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import faults, labels
 from bokeh_validation.truth.random_scenes import random_scene
@@ -19,6 +21,8 @@ from bokeh_validation.truth.rasteriser import Rasteriser
 
 SIZE, POINTS = (320, 180), 320
 APERTURES = {6: "hexagon", 8: "octagon"}
+# What --full has of layered medium, at most: means of a hundred scenes from seed 0
+BOUNDS = {"flip": 0.100, "bright": 12, "dark": 32, "rough": 6}
 # Scenes of a job, whose driver is made once
 PORTION = 5
 # On the sheet: pixels of a place, how much larger they are shown, places of a scene and of all, what error is white
@@ -102,6 +106,18 @@ def table(rows: Sequence[Mapping]) -> list[str]:
             line += form.format(values.mean(), np.percentile(values, 95), values.max())
         lines.append(f"{line} | {np.mean([row['light'] for row in rows if row['label'] == label]):.3f} |")
     return lines
+
+
+def section(found: Sequence[Score], devices: Mapping) -> Section:
+    """layered medium within BOUNDS, for the report; none of it where the driver is missing."""
+    values = {name: [score.row[name] for score in found] for name in BOUNDS}
+    means = {f"{name}, mean of {len(found)} scenes": (np.mean(values[name]), BOUNDS[name]) for name in values if found}
+    checks = [
+        Check(name, float(mean), 0.0, most, "docs/likeness.md has what it was") for name, (mean, most) in means.items()
+    ]
+    shown = [SectionPanel("input, ours, truth, error", pictures.jpeg_uri(sheet(found)))] if found else []
+    runs = [Run(name, {}, checks) for name in devices["adapters"]]
+    return Section("random-scenes", "Layered on random scenes", "The worst places.", runs, {"": shown}, **devices)
 
 
 def report(

@@ -42,7 +42,7 @@ def test_scene():
     """The same for a seed; a leaning subject from LEANING on; as many things as there may be."""
     scene, antialiased = random_scene(3)
     assert random_scene(3) == (scene, antialiased) != random_scene(4)
-    kinds = [random_scene(seed).scene for seed in range(40)]
+    kinds = [random_scene(seed)[0] for seed in range(40)]
     assert {scene.sides for scene in kinds} == {6, 8} and all(2 <= len(scene.things) < 90 for scene in kinds)
 
 

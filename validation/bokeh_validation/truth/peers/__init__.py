@@ -15,8 +15,10 @@ from bokeh_validation.frame.methods import Camera
 from bokeh_validation.probes.highlight import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
-from bokeh_validation.truth import ray_traced
+from bokeh_validation.truth import faults, motion, ray_traced
 from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
+from bokeh_validation.truth.rasteriser import Rasteriser
+from bokeh_validation.truth.sequences import MOTIONS, moment
 
 OURS = ("paper", "exact", "layered low", "layered medium")
 DRIVER = "webgl2"  # the device that the others are on
@@ -26,6 +28,8 @@ LIGHT_SIZE, LIGHT_COC = (270, 270), 34
 LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
 # Pictures of a search are compared at a quarter of their size; its steps of a parameter
 SMALLER, STEPS = 4, (0.5, 0.8)
+# Scenes that a page is given: a browser keeps 16 contexts
+CONTEXTS = 12
 # What is shown of a scene: left and top
 PLACES, DETAIL = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}, (300, 200)
 
@@ -99,6 +103,29 @@ def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
     return [(overlap(light / light.sum(), expected / expected.sum()), light.sum() / before) for light in lights]
 
 
+def in_motion(asked: list[str], name: str) -> list[dict]:
+    """Rows of one of MOTIONS, from its antialiased input; parameters are searched on the first frame."""
+    recording, rows = motion.recorded(name, Rasteriser(motion.SIZE, motion.POINTS), motion.FRAMES), []
+    shown, cameras = list(map(faults.display, recording.truth)), [moment(name, k).camera for k in range(motion.FRAMES)]
+    start = documented(cameras[0], shown[0].shape[:2])
+    frames = list(zip(recording.antialiased, cameras, strict=True))
+    with terminal.progress("peers", len(asked)) as step:
+        for key in asked:
+            images, parameters = [], {}
+            for at in range(0, len(frames), CONTEXTS):
+                with Page([key]) as page:
+                    for given, camera in frames[at : at + CONTEXTS]:
+                        page.load(given.color, given.depth, camera)
+                        parameters = parameters or search(page, key, start[key], reduced(recording.truth[0]))
+                        own = {k: parameters[k] for k in (*EFFECTS[key][2], *OPTIONS) if k in parameters}
+                        drawn = page.draw(key, documented(camera, given.depth.shape)[key] | own)
+                        images.append(drawn[..., :3])
+            rows.append({"scene": name, "label": title(key), "input": motion.ANTIALIASED})
+            rows[-1] |= {"parameters": parameters} | motion.flicker(images, shown)
+            step(title(key))
+    return rows
+
+
 def peers(
     effect: Annotated[list[str] | None, typer.Option(help="May be given again. Default: all.")] = None,
     scene: Annotated[
@@ -109,6 +136,9 @@ def peers(
     ] = None,
     folder: Annotated[
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
+    ] = None,
+    sequence: Annotated[
+        str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
 ) -> None:
     """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, PSNR, light; shape of one light."""
@@ -121,7 +151,11 @@ def peers(
             raise UserError(
                 f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
             )
+    named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
     Page(asked).close()  # what is missing is told before any work
+    if sequence is not None:
+        terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
+        return
     work = [(of_scene, (name, asked, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
     with terminal.progress("peers", len(work)) as step:
         *drawings, lights = jobs.run(work, step)
