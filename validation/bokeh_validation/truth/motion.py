@@ -27,7 +27,7 @@ DEFAULT = (
     "pinhole", "paper", "exact", "layered low", "layered medium", "layered medium, jitter",
     "layered high", "layered ultra",
 )  # fmt: skip
-ALIASED, ANTIALIASED, BEFORE, AFTER = INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after")
+ALIASED, ANTIALIASED, *_ = INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after")
 # The animation: left, top, width, height of a detail, and how much larger; milliseconds a frame; quality of WebP
 DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
 SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
@@ -35,18 +35,19 @@ SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, prese
 
 class Recording(NamedTuple):
     """A sequence: one sample of colour a pixel, in the middle; many; one, elsewhere in each frame, and LEAD frames
-    before the others; the truth, linear (H, W, 3).
+    before the others; what temporal anti-aliasing makes of these, and the truth, linear (H, W, 3).
     """
 
     aliased: list[Pinhole]
     antialiased: list[Pinhole]
     jittered: list[Pinhole]
+    stable: list[np.ndarray]
     truth: list[np.ndarray]
 
 
 def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
     """One of sequences.MOTIONS."""
-    recording = Recording([], [], [], [])
+    recording = Recording([], [], [], [], [])
     for frame in range(-LEAD, frames):
         scene, before = moment(name, frame), moment(name, frame - 1)
         recording.jittered.append(rasteriser.pinhole(scene, before, place=PLACES[frame % len(PLACES)]))
@@ -54,7 +55,8 @@ def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
             recording.aliased.append(rasteriser.pinhole(scene, before))
             recording.antialiased.append(rasteriser.pinhole(scene, before, antialiased=True))
             recording.truth.append(rasteriser.lens(scene).color)
-    return recording
+    stable = resolved([pinhole.color for pinhole in recording.jittered], recording.jittered)
+    return recording._replace(stable=list(stable)[LEAD:])
 
 
 def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator[np.ndarray]:
@@ -85,11 +87,12 @@ def results(driver: Driver, name: str, label: str, recording: Recording) -> dict
             images.append(labels.picture(driver, label, Case(name, settings, rgba, pinhole.depth))[..., :3])
         return images
 
-    frames = {k: drawn(v, [p.color for p in v]) for k, v in zip(INPUTS, recording[:2], strict=False)}
-    jittered, colors = recording.jittered, [pinhole.color for pinhole in recording.jittered]
-    frames[BEFORE] = drawn(jittered[LEAD:], list(resolved(colors, jittered))[LEAD:])
-    frames[AFTER] = list(resolved(drawn(jittered, colors, -LEAD), jittered))[LEAD:]
-    return frames
+    aliased, antialiased, jittered = (
+        drawn(v, [p.color for p in v], len(recording.truth) - len(v)) for v in recording[:3]
+    )
+    before = drawn(recording.jittered[LEAD:], recording.stable)
+    after = list(resolved(jittered, recording.jittered))[LEAD:]
+    return dict(zip(INPUTS, (aliased, antialiased, before, after), strict=True))
 
 
 def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
@@ -183,7 +186,5 @@ def report(
         if folder and frames:
             pictures.write_animation(folder, f"motion_{name}", frames, MILLISECONDS, QUALITY)
     rows = [row for some, _ in found for row in some]
-    explained = (
-        "Error against the truth, 1/255: standard deviation over the frames, change between frames; mean / 99th "
-    )
-    return rows, [*table(rows), f"{explained} percentile of the pixels. {AT_REST}: FLIP"]
+    explained = "Error, 1/255: deviation over the frames, change between frames; mean / 99th percentile of the pixels."
+    return rows, [*table(rows), f"{explained} {AT_REST}: FLIP"]
