@@ -34,6 +34,8 @@ plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 demo --output /no/such/folder/x.html | /no/such/folder
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
+peers --motion walk | --motion walk: unknown. Give one of pan, dolly
+peers --motion pan --scene market_7 | --motion pan; Leave out --scene
 peers --pictures /no/such/folder | --pictures /no/such/folder
 peers --search /no/such/p.json | /no/such/p.json; no folder
 figures --driver d3d12 | --driver d3d12; osmesa

@@ -152,6 +152,10 @@ def peers(
                 f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
             )
     named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
+    if sequence and (scene or found or folder):
+        raise UserError(
+            f"--motion {sequence}: it draws none of the scenes. Leave out --scene, --search and --pictures."
+        )
     Page(asked).close()  # what is missing is told before any work
     if sequence is not None:
         terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
