@@ -119,11 +119,8 @@ class _Chance:
         between, choice, nearest = self.between, self.choice, max(0.25, 1 / (1 + NEAREST_COC / self.coc)) + 0.02
         leaves, largest = ((0, 0.12), (8, 0.12), (24, 0.12), (3, 0.3))[1 if self.leaning else choice((0, 1, 1, 2, 3))]
         for _ in range(leaves):
-            distance, side, size = (
-                max(self.focus * between(nearest, 0.85), 0.12),
-                choice((-1, 1)),
-                between(0.03, largest),
-            )
+            distance = max(self.focus * between(nearest, 0.85), 0.12)
+            side, size = choice((-1, 1)), between(0.03, largest)
             place = side * between(0.2, 0.85), between(-0.5, 0.5), size, size * between(0.2, 0.6)
             turn, color = between(0, 3.1), (between(0.02, 0.2), between(0.1, 0.45), 0.03)
             pattern, lean = choice(("plain", "shaded")), (0, choice((0, 0.4)))

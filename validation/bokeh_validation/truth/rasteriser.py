@@ -206,7 +206,7 @@ class Rasteriser:
         self._draw(self.pinhole_frame, scene, np.array([(0.0, 0.0, *place)]), before)
         color, moved = map(self._read, self.textures[:2])
         # a clear writes the sky's colour to every target
-        depth, moved = color[..., 3], np.where(color[..., 3:] == SKY, 0.0, moved[..., :2] * self.size[1])
+        depth, moved = color[..., 3].copy(), np.where(color[..., 3:] == SKY, 0.0, moved[..., :2] * self.size[1])
         if antialiased:
             color = self._average(scene, np.zeros((ANTIALIASING, 2)))[0]
         return Pinhole(np.dstack([color[..., :3], np.ones_like(depth)]).astype(np.float16), depth, moved)

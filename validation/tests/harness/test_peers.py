@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import needed
 
-from bokeh_validation.truth import peers, ray_traced
+from bokeh_validation.truth import motion, peers, ray_traced
 from bokeh_validation.truth.peers import effects
 from bokeh_validation.truth.peers.effects import EFFECTS, FOUND, ONE_LIGHT, Page
 
@@ -45,6 +45,17 @@ def test_parameters_that_were_found():
     """Every scene and the light have every effect's."""
     assert set(FOUND) == {scene.name for scene in ray_traced.SCENES} | {ONE_LIGHT}
     assert all(set(of_effects) == set(EFFECTS) for of_effects in FOUND.values())
+
+
+def test_motion(monkeypatch):
+    """An effect in two frames of a small sequence, and its row of the table."""
+    monkeypatch.setattr(motion, "SIZE", (192, 108))
+    monkeypatch.setattr(motion, "FRAMES", 2)
+    monkeypatch.setattr(peers, "search", lambda page, key, start, lens: start)
+    with needed("Chromium, npm and cargo"):
+        (row,) = peers.in_motion(["BokehPass"], "focus")
+    assert row["label"].startswith("three.js BokehPass") and 0.0 < row["change"][0] < 20.0
+    assert motion.table([row])[2].startswith("| three.js BokehPass")
 
 
 class Planted:

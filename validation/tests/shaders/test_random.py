@@ -49,10 +49,13 @@ def test_scene():
 def test_dozen():
     """Seeds 0 to 11 at 192 x 108, MEDIUM: FLIP, its worst, and pixels that are wrong are not more than they were."""
     load("egl")
-    rows = [score.row for score in random_score.scores(range(12), ["layered medium"], "egl", None, (192, 108), 160)]
+    scores = random_score.scores(range(12), ["layered medium"], "egl", None, (192, 108), 160)
+    rows = [score.row for score in scores]
     means = {name: np.mean([row[name] for row in rows]) for name in BOUNDS}
     assert all(means[name] <= bound for name, bound in BOUNDS.items()), means
     assert max(row["flip"] for row in rows) <= WORST
+    section = random_score.section(scores, {"adapters": {"egl": ""}, "missing": {}})
+    assert section.ok and len(section.runs[0].checks) == len(BOUNDS) and section.strips[""][0].picture
 
 
 def test_command(tmp_path):
