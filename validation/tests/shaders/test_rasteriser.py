@@ -17,7 +17,7 @@ CAMERA = Camera(0.15, 0.05, 3.0, 0.024, 1.0)
 SIZE = (160, 120)
 
 
-@pytest.fixture(params=["egl", "osmesa"])
+@pytest.fixture(scope="module", params=["egl", "osmesa"])
 def rasteriser(request) -> Rasteriser:
     return Rasteriser(SIZE, 512, load(request.param))
 
@@ -38,12 +38,12 @@ def test_thin_lens(rasteriser, distance, sides):
     """A disc becomes the aperture's polygon of the formula's CoC where the pinhole has it; its light is kept."""
     image = rasteriser.lens(black(light(distance, 2.0), sides=sides)).color[..., 0]
     coc = listings.circle_of_confusion(distance, *astuple(CAMERA)) * SIZE[1]
-    corners, scale = apertures.even_polygon(sides), 8
+    corners, scale = apertures.even_polygon(sides), 4
     wider = polygons.coverage(corners * (coc + 4.0), SIZE, (SIZE[0] / 2, SIZE[1] / 2))
     assert image[wider == 0.0].sum() < 0.005 * image.sum()
-    polygon = polygons.coverage(corners * coc * scale, (1000, 1000), (500, 500))
+    polygon = polygons.coverage(corners * coc * scale, (100, 100), (50, 50))
     for axis, middle in enumerate((SIZE[1] / 2, SIZE[0] / 2)):
-        place, fine = np.indices(image.shape)[axis] + 0.5, np.indices(polygon.shape)[axis] - 499.5
+        place, fine = np.indices(image.shape)[axis] + 0.5, np.indices(polygon.shape)[axis] - 49.5
         mean = (image * place).sum() / image.sum()
         assert mean == pytest.approx(middle, abs=0.1)
         # of the polygon, of a disc of radius 2, of a pixel
@@ -101,7 +101,9 @@ def test_ray_traced_light():
     radius = np.sqrt(rows.size / np.pi) * metres
     disc = Thing((x, y, distance), (radius, radius), [red[rows, columns].mean()] * 3, shape="disc")
     drawn = (
-        Rasteriser((width, height)).lens(Scene((disc,), file.camera, sky=[np.median(truth)] * 3)).color[part][..., 0]
+        Rasteriser((width, height), 192)
+        .lens(Scene((disc,), file.camera, sky=[np.median(truth)] * 3))
+        .color[part][..., 0]
     )
     assert overlap(drawn, truth) > 0.93
     assert drawn.sum() == pytest.approx(truth.sum(), rel=0.02)
