@@ -2,13 +2,11 @@
 //
 // Layered depth of field with polygonal bokeh, GLSL. Version 0.2.0. Put it after bokeh.glsl.
 //
-//   The one-layer filters of bokeh.glsl blur each pixel by its own CoC, so near objects keep a hard
-//   outline. Here near objects spread over what is behind them, what they hide is filled, and far
-//   samples count by how far they spread themselves. docs/layers.md has the method.
+//   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here they spread
+//   over what is behind them, and what they hide is filled: docs/layers.md.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.glsl beside it has
-//   ready-made programs.
+//   Functions only: no bindings, no entry points.
 //   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
 //   Out   rgb = the picture, a = signed CoC.
 //   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
@@ -33,28 +31,18 @@
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
 //   layer, then for the far one.
-//
-// CONTENTS
-//   [10] layers: BokehMakeLayers, BokehTileMax, BokehTileDilate, BokehPrefilter,
-//        BokehKernelReduce, BokehKernelRows, BokehKernelColumns
-//   [11] holes: BokehHoleDownsample, BokehHoleFill
-//   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
-//        BokehLayerEdge
-//   [13] the picture: BokehComposite
 
 // -------------------------------------------------------------------------------------------------
-// [10] layers
-// -------------------------------------------------------------------------------------------------
+// [11] layers
 //
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
 //   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
-//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: darker pixels do
-//                                              not lower the level of light; far below what the
-//                                              exposure shows
+//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
+//                                              not lower the level of light
 //
-//   Presets: define one before both files; in WGSL set the three constants.
+//   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
 //   BOKEH_PRESET_LOW        2          8       0
@@ -85,6 +73,12 @@
 #define BOKEH_PRESET_CUBIC 1
 #endif
 
+#ifndef BOKEH_PRESET_DEFAULT
+#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_CELLS) || defined(BOKEH_LAYER_CUBIC)
+#error a preset sets BOKEH_LAYER_RINGS, _CELLS and _CUBIC: define it or them, not both
+#endif
+#endif
+
 #ifndef BOKEH_LAYER_RINGS
 #define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
 #endif
@@ -109,59 +103,55 @@ struct BokehGrid
     vec2 texel;
 };
 
-// Layers: what all passes need to know
-//   full          the grid of the full size
-//   polygon       the aperture
-//   largest       possible CoC: BokehMaxCoC times the image height, pixels
+// Layers: what all passes need to know of the image and of this pixel
+//   uv            of this pixel
+//   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
+//   largest       possible CoC: maxCoC of the map times the image height, pixels
 //   jitter        from BokehNoise, times its amount; 0 = none
 struct BokehLayers
 {
-    BokehGrid full;
-    BokehPolygon polygon;
+    vec2 uv;
+    vec2 size;
+    vec2 origin;
+    vec2 texel;
     float largest;
     float jitter;
 };
 
-// Layers: the grid of the full size
-//   viewport      x, y of the image's first pixel, multiples of 8, width, height; pixels
-//   wholeSize     of the textures, pixels; it and x, y count with BOKEH_VIEWPORT 1 only
-BokehGrid BokehMakeGrid(vec4 viewport, vec2 wholeSize)
-{
-    BokehGrid grid;
-    grid.size = viewport.zw;
-    grid.origin = vec2(0.0, 0.0);
-    grid.texel = 1.0 / viewport.zw;
-    if (BOKEH_VIEWPORT > 0)
-    {
-        grid.origin = viewport.xy;
-        grid.texel = 1.0 / wholeSize;
-    }
-    return grid;
-}
-
 // Layers: settings for an image that fills its textures, without jitter
-//   imageSize     width, height; pixels
-//   MaxCoC        fraction of the image height, as in the CoC map
-BokehLayers BokehMakeLayers(vec2 imageSize, BokehPolygon polygon, float MaxCoC)
+//   maxCoC        fraction of the image height, as in the CoC map
+BokehLayers BokehMakeLayers(vec2 uv, vec2 imageSize, float maxCoC)
 {
     BokehLayers layers;
-    layers.full = BokehMakeGrid(vec4(0.0, 0.0, imageSize), imageSize);
-    layers.polygon = polygon;
-    layers.largest = MaxCoC * imageSize.y;
+    layers.uv = uv;
+    layers.size = imageSize;
+    layers.origin = vec2(0.0, 0.0);
+    layers.texel = 1.0 / imageSize;
+    layers.largest = maxCoC * imageSize.y;
     layers.jitter = 0.0;
     return layers;
 }
 
-// Layers: the grid of textures of 1 / scale of the full size
-BokehGrid BokehReducedGrid(BokehGrid full, float scale)
+// Layers: the grid of the full size
+BokehGrid BokehFullGrid(BokehLayers layers)
 {
     BokehGrid grid;
-    grid.size = ceil(full.size / scale);
-    grid.origin = full.origin / scale;
+    grid.size = layers.size;
+    grid.origin = layers.origin;
+    grid.texel = layers.texel;
+    return grid;
+}
+
+// Layers: the grid of textures of 1 / scale of the full size
+BokehGrid BokehReducedGrid(BokehLayers layers, float scale)
+{
+    BokehGrid grid;
+    grid.size = ceil(layers.size / scale);
+    grid.origin = layers.origin / scale;
     grid.texel = 1.0 / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+        grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
     }
     return grid;
 }
@@ -180,7 +170,7 @@ vec2 BokehGridCoords(vec2 place, BokehGrid grid)
 }
 
 // Layers: one filtered fetch
-vec4 BokehFetchGrid(sampler2D tex, vec2 place, BokehGrid grid)
+vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
 {
     return BokehFetchTexture(tex, BokehGridCoords(place, grid));
 }
@@ -188,7 +178,7 @@ vec4 BokehFetchGrid(sampler2D tex, vec2 place, BokehGrid grid)
 // Layers: the same at a distance from a pixel, with fewer instructions
 //   uv            of the pixel in the image
 //   offset        texels of the grid
-vec4 BokehFetchAround(sampler2D tex, vec2 uv, vec2 offset, BokehGrid grid)
+vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 uv, vec2 offset, BokehGrid grid)
 {
     vec2 coords = uv + offset * grid.texel;
     if (BOKEH_VIEWPORT > 0)
@@ -238,33 +228,29 @@ float BokehLayerShare(float CoC, float slope)
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
-// Layers: largest near and far CoC of 8 x 8 pixels, and how bright they are
-//   The level is the mean of the logarithm: later passes compare brightness with it, so that the
-//   picture does not depend on exposure.
+// Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
 //   returns       r = near, g = far, both >= 0, pixels; b = level
-vec4 BokehTileMax(sampler2D MapSamp, vec2 uv, BokehLayers layers)
+vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers)
 {
-    vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + vec2(0.5, 0.5);
+    vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5, 0.5);
     vec3 found = vec3(0.0, 0.0, 0.0);
     for (int y = 0; y < 8; y++)
     {
         for (int x = 0; x < 8; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
-            vec4 pixel = BokehFetchGrid(MapSamp, place, layers.full);
-            float s = pixel.a * layers.full.size.y;
+            vec4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers));
+            float s = pixel.a * layers.size.y;
             float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
             found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
-    return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
-        1.0);
+    return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
 }
 
 // Layers: what a CoC of another tile counts for here
 //   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
 //   more, so that nothing jumps as CoC change.
-//   tiles         distance
 vec2 BokehReaching(vec2 CoC, float tiles)
 {
     vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
@@ -278,11 +264,10 @@ float BokehReachTiles(BokehLayers layers)
 }
 
 // Layers: the largest CoC that reach a tile; along rows first, then along columns
-//   TilesSamp     from BokehTileMax, then from here
 //   axis          (1, 0), then (0, 1)
-vec4 BokehTileDilate(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers)
+vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayers layers)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float radius = BokehReachTiles(layers);
     vec2 found = vec2(0.0, 0.0);
     float level = 0.0;
@@ -293,7 +278,7 @@ vec4 BokehTileDilate(sampler2D TilesSamp, vec2 uv, vec2 axis, BokehLayers layers
         {
             break;
         }
-        vec4 tile = BokehFetchGrid(TilesSamp, uv * grid.size + axis * tiles, grid);
+        vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         level += tile.b;
     }
@@ -323,11 +308,11 @@ struct BokehPrefiltered
 };
 
 // Layers: near and far layer at half size, and what is known of their CoC
-BokehPrefiltered BokehPrefilter(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
 {
-    BokehGrid full = layers.full;
-    vec2 middle = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + vec2(1.0, 1.0);
-    vec4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(full, 8.0));
+    BokehGrid full = BokehFullGrid(layers);
+    vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0, 1.0);
+    vec4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0));
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
@@ -422,10 +407,10 @@ struct BokehKernels
 };
 
 // Layers: kernelSums and leftovers of BokehPrefilter for each tile
-BokehKernels BokehKernelReduce(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, BokehLayers layers)
+BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE LeftSamp, BokehLayers layers)
 {
-    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
-    vec2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + vec2(0.5, 0.5);
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5, 0.5);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
     vec2 left = vec2(0.0, 0.0);
     for (int y = 0; y < 4; y++)
@@ -445,11 +430,11 @@ BokehKernels BokehKernelReduce(sampler2D SumsSamp, sampler2D LeftSamp, vec2 uv, 
 
 // Layers: BokehKernelRows along any axis
 //   axis          (1, 0) or (0, 1)
-BokehKernels BokehKernelAlong(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
-    vec2 axis, BokehLayers layers)
+BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, vec2 axis, BokehLayers layers)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
-    vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
+    vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
     // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
     // .180), half as wide, the kernel changes within one light
     vec2 sigma = max(reach * 0.0375, vec2(0.6, 0.6));
@@ -464,7 +449,7 @@ BokehKernels BokehKernelAlong(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D 
         {
             break;
         }
-        vec2 place = uv * grid.size + axis * tiles;
+        vec2 place = layers.uv * grid.size + axis * tiles;
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
@@ -481,10 +466,10 @@ BokehKernels BokehKernelAlong(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D 
 //   LeftSamp, SumsSamp  what BokehKernelReduce wrote
 //   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
 //                 as the CoC that reach here
-BokehKernels BokehKernelRows(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp, vec2 uv,
-    BokehLayers layers)
+BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, BokehLayers layers)
 {
-    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, uv, vec2(1.0, 0.0), layers);
+    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(1.0, 0.0), layers);
 }
 
 // Layers: what BokehKernelColumns writes
@@ -500,13 +485,12 @@ struct BokehSizes
 // Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
 //   LeftSamp, SumsSamp  what BokehKernelRows wrote
-BokehSizes BokehKernelColumns(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D ReachSamp,
-    vec2 uv, BokehLayers layers)
+BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, BokehLayers layers)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
-    vec2 reach = BokehFetchGrid(ReachSamp, uv * grid.size, grid).rg;
-    BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, uv, vec2(0.0, 1.0),
-        layers);
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
+    vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
+    BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(0.0, 1.0), layers);
     vec4 sums = kernels.sums;
     vec2 sizes = vec2(0.0, 0.0);
     if (sums.g > 0.0001 && reach.r > 6.0)
@@ -524,8 +508,7 @@ BokehSizes BokehKernelColumns(sampler2D LeftSamp, sampler2D SumsSamp, sampler2D 
 }
 
 // -------------------------------------------------------------------------------------------------
-// [11] holes: what the near layer hides
-// -------------------------------------------------------------------------------------------------
+// [12] holes: what the near layer hides
 
 // Layers: what BokehHoleDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
@@ -539,12 +522,12 @@ struct BokehHoles
 
 // Layers: what is not near, at quarter size, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-BokehHoles BokehHoleDownsample(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
 {
-    BokehGrid full = layers.full;
-    vec2 first = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + vec2(0.5, 0.5);
+    BokehGrid full = BokehFullGrid(layers);
+    vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5, 0.5);
     vec2 middlePlace = first + vec2(1.5, 1.5);
-    vec4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(full, 8.0));
+    vec4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0));
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
@@ -575,76 +558,11 @@ BokehHoles BokehHoleDownsample(sampler2D MapSamp, sampler2D ReachSamp, vec2 uv, 
     return targets;
 }
 
-// Layers: the first corner of a polygon, at a distance of 1 from its middle; not squeezed
-vec2 BokehFirstCorner(BokehPolygon polygon)
+// Layers: direction of edge k, as drawn, but not squeezed
+vec2 BokehEdgeDirection(int k, BokehPolygon polygon)
 {
-    float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
-    vec2 corner = vec2(cos(angle), sin(angle));
-    if (BOKEH_CHARACTER > 0)
-    {
-        // the last edge, less the others
-        vec2 sum = BokehEdgeVector(polygon.sides / 2, polygon);
-        for (int i = 1; i < polygon.sides / 2; i++)
-        {
-            sum -= BokehEdgeVector(i, polygon);
-        }
-        corner = BokehRotated(sum, vec2(cos(polygon.rotation), sin(polygon.rotation)));
-    }
-    return corner;
-}
-
-// Layers: (cos, sin) of the angle from one corner to the next
-vec2 BokehCornerStep(BokehPolygon polygon)
-{
-    float angle = 6.28318531 / float(polygon.sides);
-    return vec2(cos(angle), sin(angle));
-}
-
-// Layers: the corner that follows on another one, both as in BokehFirstCorner
-//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
-//   cornerStep    from BokehCornerStep
-vec2 BokehNextCorner(vec2 corner, int k, vec2 cornerStep, BokehPolygon polygon)
-{
-    vec2 nextCorner = BokehRotated(corner, cornerStep);
-    if (BOKEH_CHARACTER > 0)
-    {
-        int edges = polygon.sides / 2;
-        int edge = k;
-        if (k >= edges)
-        {
-            edge = k - edges;
-        }
-        if (edge == 0)
-        {
-            edge = edges;
-        }
-        vec2 axis = vec2(cos(polygon.rotation), sin(polygon.rotation));
-        vec2 along = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
-        // the outline runs around the middle one way
-        if (corner.x * along.y < corner.y * along.x)
-        {
-            along = -along;
-        }
-        nextCorner = corner + along;
-    }
-    return nextCorner;
-}
-
-// Layers: area of the triangle from the middle to an edge, in units of their mean
-float BokehEdgeShare(vec2 corner, vec2 nextCorner, BokehPolygon polygon)
-{
-    float share = 1.0;
-    if (BOKEH_CHARACTER > 0)
-    {
-        float area = 0.0;
-        for (int k = 2; k <= polygon.sides / 2; k++)
-        {
-            area += BokehExactWeight(k, polygon);
-        }
-        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * float(polygon.sides) /
-            (8.0 * area);
-    }
-    return share;
+    vec2 outwards = BokehTurn(float(k), polygon);
+    return BokehRotated(vec2(-outwards.y, outwards.x), polygon.axis);
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon
@@ -666,15 +584,15 @@ struct BokehFilled
 
 // Layers: holes filled with what is around; the nearest counts most
 //   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-BokehFilled BokehHoleFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D SharesSamp,
-    sampler2D ReachSamp, vec2 uv, BokehLayers layers)
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SharesSamp,
+    BOKEH_TEXTURE ReachSamp, BokehPolygon polygon, BokehLayers layers)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
-    vec2 center = uv * grid.size;
-    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers.full, 8.0)).r;
-    vec2 stretch = vec2(layers.polygon.squeeze, 1.0);
-    vec2 cornerStep = BokehCornerStep(layers.polygon);
-    vec2 corner = BokehFirstCorner(layers.polygon);
+    BokehGrid grid = BokehReducedGrid(layers, 4.0);
+    vec2 center = layers.uv * grid.size;
+    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0)).r;
+    vec2 corner = BokehRotated(polygon.corner, polygon.axis);
+    vec2 direction = BokehEdgeDirection(1, polygon);
+    vec2 turn = BokehTurn(1.0, polygon);
     vec4 middle = BokehFetchGrid(MiddleSamp, center, grid);
     vec4 far = BokehFetchGrid(FarSamp, center, grid);
     vec2 shares = BokehFetchGrid(SharesSamp, center, grid).rg;
@@ -685,23 +603,23 @@ BokehFilled BokehHoleFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D Sha
         {
             break;
         }
-        // in quarter pixels; the rings reach half the CoC
-        float radius = max(reach / 16.0, 1.0) * float(ring);
-        float weight = 1.0 / (1.0 + 16.0 * radius * radius);
-        int onEdge = BokehOnEdge(ring, layers.polygon);
-        for (int edge = 0; edge < layers.polygon.sides; edge++)
+        // diameter in quarter pixels; the rings reach half the CoC
+        float diameter = max(reach / 8.0, 2.0) * float(ring);
+        float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
+        vec2 scale = vec2(polygon.squeeze * diameter, diameter);
+        int onEdge = BokehOnEdge(ring, polygon);
+        for (int edge = 1; edge <= polygon.sides; edge++)
         {
-            vec2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
-                layers.polygon);
-            vec2 along = (nextCorner - corner) / float(onEdge);
+            vec2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
             for (int i = 0; i < onEdge; i++)
             {
-                vec2 place = center + (corner + along * float(i)) * stretch * radius;
+                vec2 place = center + corner * scale;
                 middle += BokehFetchGrid(MiddleSamp, place, grid) * weight;
                 far += BokehFetchGrid(FarSamp, place, grid) * weight;
                 shares += BokehFetchGrid(SharesSamp, place, grid).rg * weight;
+                corner += along;
             }
-            corner = nextCorner;
+            direction = BokehRotated(direction, turn);
         }
     }
     vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
@@ -721,32 +639,35 @@ BokehFilled BokehHoleFill(sampler2D MiddleSamp, sampler2D FarSamp, sampler2D Sha
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] polygons at half size
-// -------------------------------------------------------------------------------------------------
+// [13] polygons at half size
 //
-//   The parallelograms of [8], without weights and without a leakage test: a layer has nothing in
+//   The parallelograms of [5], without weights and without a leakage test: a layer has nothing in
 //   it that must not spread. All four channels are blurred alike.
 
-// Layers: mean of the samples along one line
-//   center        place, texels of the half size
-//   segment       from BokehPolygonEdge
+// Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
 //   CoC           texels of the half size
-vec4 BokehLayerLine(sampler2D LayerSamp, vec2 center, vec4 segment, float CoC, BokehLayers layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secondPass, float CoC,
+    BokehLayers layers)
 {
-    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    vec4 segment = BokehEdgeLine(k, polygon, secondPass);
     float lengthInTexels = 2.0 * length(segment.zw) * CoC;
     float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
     float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    vec2 first = center + (segment.xy - segment.zw) * CoC;
+    vec2 first = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
     vec2 cellLength = segment.zw * CoC * (2.0 / cells);
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
     for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        vec2 place = first + cellLength * (float(i) + cell * phase);
-        sum += cell * BokehFetchGrid(LayerSamp, place, halves);
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase), halves);
     }
-    return sum / cells;
+    sum = sum / cells;
+    if (secondPass)
+    {
+        sum *= BokehEdgeArea(k, polygon);
+    }
+    return sum;
 }
 
 // Layers: the CoC that a layer is blurred by, texels of the half size
@@ -754,9 +675,9 @@ vec4 BokehLayerLine(sampler2D LayerSamp, vec2 center, vec4 segment, float CoC, B
 //   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
 //   (street_11: .044 for .041).
 //   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers layers)
+float BokehLayerCoC(BOKEH_TEXTURE SizesSamp, vec2 center, bool isFar, BokehLayers layers)
 {
-    vec2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers.full, 8.0)).rg;
+    vec2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers, 8.0)).rg;
     float CoC = 0.5 * sizes.r;
     if (isFar)
     {
@@ -767,70 +688,50 @@ float BokehLayerCoC(sampler2D SizesSamp, vec2 center, bool isFar, BokehLayers la
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
-//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; only those before edge k count
 vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
 {
-    float angle = 6.28318531 / float(polygon.sides);
-    float w1 = sin((float(k) - 1.0) * angle);
-    float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
-    float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
-    float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
-    if (BOKEH_CHARACTER > 0)
-    {
-        w1 *= polygon.lengths.x;
-        w2 *= polygon.lengths.y;
-        w3 *= polygon.lengths.z;
-        w4 *= polygon.lengths.w;
-    }
-    return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
+    vec4 w = BokehEdgeWeights(k, polygon);
+    return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
 //   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
-//   returns       as BokehExactFirst
-BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFar,
-    BokehLayers layers)
+//   last, returns as of BokehExactFirst
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, bool isFar, int last,
+    BokehPolygon polygon, BokehLayers layers)
 {
-    BokehPolygon polygon = layers.polygon;
-    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    targets.edge2 = none;
-    targets.edge3 = none;
-    targets.edge4 = none;
-    targets.edge5 = none;
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
         vec4 L2 = none;
         vec4 L3 = none;
-        vec4 L1 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(1, polygon, false), CoC,
-            layers);
+        vec4 L4 = none;
+        vec4 L1 = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers);
+        if (last > 2)
+        {
+            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers);
+        }
+        if (last > 3)
+        {
+            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers);
+        }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers);
+        }
         targets.edge2 = L1;
-        if (polygon.sides > 4)
-        {
-            L2 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(2, polygon, false), CoC,
-                layers);
-            targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-        }
-        if (polygon.sides > 6)
-        {
-            L3 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(3, polygon, false), CoC,
-                layers);
-            targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-        }
-        if (polygon.sides > 8)
-        {
-            vec4 L4 = BokehLayerLine(LayerSamp, center, BokehPolygonEdge(4, polygon, false), CoC,
-                layers);
-            targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-        }
+        targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
+        targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
+        targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0));
         targets.edge3 = targets.edge2;
         targets.edge4 = targets.edge2;
         targets.edge5 = targets.edge2;
@@ -839,102 +740,52 @@ BokehTargets BokehLayerFirst(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, 
 }
 
 // Layers: second pass: the finished layer
-//   Edge2Samp ..  what the first pass wrote; where there are fewer, pass any of them for the
-//                 rest: it is not read
-//   SizesSamp     sizes of BokehKernelColumns
-//   isFar         false: the near layer
+//   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
-vec4 BokehLayerSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp,
-    sampler2D Edge5Samp, sampler2D SizesSamp, vec2 uv, bool isFar, BokehLayers layers)
+vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
+    BOKEH_TEXTURE Edge5Samp, BOKEH_TEXTURE SizesSamp, bool isFar, BokehPolygon polygon,
+    BokehLayers layers)
 {
-    BokehPolygon polygon = layers.polygon;
-    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
     if (CoC > 0.5)
     {
-        float total = BokehExactWeight(2, polygon);
-        vec4 sum = total * BokehLayerLine(Edge2Samp, center, BokehPolygonEdge(2, polygon, true),
-            CoC, layers);
+        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers);
         if (polygon.sides > 4)
         {
-            float weight = BokehExactWeight(3, polygon);
-            sum += weight * BokehLayerLine(Edge3Samp, center, BokehPolygonEdge(3, polygon, true),
-                CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers);
         }
         if (polygon.sides > 6)
         {
-            float weight = BokehExactWeight(4, polygon);
-            sum += weight * BokehLayerLine(Edge4Samp, center, BokehPolygonEdge(4, polygon, true),
-                CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers);
         }
         if (polygon.sides > 8)
         {
-            float weight = BokehExactWeight(5, polygon);
-            sum += weight * BokehLayerLine(Edge5Samp, center, BokehPolygonEdge(5, polygon, true),
-                CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers);
         }
-        result = sum / total;
+        result = result / polygon.area;
     }
     else
     {
-        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers.full, 2.0));
-    }
-    return result;
-}
-
-// Layers: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2; as BokehExactEdge.
-vec4 BokehLayerEdge(sampler2D LayerSamp, sampler2D SizesSamp, vec2 uv, bool isFar, int k,
-    BokehLayers layers)
-{
-    BokehPolygon polygon = layers.polygon;
-    vec2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
-    if (CoC > 0.5)
-    {
-        float angle = 6.28318531 / float(polygon.sides);
-        vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-        float total = 0.0;
-        for (int i = 1; i < min(k, 5); i++)
-        {
-            float area = max(sin(float(k - i) * angle), 0.0);
-            if (BOKEH_CHARACTER > 0)
-            {
-                area *= BokehEdgeLength(i, polygon);
-            }
-            sum += area * BokehLayerLine(LayerSamp, center, BokehPolygonEdge(i, polygon, false),
-                CoC, layers);
-            total += area;
-        }
-        result = sum / total;
-    }
-    else
-    {
-        result = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers.full, 2.0));
+        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0));
     }
     return result;
 }
 
 // -------------------------------------------------------------------------------------------------
-// [13] the picture
-// -------------------------------------------------------------------------------------------------
+// [14] the picture
 
 // Layers: a half-size layer at a place of the full size
-//   Catmull-Rom without its corners, five fetches: bilinear would make the edges of polygons
-//   ragged. It overshoots: no channel leaves the range of its five fetches, or lights had dark rims
-//   and too much light.
+//   Catmull-Rom without its corners, five fetches: bilinear makes the edges of polygons ragged. It
+//   overshoots, so it is clamped to its five fetches, or lights had dark rims and too much light.
 //
 //            t          w0     weights from the texel before to the second one after;
 //          l c r      w1 + w2  c, the middle fetch, takes two by two texels
 //            b          w3
 //
 //   place         texels of the half size
-vec4 BokehFetchLayer(sampler2D LayerSamp, vec2 place, BokehGrid halves)
+vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid halves)
 {
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     if (BOKEH_LAYER_CUBIC > 0)
@@ -952,10 +803,9 @@ vec4 BokehFetchLayer(sampler2D LayerSamp, vec2 place, BokehGrid halves)
         vec4 t = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y - 1.0), halves);
         vec4 b = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y + 2.0), halves);
         vec2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-        vec4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) +
-            t * (w0.y * side.y) + b * (w3.y * side.y);
-        result = clamp(sum, min(min(c, min(l, r)), min(t, b)),
-            max(max(c, max(l, r)), max(t, b)));
+        vec4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t * (w0.y *
+            side.y) + b * (w3.y * side.y);
+        result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), max(t, b)));
     }
     else
     {
@@ -981,20 +831,17 @@ float BokehRingRadius(int ring, float radius, float power)
 
 // Layers: the last pass: a gather over what is in no layer, and all of it together
 //   Each sample counts by its own CoC, spread over the area that it covers; from behind this
-//   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
-//   over it and behind it.
-//   MapSamp       from BokehSignedCoCMap
-//   TilesSamp     reach of BokehKernelColumns
-//   NearSamp, FarSamp     from BokehLayerSecond
-//   MiddleSamp, BackSamp  what BokehHoleFill wrote
+//   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
+//   and behind it. The table at the top says what it reads.
 //   returns       rgb = the picture, a = signed CoC of this pixel
-vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, sampler2D FarSamp,
-    sampler2D MiddleSamp, sampler2D BackSamp, vec2 uv, BokehLayers layers)
+vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
+    BokehLayers layers)
 {
-    BokehGrid full = layers.full;
-    vec2 center = uv * full.size;
-    vec4 centerPixel = BokehFetchNearest(MapSamp, uv);
-    vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(full, 8.0));
+    BokehGrid full = BokehFullGrid(layers);
+    vec2 center = layers.uv * full.size;
+    vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
+    vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
     vec3 result = centerPixel.rgb;
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
@@ -1007,8 +854,8 @@ vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, 
         float farShare = BokehLayerShare(s, farSlope);
         // at a near pixel the far layer is added too: it lies beyond it
         float addFar = max(farShare, nearShare);
-        vec4 near = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(full, 2.0));
-        vec4 far = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(full, 2.0));
+        vec4 near = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(layers, 2.0));
+        vec4 far = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(layers, 2.0));
 
         // the gather reaches as far as what is in no layer
         float ownRadius = BokehSpreadRadius(s);
@@ -1029,11 +876,12 @@ vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, 
         vec4 sum = vec4(centerPixel.rgb, 1.0) * weight;
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
-        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) +
-            100.0 * clamp((tile.r - 16.0) / 16.0, 0.0, 1.0);
-        vec2 stretch = vec2(layers.polygon.squeeze, 1.0);
-        vec2 cornerStep = BokehCornerStep(layers.polygon);
-        vec2 corner = BokehFirstCorner(layers.polygon);
+        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 * clamp((tile.r -
+            16.0) / 16.0, 0.0, 1.0);
+        vec2 stretch = vec2(polygon.squeeze, 1.0);
+        vec2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
+        vec2 direction = BokehEdgeDirection(1, polygon) * 2.0;
+        vec2 turn = BokehTurn(1.0, polygon);
         for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
         {
             //   ring        1     2     3
@@ -1050,29 +898,29 @@ vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, 
             {
                 break;
             }
-            int onEdge = BokehOnEdge(ring, layers.polygon);
-            float cell = (outer * outer - inner * inner) / float(onEdge * layers.polygon.sides);
+            int onEdge = BokehOnEdge(ring, polygon);
+            // of its edges each gets what lies in the triangle from the middle to it
+            float cell = (outer * outer - inner * inner) / (8.0 * polygon.area * float(onEdge));
             float slope = 1.0 / (outer - inner);
             float start = inner * slope;
             float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
             vec2 scale = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
-            for (int edge = 0; edge < layers.polygon.sides / 2; edge++)
+            for (int edge = 1; edge <= polygon.sides / 2; edge++)
             {
-                vec2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
-                    layers.polygon);
-                float edgeCell = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
-                vec2 along = (nextCorner - corner) * scale / float(onEdge);
+                vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
+                float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
+                vec2 along = alongEdge * scale / float(onEdge);
                 vec2 first = corner * scale + along * phase;
                 for (int i = 0; i < onEdge; i++)
                 {
-                    vec2 offset = first + along * float(i);
-                    vec2 texel = floor(offset);
-                    offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
-                        vec2(0.0, 0.0), vec2(1.0, 1.0));
+                    vec2 place = first + along * float(i);
+                    vec2 texel = floor(place);
+                    vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
+                        steepness, vec2(0.0, 0.0), vec2(1.0, 1.0));
                     for (int side = 0; side < 2; side++)
                     {
-                        vec4 pixel = BokehFetchAround(MapSamp, uv, offset, full);
+                        vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
                         float isBehind = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
                             (1.0 - nearShare);
                         float spread = abs(pixel.a) * (0.5 * height) - 0.5;
@@ -1085,7 +933,8 @@ vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, 
                         offset = -offset;
                     }
                 }
-                corner = nextCorner;
+                corner += alongEdge;
+                direction = BokehRotated(direction, turn);
             }
             before = current;
             current = next;
@@ -1100,17 +949,17 @@ vec4 BokehComposite(sampler2D MapSamp, sampler2D TilesSamp, sampler2D NearSamp, 
         {
             // in depth order: the gather, then what fills its holes, then the far layer, and what
             // fills that
-            BokehGrid quarters = BokehReducedGrid(full, 4.0);
+            BokehGrid quarters = BokehReducedGrid(layers, 4.0);
             vec4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters);
             vec4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters);
             float empty = clamp(1.0 - sum.a, 0.0, 1.0);
             float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
             float farAlpha = min(far.a, 1.0);
             float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
-            vec3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) +
-                back.rgb * missing;
-            vec3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover +
-                background * (empty - cover);
+            vec3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
+                missing;
+            vec3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background * (empty -
+                cover);
             if (plain.a < 0.001)
             {
                 result = stack;

@@ -1,59 +1,40 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes on bokeh.glsl, GLSL. Version 0.2.0.
-// A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, for the layers
-// bokeh_layers.glsl, this file.
+// Ready-made passes, GLSL. Version 0.2.0.
+// A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, then what the pass is made
+// from (bokeh_paper.glsl, bokeh_layers.glsl, bokeh_lens.glsl, or none), and this file.
 //
 //   #define BOKEH_PASS ...      reads                             writes
-//   BOKEH_LINEAR_DEPTH          DepthSamp (any convention)        depth in metres, to R32F
-//   BOKEH_COC_MAP               ColorSamp, DepthSamp              colour, CoC: paper, naive
-//   BOKEH_SIGNED_COC_MAP        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BOKEH_LINEAR_DEPTH          DepthSamp                         depth in metres, to R32F
+//   BOKEH_SIGNED_COC_MAP        ColorSamp, DepthSamp              colour, signed CoC
 //   BOKEH_CONSTANT_COC          ColorSamp                         colour, the same CoC everywhere
+//   BOKEH_SQUARE_FIRST          ColorSamp                         1 target
+//   BOKEH_SQUARE_SECOND         ColorSamp                         the picture, from that target
+//   BOKEH_HEXAGON_FIRST         ColorSamp                         2 targets
+//   BOKEH_HEXAGON_SECOND        ColorSamp, ColorSampB             the picture, from those
+//   BOKEH_OCTAGON_FIRST         ColorSamp                         3 targets
+//   BOKEH_OCTAGON_SECOND        ColorSamp, ColorSampB .. C        the picture
+//   BOKEH_DECAGON_FIRST         ColorSamp                         4 targets
+//   BOKEH_DECAGON_SECOND        ColorSamp, ColorSampB .. D        the picture
+//   BOKEH_EXACT_EDGE            ColorSamp                         one target of these first passes
+//   BOKEH_DEBUG                 ColorSamp (with CoC), DepthSamp   debug view
+//   BOKEH_FULL_SCREEN           -                                 (vertex shader) one triangle
+//
+//   With bokeh_paper; DepthSamp has metres:
+//   BOKEH_COC_MAP               ColorSamp, DepthSamp              colour, CoC
 //   BOKEH_DEPTH_OF_FIELD        ColorSamp, DepthSamp              one line of the filter
 //   BOKEH_DEPTH_OF_FIELD_FINAL  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BOKEH_ADAPTIVE              ColorSamp, DepthSamp              a line of any length and place
 //   BOKEH_ADAPTIVE_FINAL        ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BOKEH_NAIVE_GATHER          ColorSamp, DepthSamp, KernelSamp  a table of offsets
 //   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              a grid of samples
-//   BOKEH_SQUARE_FIRST          ColorSamp                         exact, first pass: 1 target
-//   BOKEH_SQUARE_SECOND         ColorSamp                         exact, second pass: finished
-//   BOKEH_HEXAGON_FIRST         ColorSamp                         2 targets
-//   BOKEH_HEXAGON_SECOND        ColorSamp, ColorSampB             the targets in their order
-//   BOKEH_OCTAGON_FIRST         ColorSamp                         3 targets
-//   BOKEH_OCTAGON_SECOND        ColorSamp, ColorSampB .. C
-//   BOKEH_DECAGON_FIRST         ColorSamp                         4 targets
-//   BOKEH_DECAGON_SECOND        ColorSamp, ColorSampB .. D
-//   BOKEH_EXACT_EDGE            ColorSamp                         one target of the first pass
-//   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
-//   BOKEH_DEBUG                 ColorSamp (with CoC), DepthSamp   debug view
-//   BOKEH_FULL_SCREEN           -                                 (vertex shader) one triangle
 //
-//   Layers, with bokeh_layers.glsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BOKEH_TILE_MAX              ColorSamp                         largest CoC of 8 x 8 pixels
-//   BOKEH_TILE_DILATE           ColorSamp                         twice: BokehAxis 0, 1
-//   BOKEH_PREFILTER             ColorSamp, ColorSampB             4 targets
-//   BOKEH_KERNEL_REDUCE         ColorSamp, ColorSampB             2 targets
-//   BOKEH_KERNEL_ROWS           ColorSamp, ColorSampB .. C        2 targets
-//   BOKEH_KERNEL_COLUMNS        ColorSamp, ColorSampB .. C        2 targets
-//   BOKEH_HOLE_DOWNSAMPLE       ColorSamp, ColorSampB             3 targets
-//   BOKEH_HOLE_FILL             ColorSamp, ColorSampB .. D        2 targets
-//   BOKEH_SQUARE_LAYER_FIRST    ColorSamp, ColorSampB             1 target, as SquareFirst
-//   BOKEH_SQUARE_LAYER_SECOND   ColorSamp, ColorSampE             a layer, finished
-//   BOKEH_HEXAGON_LAYER_FIRST   ColorSamp, ColorSampB             2 targets
-//   BOKEH_HEXAGON_LAYER_SECOND  ColorSamp, ColorSampB, E
-//   BOKEH_OCTAGON_LAYER_FIRST   ColorSamp, ColorSampB             3 targets
-//   BOKEH_OCTAGON_LAYER_SECOND  ColorSamp, ColorSampB .. C, E
-//   BOKEH_DECAGON_LAYER_FIRST   ColorSamp, ColorSampB             4 targets
-//   BOKEH_DECAGON_LAYER_SECOND  ColorSamp, ColorSampB .. E
-//   BOKEH_COMPOSITE             ColorSamp, ColorSampB .. F        the picture
-//   BOKEH_PREFILTER_ONE         ColorSamp, ColorSampB             one target of Prefilter
-//   BOKEH_KERNEL_REDUCE_ONE     ColorSamp, ColorSampB             of KernelReduce
-//   BOKEH_KERNEL_ROWS_ONE       ColorSamp, ColorSampB .. C        of KernelRows
-//   BOKEH_KERNEL_COLUMNS_ONE    ColorSamp, ColorSampB .. C        of KernelColumns
-//   BOKEH_HOLE_DOWNSAMPLE_ONE   ColorSamp, ColorSampB             of HoleDownsample
-//   BOKEH_HOLE_FILL_ONE         ColorSamp, ColorSampB .. D        of HoleFill
-//   BOKEH_LAYER_EDGE            ColorSamp, ColorSampB             of the first pass over a layer
+//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
+//   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
+//
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
+//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/parameters.md has the table with units and offsets, and the block as a struct for C++,
@@ -63,26 +44,26 @@
 //   Vulkan their descriptors may be left out of the layout, or left unwritten.
 
 #define BOKEH_LINEAR_DEPTH 1
-#define BOKEH_COC_MAP 2
-#define BOKEH_SIGNED_COC_MAP 3
-#define BOKEH_CONSTANT_COC 4
-#define BOKEH_DEPTH_OF_FIELD 5
-#define BOKEH_DEPTH_OF_FIELD_FINAL 6
-#define BOKEH_ADAPTIVE 7
-#define BOKEH_ADAPTIVE_FINAL 8
-#define BOKEH_NAIVE_GATHER 9
-#define BOKEH_NAIVE_GRID 10
-#define BOKEH_SQUARE_FIRST 11
-#define BOKEH_SQUARE_SECOND 12
-#define BOKEH_HEXAGON_FIRST 13
-#define BOKEH_HEXAGON_SECOND 14
-#define BOKEH_OCTAGON_FIRST 15
-#define BOKEH_OCTAGON_SECOND 16
-#define BOKEH_DECAGON_FIRST 17
-#define BOKEH_DECAGON_SECOND 18
-#define BOKEH_EXACT_EDGE 19
-#define BOKEH_LATERAL_COLOR 20
-#define BOKEH_DEBUG 21
+#define BOKEH_SIGNED_COC_MAP 2
+#define BOKEH_CONSTANT_COC 3
+#define BOKEH_SQUARE_FIRST 4
+#define BOKEH_SQUARE_SECOND 5
+#define BOKEH_HEXAGON_FIRST 6
+#define BOKEH_HEXAGON_SECOND 7
+#define BOKEH_OCTAGON_FIRST 8
+#define BOKEH_OCTAGON_SECOND 9
+#define BOKEH_DECAGON_FIRST 10
+#define BOKEH_DECAGON_SECOND 11
+#define BOKEH_EXACT_EDGE 12
+#define BOKEH_DEBUG 13
+#define BOKEH_COC_MAP 14
+#define BOKEH_DEPTH_OF_FIELD 15
+#define BOKEH_DEPTH_OF_FIELD_FINAL 16
+#define BOKEH_ADAPTIVE 17
+#define BOKEH_ADAPTIVE_FINAL 18
+#define BOKEH_NAIVE_GATHER 19
+#define BOKEH_NAIVE_GRID 20
+#define BOKEH_LATERAL_COLOR 21
 #define BOKEH_TILE_MAX 22
 #define BOKEH_TILE_DILATE 23
 #define BOKEH_PREFILTER 24
@@ -109,15 +90,32 @@
 #define BOKEH_LAYER_EDGE 45
 #define BOKEH_FULL_SCREEN 46
 
-// ..._ONE and ..._EDGE: the target that is written, 0 ..
+// the target that _ONE and _EDGE write, 0 ..; whether BokehJitter acts, the aperture
+// has the shape of a lens, the CoC map takes all parameters
 #ifndef BOKEH_TARGET_INDEX
 #define BOKEH_TARGET_INDEX 0
+#endif
+#ifndef BOKEH_JITTER
+#define BOKEH_JITTER 0
+#endif
+#ifndef BOKEH_LENS_SHAPE
+#define BOKEH_LENS_SHAPE 0
+#endif
+#ifndef BOKEH_FOCUS_CONTROLS
+#define BOKEH_FOCUS_CONTROLS 0
+#endif
+#if BOKEH_LENS_SHAPE + BOKEH_FOCUS_CONTROLS > 0 && !defined(BOKEH_LENS)
+#error BOKEH_LENS_SHAPE 1 and BOKEH_FOCUS_CONTROLS 1 need bokeh_lens.glsl before this file
 #endif
 
 #ifndef BOKEH_PASS
 #error define BOKEH_PASS before this file, for example as BOKEH_DEPTH_OF_FIELD
 #elif BOKEH_PASS < BOKEH_LINEAR_DEPTH || BOKEH_PASS > BOKEH_FULL_SCREEN
 #error BOKEH_PASS is none of the names in the table at the top of this file
+#elif BOKEH_PASS >= BOKEH_COC_MAP && BOKEH_PASS <= BOKEH_NAIVE_GRID && !defined(BOKEH_PAPER)
+#error put bokeh_paper.glsl before this file
+#elif BOKEH_PASS == BOKEH_LATERAL_COLOR && !defined(BOKEH_LENS)
+#error put bokeh_lens.glsl before this file
 #elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
 #error put bokeh_layers.glsl before this file
 #endif
@@ -126,7 +124,6 @@
 
 // -------------------------------------------------------------------------------------------------
 // vertex shader
-// -------------------------------------------------------------------------------------------------
 
 #ifdef VULKAN
 #define BOKEH_VERTEX_ID gl_VertexIndex
@@ -148,18 +145,17 @@ void main()
 
 // -------------------------------------------------------------------------------------------------
 // bindings
-// -------------------------------------------------------------------------------------------------
 
 #ifdef VULKAN
 
-layout(set = 0, binding = 1) uniform sampler2D BokehColorSamp;
-layout(set = 0, binding = 2) uniform sampler2D BokehDepthSamp;
-layout(set = 0, binding = 3) uniform sampler2D BokehColorSampB;
-layout(set = 0, binding = 4) uniform sampler2D BokehColorSampC;
-layout(set = 0, binding = 5) uniform sampler2D BokehColorSampD;
-layout(set = 0, binding = 6) uniform sampler2D BokehKernelSamp;
-layout(set = 0, binding = 8) uniform sampler2D BokehColorSampE;
-layout(set = 0, binding = 9) uniform sampler2D BokehColorSampF;
+layout(set = 0, binding = 1) uniform BOKEH_TEXTURE BokehColorSamp;
+layout(set = 0, binding = 2) uniform BOKEH_DEPTH_TEXTURE BokehDepthSamp;
+layout(set = 0, binding = 3) uniform BOKEH_TEXTURE BokehColorSampB;
+layout(set = 0, binding = 4) uniform BOKEH_TEXTURE BokehColorSampC;
+layout(set = 0, binding = 5) uniform BOKEH_TEXTURE BokehColorSampD;
+layout(set = 0, binding = 6) uniform BOKEH_TEXTURE BokehKernelSamp;
+layout(set = 0, binding = 8) uniform BOKEH_TEXTURE BokehColorSampE;
+layout(set = 0, binding = 9) uniform BOKEH_TEXTURE BokehColorSampF;
 layout(location = 0) in vec2 BokehUV;
 
 #define BOKEH_PARAMETER(type, name) type name;
@@ -169,14 +165,14 @@ layout(set = 0, binding = 0, std140) uniform BokehParameters
 
 #else
 
-uniform sampler2D BokehColorSamp;
-uniform sampler2D BokehDepthSamp;
-uniform sampler2D BokehColorSampB;
-uniform sampler2D BokehColorSampC;
-uniform sampler2D BokehColorSampD;
-uniform sampler2D BokehKernelSamp;
-uniform sampler2D BokehColorSampE;
-uniform sampler2D BokehColorSampF;
+uniform BOKEH_TEXTURE BokehColorSamp;
+uniform BOKEH_DEPTH_TEXTURE BokehDepthSamp;
+uniform BOKEH_TEXTURE BokehColorSampB;
+uniform BOKEH_TEXTURE BokehColorSampC;
+uniform BOKEH_TEXTURE BokehColorSampD;
+uniform BOKEH_TEXTURE BokehKernelSamp;
+uniform BOKEH_TEXTURE BokehColorSampE;
+uniform BOKEH_TEXTURE BokehColorSampF;
 in vec2 BokehUV;
 
 #define BOKEH_PARAMETER(type, name) uniform type name;
@@ -220,8 +216,16 @@ BOKEH_PARAMETER(float, BokehLayer)
 BOKEH_PARAMETER(float, BokehCatsEye)
 BOKEH_PARAMETER(float, BokehRoundness)
 BOKEH_PARAMETER(float, BokehLateral)
-BOKEH_PARAMETER(float, BokehAxialRed)
-BOKEH_PARAMETER(float, BokehAxialBlue)
+BOKEH_PARAMETER(float, BokehFrontRange)
+BOKEH_PARAMETER(float, BokehBackRange)
+BOKEH_PARAMETER(float, BokehNearScale)
+BOKEH_PARAMETER(float, BokehFarScale)
+BOKEH_PARAMETER(float, BokehNearMaxCoC)
+BOKEH_PARAMETER(float, BokehFarMaxCoC)
+BOKEH_PARAMETER(float, BokehDepthX)
+BOKEH_PARAMETER(float, BokehDepthY)
+BOKEH_PARAMETER(float, BokehDepthWidth)
+BOKEH_PARAMETER(float, BokehDepthHeight)
 
 #ifdef VULKAN
 };
@@ -258,7 +262,6 @@ layout(location = 3) out vec4 BokehResultD;
 
 // -------------------------------------------------------------------------------------------------
 // fragment shaders
-// -------------------------------------------------------------------------------------------------
 
 // what a pass without a filter begins with
 void BokehUseViewport()
@@ -267,74 +270,105 @@ void BokehUseViewport()
     BokehSetViewport(viewport, vec2(BokehTextureWidth, BokehTextureHeight));
 }
 
+// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
+//   passIndex     0, 1 ..: a pass that reads another one needs another index
+float BokehNoise(vec2 uv, vec2 imageSize, float frame, float passIndex)
+{
+    float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+    float seed = dot(floor(uv * imageSize), vec2(0.06711056, 0.00583715));
+    float value = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
+    return value - floor(value) - 0.5;
+}
+
+// noise times its amount, with BOKEH_JITTER 1
+float BokehPassJitter(vec2 uv, vec2 imageSize, float passIndex)
+{
+    float jitter = 0.0;
+    if (BOKEH_JITTER > 0)
+    {
+        jitter = BokehJitter * BokehNoise(uv, imageSize, BokehFrame, passIndex);
+    }
+    return jitter;
+}
+
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
 BokehFilter BokehBegin(vec2 uv, float passIndex)
 {
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-    float noise = BokehNoise(uv, imageSize, BokehFrame, passIndex);
     BokehFilter settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
     settings.spacing = BokehSpacing;
-    settings.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    if (BokehSpacing <= 0.0)
+    {
+        settings.spacing = BOKEH_SPACING;
+    }
+    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
     settings.bleedingBias = BokehBleedingBias;
     settings.bleedingMult = BokehBleedingMult;
     return settings;
 }
 
-// one line of the filter, adaptive
-vec4 BokehAdaptiveLine(vec2 uv)
+// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+BokehPolygon BokehAperture(vec2 uv, int sides)
 {
-    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
-    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
-    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
-        BokehBlurCoC > 0.5);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+#ifdef BOKEH_LENS
+    if (BOKEH_LENS_SHAPE > 0)
+    {
+        polygon = BokehWithRoundness(polygon, BokehRoundness);
+        polygon = BokehWithCatsEye(polygon, uv, vec2(BokehImageWidth, BokehImageHeight),
+            BokehCatsEye);
+    }
+#endif
+    return polygon;
 }
 
-// BokehSides; a parameter that nobody has set is a hexagon
-int BokehSidesOrSix()
+// the aperture where BokehSides says it; a parameter that nobody has set is a hexagon
+BokehPolygon BokehAnyAperture(vec2 uv)
 {
     int sides = int(BokehSides + 0.5);
     if (sides == 0)
     {
         sides = 6;
     }
-    return sides;
+    return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
-BokehPolygon BokehAperture(vec2 uv, int sides)
+// the lens
+BokehLens BokehPassLens()
 {
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
-    if (BOKEH_CHARACTER > 0)
+    BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
+    lens.sensorHeight = BokehSensorHeight;
+    lens.maxCoC = BokehMaxCoC;
+    return lens;
+}
+
+// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+float BokehPassCoC(float depth)
+{
+    float CoC = BokehSignedCoC(depth, BokehPassLens());
+#ifdef BOKEH_LENS
+    if (BOKEH_FOCUS_CONTROLS > 0)
     {
-        vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-        polygon.roundness = BokehRoundness;
-        BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
-        polygon.lengths = cut.lengths;
-        polygon.fifth = cut.fifth;
-        polygon.axial = vec2(BokehAxialRed, BokehAxialBlue);
+        BokehFocus focus;
+        focus.sharpRange = vec2(BokehFrontRange, BokehBackRange);
+        focus.sideScale = vec2(BokehNearScale, BokehFarScale);
+        focus.sideMaxCoC = vec2(BokehNearMaxCoC, BokehFarMaxCoC);
+        CoC = BokehFocusedCoC(depth, BokehPassLens(), focus);
     }
-    return polygon;
+#endif
+    return CoC;
 }
 
-// exact, first pass
-BokehTargets BokehFirst(vec2 uv, int sides)
+// depth of this pixel in metres
+float BokehPassDepth(vec2 depthUV)
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactFirst(BokehColorSamp, uv, polygon, settings);
-}
-
-// exact, second pass
-vec4 BokehSecond(sampler2D Edge2Samp, sampler2D Edge3Samp, sampler2D Edge4Samp, sampler2D Edge5Samp,
-    vec2 uv, int sides)
-{
-    BokehFilter settings = BokehBegin(uv, 1.0);
-    BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactSecond(Edge2Samp, Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon, settings);
+    float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
+    return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
@@ -356,35 +390,58 @@ vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
     return picked;
 }
 
+#ifdef BOKEH_PAPER
+
+// one line of the filter, adaptive
+vec4 BokehAdaptiveLine(vec2 uv)
+{
+    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
+    vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
+        BokehBlurCoC > 0.5);
+}
+
+#endif
+
 #ifdef BOKEH_LAYERS
 
 // what a pass of the layers begins with: the viewport set, and its settings
-//   sides         4, 6, 8 or 10
 //   scale         of its target
-BokehLayers BokehBeginLayers(vec2 uv, int sides, float scale, float passIndex)
+BokehLayers BokehBeginLayers(vec2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehAperture(uv, clamp(sides, 4, 10));
-    BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
-    layers.full = BokehMakeGrid(vec4(BokehViewportX, BokehViewportY, imageSize),
-        vec2(BokehTextureWidth, BokehTextureHeight));
-    float noise = BokehNoise(uv, ceil(imageSize / scale), BokehFrame, passIndex);
-    layers.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    BokehLayers layers = BokehMakeLayers(uv, imageSize, BokehMaxCoC);
+    if (BOKEH_VIEWPORT > 0)
+    {
+        layers.origin = vec2(BokehViewportX, BokehViewportY);
+        layers.texel = 1.0 / vec2(BokehTextureWidth, BokehTextureHeight);
+    }
+    layers.jitter = BokehPassJitter(uv, ceil(imageSize / scale), passIndex);
     return layers;
 }
 
 // the same for a pass without samples of its own
 BokehLayers BokehBeginTiles(vec2 uv)
 {
-    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+    return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
 // the polygon of a layer, first pass
-BokehTargets BokehLayerPolygon(vec2 uv, int sides)
+//   last          as in BokehExactFirst
+BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, sides, 2.0, 0.0);
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, uv, BokehLayer > 0.5, layers);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayer > 0.5, last, polygon,
+        BokehBeginLayers(uv, 2.0, 0.0));
+}
+
+// the polygon of a layer, second pass
+vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
+    BOKEH_TEXTURE Edge5Samp, int sides)
+{
+    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
+        BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0));
 }
 
 #endif
@@ -394,18 +451,8 @@ BokehTargets BokehLayerPolygon(vec2 uv, int sides)
 void main()
 {
     BokehUseViewport();
-    float depth = BokehFetchNearest(BokehDepthSamp, BokehUV).r;
-    float S2 = BokehLinearDepth(depth, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
-    BokehResult = vec4(S2, S2, S2, 1.0);
-}
-
-#elif BOKEH_PASS == BOKEH_COC_MAP
-
-void main()
-{
-    BokehUseViewport();
-    BokehResult = BokehCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter,
-        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+    float depth = BokehPassDepth(BokehToTexture(BokehUV));
+    BokehResult = vec4(depth, depth, depth, 1.0);
 }
 
 #elif BOKEH_PASS == BOKEH_SIGNED_COC_MAP
@@ -413,8 +460,14 @@ void main()
 void main()
 {
     BokehUseViewport();
-    BokehResult = BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehApertureDiameter,
-        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+    vec2 depthUV = BokehToTexture(BokehUV);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = vec2(BokehDepthX, BokehDepthY) + BokehUV * vec2(BokehDepthWidth,
+            BokehDepthHeight);
+    }
+    vec4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV));
+    BokehResult = BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
 }
 
 #elif BOKEH_PASS == BOKEH_CONSTANT_COC
@@ -422,8 +475,138 @@ void main()
 void main()
 {
     BokehUseViewport();
-    vec4 color = BokehFetchNearest(BokehColorSamp, BokehUV);
+    vec4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV));
     BokehResult = BokehPackCoC(color, clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_FIRST
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehResult = BokehSquareFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4),
+        settings).edge2;
+}
+
+#elif BOKEH_PASS == BOKEH_SQUARE_SECOND
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 1.0);
+    BokehResult = BokehSquareSecond(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4), settings);
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_FIRST
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehTargets targets = BokehHexagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 6),
+        settings);
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+}
+
+#elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 1.0);
+    BokehResult = BokehHexagonSecond(BokehColorSamp, BokehColorSampB, BokehUV,
+        BokehAperture(BokehUV, 6), settings);
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehTargets targets = BokehOctagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 8),
+        settings);
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 1.0);
+    BokehResult = BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehUV,
+        BokehAperture(BokehUV, 8), settings);
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_FIRST
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehTargets targets = BokehDecagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 10),
+        settings);
+    BokehResult = targets.edge2;
+    BokehResultB = targets.edge3;
+    BokehResultC = targets.edge4;
+    BokehResultD = targets.edge5;
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_SECOND
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 1.0);
+    BokehResult = BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehUV, BokehAperture(BokehUV, 10), settings);
+}
+
+#elif BOKEH_PASS == BOKEH_EXACT_EDGE
+
+void main()
+{
+    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehTargets targets = BokehExactFirst(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(BokehUV), settings);
+    BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+#elif BOKEH_PASS == BOKEH_DEBUG
+
+// BokehDebugMode: 0 colour
+//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+//                 2 CoC as grey: black in focus, white at BokehMaxCoC
+//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+void main()
+{
+    BokehUseViewport();
+    vec4 result = BokehFetch(BokehColorSamp, BokehUV);
+    float depth = BokehPassDepth(BokehToTexture(BokehUV));
+    float grey = clamp(abs(result.a) / max(BokehMaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    vec3 weights = vec3(1.0, 1.0, 1.0);
+    if (BokehDebugMode > 2.5)
+    {
+        weights = vec3(0.1, 0.4, 1.0);
+        if (depth < BokehFocusDistance)
+        {
+            weights = vec3(1.0, 0.5, 0.0);
+        }
+    }
+    else if (BokehDebugMode < 1.5)
+    {
+        grey = depth / (depth + BokehFocusDistance);
+    }
+    if (BokehDebugMode > 0.5)
+    {
+        result = vec4(weights * grey, 1.0);
+    }
+    BokehResult = result;
+}
+
+#elif BOKEH_PASS == BOKEH_COC_MAP
+
+void main()
+{
+    BokehUseViewport();
+    BokehResult = BokehCoCMap(BokehColorSamp, BokehDepthSamp, BokehUV, BokehPassLens());
 }
 
 #elif BOKEH_PASS == BOKEH_DEPTH_OF_FIELD
@@ -482,85 +665,6 @@ void main()
         settings, BokehBlurCoC > 0.5);
 }
 
-#elif BOKEH_PASS == BOKEH_SQUARE_FIRST
-
-void main()
-{
-    BokehResult = BokehFirst(BokehUV, 4).edge2;
-}
-
-#elif BOKEH_PASS == BOKEH_SQUARE_SECOND
-
-void main()
-{
-    BokehResult = BokehSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp, BokehColorSamp,
-        BokehUV, 4);
-}
-
-#elif BOKEH_PASS == BOKEH_HEXAGON_FIRST
-
-void main()
-{
-    BokehTargets targets = BokehFirst(BokehUV, 6);
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-}
-
-#elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
-
-void main()
-{
-    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB, BokehColorSampB,
-        BokehUV, 6);
-}
-
-#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
-
-void main()
-{
-    BokehTargets targets = BokehFirst(BokehUV, 8);
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
-}
-
-#elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
-
-void main()
-{
-    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampC,
-        BokehUV, 8);
-}
-
-#elif BOKEH_PASS == BOKEH_DECAGON_FIRST
-
-void main()
-{
-    BokehTargets targets = BokehFirst(BokehUV, 10);
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
-    BokehResultD = targets.edge5;
-}
-
-#elif BOKEH_PASS == BOKEH_DECAGON_SECOND
-
-void main()
-{
-    BokehResult = BokehSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        BokehUV, 10);
-}
-
-#elif BOKEH_PASS == BOKEH_EXACT_EDGE
-
-void main()
-{
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
-    BokehPolygon polygon = BokehAperture(BokehUV, BokehSidesOrSix());
-    BokehResult = BokehExactEdge(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2, polygon,
-        settings);
-}
-
 #elif BOKEH_PASS == BOKEH_LATERAL_COLOR
 
 // the last pass
@@ -570,34 +674,11 @@ void main()
     BokehResult = BokehLateralColor(BokehColorSamp, BokehUV, BokehLateral);
 }
 
-#elif BOKEH_PASS == BOKEH_DEBUG
-
-// BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
-void main()
-{
-    BokehUseViewport();
-    vec4 result = BokehFetch(BokehColorSamp, BokehUV);
-    float S2 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, BokehUV).r);
-    if (BokehDebugMode > 2.5)
-    {
-        result = BokehDebugFocus(S2, BokehFocusDistance, result.a, BokehMaxCoC);
-    }
-    else if (BokehDebugMode > 1.5)
-    {
-        result = BokehDebugCoC(result.a, BokehMaxCoC);
-    }
-    else if (BokehDebugMode > 0.5)
-    {
-        result = BokehDebugDepth(S2, BokehFocusDistance);
-    }
-    BokehResult = result;
-}
-
 #elif BOKEH_PASS == BOKEH_TILE_MAX
 
 void main()
 {
-    BokehResult = BokehTileMax(BokehColorSamp, BokehUV, BokehBeginTiles(BokehUV));
+    BokehResult = BokehTileMax(BokehColorSamp, BokehBeginTiles(BokehUV));
 }
 
 #elif BOKEH_PASS == BOKEH_TILE_DILATE
@@ -605,14 +686,14 @@ void main()
 void main()
 {
     vec2 axis = vec2(1.0 - BokehAxis, BokehAxis);
-    BokehResult = BokehTileDilate(BokehColorSamp, BokehUV, axis, BokehBeginTiles(BokehUV));
+    BokehResult = BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(BokehUV));
 }
 
 #elif BOKEH_PASS == BOKEH_PREFILTER
 
 void main()
 {
-    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = targets.nearLayer;
     BokehResultB = targets.farLayer;
@@ -624,7 +705,7 @@ void main()
 
 void main()
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = targets.leftovers;
     BokehResultB = targets.sums;
@@ -635,7 +716,7 @@ void main()
 void main()
 {
     BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, BokehBeginTiles(BokehUV));
+        BokehBeginTiles(BokehUV));
     BokehResult = targets.leftovers;
     BokehResultB = targets.sums;
 }
@@ -645,7 +726,7 @@ void main()
 void main()
 {
     BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, BokehBeginTiles(BokehUV));
+        BokehBeginTiles(BokehUV));
     BokehResult = targets.reach;
     BokehResultB = targets.sizes;
 }
@@ -654,7 +735,7 @@ void main()
 
 void main()
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = targets.middle;
     BokehResultB = targets.far;
@@ -665,9 +746,8 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 4.0, 0.0);
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehUV, layers);
+        BokehColorSampD, BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
     BokehResult = targets.middle;
     BokehResultB = targets.back;
 }
@@ -676,23 +756,21 @@ void main()
 
 void main()
 {
-    BokehResult = BokehLayerPolygon(BokehUV, 4).edge2;
+    BokehResult = BokehLayerPolygon(BokehUV, 2, BokehAperture(BokehUV, 4)).edge2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, 4, 2.0, 1.0);
-    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSamp, BokehColorSamp,
-        BokehColorSamp, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 6);
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 3, BokehAperture(BokehUV, 6));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
 }
@@ -701,16 +779,14 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, 6, 2.0, 1.0);
-    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampB,
-        BokehColorSampB, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 8);
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 4, BokehAperture(BokehUV, 8));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
     BokehResultC = targets.edge4;
@@ -720,16 +796,14 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, 8, 2.0, 1.0);
-    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampC, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 10);
+    BokehTargets targets = BokehLayerPolygon(BokehUV, 5, BokehAperture(BokehUV, 10));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
     BokehResultC = targets.edge4;
@@ -740,25 +814,23 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, 10, 2.0, 1.0);
-    BokehResult = BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, BokehUV, BokehLayer > 0.5, layers);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
 }
 
 #elif BOKEH_PASS == BOKEH_COMPOSITE
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 1.0, 2.0);
     BokehResult = BokehComposite(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        BokehColorSampE, BokehColorSampF, BokehUV, layers);
+        BokehColorSampE, BokehColorSampF, BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 1.0,
+        2.0));
 }
 
 #elif BOKEH_PASS == BOKEH_PREFILTER_ONE
 
 void main()
 {
-    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
         targets.leftovers);
@@ -768,7 +840,7 @@ void main()
 
 void main()
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
@@ -778,7 +850,7 @@ void main()
 void main()
 {
     BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, BokehBeginTiles(BokehUV));
+        BokehBeginTiles(BokehUV));
     BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
@@ -787,7 +859,7 @@ void main()
 void main()
 {
     BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehUV, BokehBeginTiles(BokehUV));
+        BokehBeginTiles(BokehUV));
     BokehResult = BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
@@ -795,7 +867,7 @@ void main()
 
 void main()
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB, BokehUV,
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
     BokehResult = BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
@@ -804,9 +876,8 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 4.0, 0.0);
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehUV, layers);
+        BokehColorSampD, BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
     BokehResult = BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
@@ -814,9 +885,9 @@ void main()
 
 void main()
 {
-    BokehLayers layers = BokehBeginLayers(BokehUV, BokehSidesOrSix(), 2.0, 0.0);
-    BokehResult = BokehLayerEdge(BokehColorSamp, BokehColorSampB, BokehUV, BokehLayer > 0.5,
-        BOKEH_TARGET_INDEX + 2, layers);
+    BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(BokehUV));
+    BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 #endif

@@ -2,13 +2,11 @@
 //
 // Layered depth of field with polygonal bokeh, HLSL. Version 0.2.0. Put it after bokeh.hlsl.
 //
-//   The one-layer filters of bokeh.hlsl blur each pixel by its own CoC, so near objects keep a hard
-//   outline. Here near objects spread over what is behind them, what they hide is filled, and far
-//   samples count by how far they spread themselves. docs/layers.md has the method.
+//   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here they spread
+//   over what is behind them, and what they hide is filled: docs/layers.md.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.hlsl beside it has
-//   ready-made programs.
+//   Functions only: no bindings, no entry points.
 //   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
 //   Out   rgb = the picture, a = signed CoC.
 //   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
@@ -33,28 +31,18 @@
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
 //   layer, then for the far one.
-//
-// CONTENTS
-//   [10] layers: BokehMakeLayers, BokehTileMax, BokehTileDilate, BokehPrefilter,
-//        BokehKernelReduce, BokehKernelRows, BokehKernelColumns
-//   [11] holes: BokehHoleDownsample, BokehHoleFill
-//   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
-//        BokehLayerEdge
-//   [13] the picture: BokehComposite
 
 // -------------------------------------------------------------------------------------------------
-// [10] layers
-// -------------------------------------------------------------------------------------------------
+// [11] layers
 //
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
 //   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
-//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: darker pixels do
-//                                              not lower the level of light; far below what the
-//                                              exposure shows
+//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
+//                                              not lower the level of light
 //
-//   Presets: define one before both files; in WGSL set the three constants.
+//   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
 //   BOKEH_PRESET_LOW        2          8       0
@@ -85,6 +73,12 @@
 #define BOKEH_PRESET_CUBIC 1
 #endif
 
+#ifndef BOKEH_PRESET_DEFAULT
+#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_CELLS) || defined(BOKEH_LAYER_CUBIC)
+#error a preset sets BOKEH_LAYER_RINGS, _CELLS and _CUBIC: define it or them, not both
+#endif
+#endif
+
 #ifndef BOKEH_LAYER_RINGS
 #define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
 #endif
@@ -109,59 +103,55 @@ struct BokehGrid
     float2 texel;
 };
 
-// Layers: what all passes need to know
-//   full          the grid of the full size
-//   polygon       the aperture
-//   largest       possible CoC: BokehMaxCoC times the image height, pixels
+// Layers: what all passes need to know of the image and of this pixel
+//   uv            of this pixel
+//   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
+//   largest       possible CoC: maxCoC of the map times the image height, pixels
 //   jitter        from BokehNoise, times its amount; 0 = none
 struct BokehLayers
 {
-    BokehGrid full;
-    BokehPolygon polygon;
+    float2 uv;
+    float2 size;
+    float2 origin;
+    float2 texel;
     float largest;
     float jitter;
 };
 
-// Layers: the grid of the full size
-//   viewport      x, y of the image's first pixel, multiples of 8, width, height; pixels
-//   wholeSize     of the textures, pixels; it and x, y count with BOKEH_VIEWPORT 1 only
-BokehGrid BokehMakeGrid(float4 viewport, float2 wholeSize)
-{
-    BokehGrid grid;
-    grid.size = viewport.zw;
-    grid.origin = float2(0.0, 0.0);
-    grid.texel = 1.0 / viewport.zw;
-    if (BOKEH_VIEWPORT > 0)
-    {
-        grid.origin = viewport.xy;
-        grid.texel = 1.0 / wholeSize;
-    }
-    return grid;
-}
-
 // Layers: settings for an image that fills its textures, without jitter
-//   imageSize     width, height; pixels
-//   MaxCoC        fraction of the image height, as in the CoC map
-BokehLayers BokehMakeLayers(float2 imageSize, BokehPolygon polygon, float MaxCoC)
+//   maxCoC        fraction of the image height, as in the CoC map
+BokehLayers BokehMakeLayers(float2 uv, float2 imageSize, float maxCoC)
 {
     BokehLayers layers;
-    layers.full = BokehMakeGrid(float4(0.0, 0.0, imageSize), imageSize);
-    layers.polygon = polygon;
-    layers.largest = MaxCoC * imageSize.y;
+    layers.uv = uv;
+    layers.size = imageSize;
+    layers.origin = float2(0.0, 0.0);
+    layers.texel = 1.0 / imageSize;
+    layers.largest = maxCoC * imageSize.y;
     layers.jitter = 0.0;
     return layers;
 }
 
-// Layers: the grid of textures of 1 / scale of the full size
-BokehGrid BokehReducedGrid(BokehGrid full, float scale)
+// Layers: the grid of the full size
+BokehGrid BokehFullGrid(BokehLayers layers)
 {
     BokehGrid grid;
-    grid.size = ceil(full.size / scale);
-    grid.origin = full.origin / scale;
+    grid.size = layers.size;
+    grid.origin = layers.origin;
+    grid.texel = layers.texel;
+    return grid;
+}
+
+// Layers: the grid of textures of 1 / scale of the full size
+BokehGrid BokehReducedGrid(BokehLayers layers, float scale)
+{
+    BokehGrid grid;
+    grid.size = ceil(layers.size / scale);
+    grid.origin = layers.origin / scale;
     grid.texel = 1.0 / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+        grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
     }
     return grid;
 }
@@ -180,22 +170,22 @@ float2 BokehGridCoords(float2 place, BokehGrid grid)
 }
 
 // Layers: one filtered fetch
-float4 BokehFetchGrid(BOKEH_TEXTURE(tex), float2 place, BokehGrid grid)
+float4 BokehFetchGrid(BOKEH_TEXTURE tex, float2 place, BokehGrid grid BOKEH_SAMPLER)
 {
-    return BokehFetchTexture(BOKEH_ARGUMENT(tex), BokehGridCoords(place, grid));
+    return BokehFetchTexture(tex, BokehGridCoords(place, grid) BOKEH_LINEAR);
 }
 
 // Layers: the same at a distance from a pixel, with fewer instructions
 //   uv            of the pixel in the image
 //   offset        texels of the grid
-float4 BokehFetchAround(BOKEH_TEXTURE(tex), float2 uv, float2 offset, BokehGrid grid)
+float4 BokehFetchAround(BOKEH_TEXTURE tex, float2 uv, float2 offset, BokehGrid grid BOKEH_SAMPLER)
 {
     float2 coords = uv + offset * grid.texel;
     if (BOKEH_VIEWPORT > 0)
     {
         coords = BokehGridCoords(uv * grid.size + offset, grid);
     }
-    return BokehFetchTexture(BOKEH_ARGUMENT(tex), coords);
+    return BokehFetchTexture(tex, coords BOKEH_LINEAR);
 }
 
 // Layers: largest of the three channels
@@ -238,21 +228,19 @@ float BokehLayerShare(float CoC, float slope)
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
-// Layers: largest near and far CoC of 8 x 8 pixels, and how bright they are
-//   The level is the mean of the logarithm: later passes compare brightness with it, so that the
-//   picture does not depend on exposure.
+// Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
 //   returns       r = near, g = far, both >= 0, pixels; b = level
-float4 BokehTileMax(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
+float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers BOKEH_SAMPLER)
 {
-    float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + float2(0.5, 0.5);
+    float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + float2(0.5, 0.5);
     float3 found = float3(0.0, 0.0, 0.0);
     for (int y = 0; y < 8; y++)
     {
         for (int x = 0; x < 8; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, layers.full);
-            float s = pixel.a * layers.full.size.y;
+            float4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers) BOKEH_LINEAR);
+            float s = pixel.a * layers.size.y;
             float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
             found = float3(max(found.r, -s), max(found.g, s), found.b + level);
         }
@@ -264,7 +252,6 @@ float4 BokehTileMax(BOKEH_TEXTURE(MapSamp), float2 uv, BokehLayers layers)
 // Layers: what a CoC of another tile counts for here
 //   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
 //   more, so that nothing jumps as CoC change.
-//   tiles         distance
 float2 BokehReaching(float2 CoC, float tiles)
 {
     float2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
@@ -278,11 +265,10 @@ float BokehReachTiles(BokehLayers layers)
 }
 
 // Layers: the largest CoC that reach a tile; along rows first, then along columns
-//   TilesSamp     from BokehTileMax, then from here
 //   axis          (1, 0), then (0, 1)
-float4 BokehTileDilate(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLayers layers)
+float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float radius = BokehReachTiles(layers);
     float2 found = float2(0.0, 0.0);
     float level = 0.0;
@@ -293,8 +279,8 @@ float4 BokehTileDilate(BOKEH_TEXTURE(TilesSamp), float2 uv, float2 axis, BokehLa
         {
             break;
         }
-        float4 tile = BokehFetchGrid(BOKEH_ARGUMENT(TilesSamp), uv * grid.size + axis * tiles,
-            grid);
+        float4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles,
+            grid BOKEH_LINEAR);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         level += tile.b;
     }
@@ -324,13 +310,13 @@ struct BokehPrefiltered
 };
 
 // Layers: near and far layer at half size, and what is known of their CoC
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
-    BokehLayers layers)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid full = layers.full;
-    float2 middle = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + float2(1.0, 1.0);
-    float4 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MapSamp), middle / 8.0,
-        BokehReducedGrid(full, 8.0));
+    BokehGrid full = BokehFullGrid(layers);
+    float2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + float2(1.0, 1.0);
+    float4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR);
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
@@ -345,7 +331,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp),
         for (int x = 0; x < 2; x++)
         {
             float2 place = middle + float2(float(x) - 0.5, float(y) - 0.5);
-            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+            float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
             float s = pixel.a * full.size.y;
             float nearShare = BokehLayerShare(-s, nearSlope);
             float farShare = BokehLayerShare(s, farSlope);
@@ -368,7 +354,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp),
             for (int x = 0; x < 4; x++)
             {
                 float2 place = middle + float2(float(x) - 1.5, float(y) - 1.5);
-                float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+                float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
                 float nearShare = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
                 if (nearShare < 0.5 * largestShare)
                 {
@@ -386,7 +372,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp),
             for (int column = 0; column < 2; column++)
             {
                 float2 place = middle + float2(float(column) - 0.5, float(row) - 0.5);
-                float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+                float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
                 float s = pixel.a * full.size.y;
                 float nearShare = BokehLayerShare(-s, nearSlope);
                 float brightest = BokehBrightest(pixel.rgb);
@@ -425,11 +411,11 @@ struct BokehKernels
 };
 
 // Layers: kernelSums and leftovers of BokehPrefilter for each tile
-BokehKernels BokehKernelReduce(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), float2 uv,
-    BokehLayers layers)
+BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE LeftSamp,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
-    float2 first = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + float2(0.5, 0.5);
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + float2(0.5, 0.5);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
     float2 left = float2(0.0, 0.0);
     for (int y = 0; y < 4; y++)
@@ -437,8 +423,8 @@ BokehKernels BokehKernelReduce(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), 
         for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            sums += BokehFetchGrid(BOKEH_ARGUMENT(SumsSamp), place, halves);
-            left = max(left, BokehFetchGrid(BOKEH_SHARED(LeftSamp, SumsSamp), place, halves).rg);
+            sums += BokehFetchGrid(SumsSamp, place, halves BOKEH_LINEAR);
+            left = max(left, BokehFetchGrid(LeftSamp, place, halves BOKEH_LINEAR).rg);
         }
     }
     BokehKernels targets;
@@ -449,11 +435,11 @@ BokehKernels BokehKernelReduce(BOKEH_TEXTURE(SumsSamp), BOKEH_TEXELS(LeftSamp), 
 
 // Layers: BokehKernelRows along any axis
 //   axis          (1, 0) or (0, 1)
-BokehKernels BokehKernelAlong(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
-    BOKEH_TEXELS(ReachSamp), float2 uv, float2 axis, BokehLayers layers)
+BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, float2 axis, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
-    float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
+    float2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
     // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
     // .180), half as wide, the kernel changes within one light
     float2 sigma = max(reach * 0.0375, float2(0.6, 0.6));
@@ -468,11 +454,11 @@ BokehKernels BokehKernelAlong(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
         {
             break;
         }
-        float2 place = uv * grid.size + axis * tiles;
+        float2 place = layers.uv * grid.size + axis * tiles;
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGrid(BOKEH_SHARED(SumsSamp, LeftSamp), place, grid) *
-            float4(weight.x, weight.x, weight.y, weight.y);
-        left = max(left, BokehReaching(BokehFetchGrid(BOKEH_ARGUMENT(LeftSamp), place, grid).rg,
+        sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
+            weight.y, weight.y);
+        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid BOKEH_LINEAR).rg,
             abs(tiles)));
         total += weight;
     }
@@ -486,11 +472,10 @@ BokehKernels BokehKernelAlong(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
 //   LeftSamp, SumsSamp  what BokehKernelReduce wrote
 //   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
 //                 as the CoC that reach here
-BokehKernels BokehKernelRows(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
-    BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, BokehLayers layers BOKEH_SAMPLER)
 {
-    return BokehKernelAlong(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv, float2(1.0, 0.0),
-        layers);
+    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, float2(1.0, 0.0), layers BOKEH_LINEAR);
 }
 
 // Layers: what BokehKernelColumns writes
@@ -506,13 +491,13 @@ struct BokehSizes
 // Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
 //   LeftSamp, SumsSamp  what BokehKernelRows wrote
-BokehSizes BokehKernelColumns(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
-    BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE ReachSamp, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 8.0);
-    float2 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, LeftSamp), uv * grid.size, grid).rg;
-    BokehKernels kernels = BokehKernelAlong(BOKEH_ARGUMENT(LeftSamp), SumsSamp, ReachSamp, uv,
-        float2(0.0, 1.0), layers);
+    BokehGrid grid = BokehReducedGrid(layers, 8.0);
+    float2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
+    BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, float2(0.0, 1.0),
+        layers BOKEH_LINEAR);
     float4 sums = kernels.sums;
     float2 sizes = float2(0.0, 0.0);
     if (sums.g > 0.0001 && reach.r > 6.0)
@@ -530,8 +515,7 @@ BokehSizes BokehKernelColumns(BOKEH_TEXTURE(LeftSamp), BOKEH_TEXELS(SumsSamp),
 }
 
 // -------------------------------------------------------------------------------------------------
-// [11] holes: what the near layer hides
-// -------------------------------------------------------------------------------------------------
+// [12] holes: what the near layer hides
 
 // Layers: what BokehHoleDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
@@ -545,14 +529,14 @@ struct BokehHoles
 
 // Layers: what is not near, at quarter size, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-BokehHoles BokehHoleDownsample(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), float2 uv,
-    BokehLayers layers)
+BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid full = layers.full;
-    float2 first = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + float2(0.5, 0.5);
+    BokehGrid full = BokehFullGrid(layers);
+    float2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + float2(0.5, 0.5);
     float2 middlePlace = first + float2(1.5, 1.5);
-    float4 reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MapSamp), middlePlace / 8.0,
-        BokehReducedGrid(full, 8.0));
+    float4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR);
     float nearSlope = BokehNearSlope(reach.r);
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
@@ -564,7 +548,7 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), 
         for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            float4 pixel = BokehFetchGrid(BOKEH_ARGUMENT(MapSamp), place, full);
+            float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
             float s = pixel.a * full.size.y;
             // what is partly near is hardly background: a near light would shine through itself
             float nearShare = BokehLayerShare(-s, nearSlope);
@@ -583,76 +567,11 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(ReachSamp), 
     return targets;
 }
 
-// Layers: the first corner of a polygon, at a distance of 1 from its middle; not squeezed
-float2 BokehFirstCorner(BokehPolygon polygon)
+// Layers: direction of edge k, as drawn, but not squeezed
+float2 BokehEdgeDirection(int k, BokehPolygon polygon)
 {
-    float angle = polygon.rotation - 3.14159265 / float(polygon.sides);
-    float2 corner = float2(cos(angle), sin(angle));
-    if (BOKEH_CHARACTER > 0)
-    {
-        // the last edge, less the others
-        float2 sum = BokehEdgeVector(polygon.sides / 2, polygon);
-        for (int i = 1; i < polygon.sides / 2; i++)
-        {
-            sum -= BokehEdgeVector(i, polygon);
-        }
-        corner = BokehRotated(sum, float2(cos(polygon.rotation), sin(polygon.rotation)));
-    }
-    return corner;
-}
-
-// Layers: (cos, sin) of the angle from one corner to the next
-float2 BokehCornerStep(BokehPolygon polygon)
-{
-    float angle = 6.28318531 / float(polygon.sides);
-    return float2(cos(angle), sin(angle));
-}
-
-// Layers: the corner that follows on another one, both as in BokehFirstCorner
-//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
-//   cornerStep    from BokehCornerStep
-float2 BokehNextCorner(float2 corner, int k, float2 cornerStep, BokehPolygon polygon)
-{
-    float2 nextCorner = BokehRotated(corner, cornerStep);
-    if (BOKEH_CHARACTER > 0)
-    {
-        int edges = polygon.sides / 2;
-        int edge = k;
-        if (k >= edges)
-        {
-            edge = k - edges;
-        }
-        if (edge == 0)
-        {
-            edge = edges;
-        }
-        float2 axis = float2(cos(polygon.rotation), sin(polygon.rotation));
-        float2 along = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
-        // the outline runs around the middle one way
-        if (corner.x * along.y < corner.y * along.x)
-        {
-            along = -along;
-        }
-        nextCorner = corner + along;
-    }
-    return nextCorner;
-}
-
-// Layers: area of the triangle from the middle to an edge, in units of their mean
-float BokehEdgeShare(float2 corner, float2 nextCorner, BokehPolygon polygon)
-{
-    float share = 1.0;
-    if (BOKEH_CHARACTER > 0)
-    {
-        float area = 0.0;
-        for (int k = 2; k <= polygon.sides / 2; k++)
-        {
-            area += BokehExactWeight(k, polygon);
-        }
-        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * float(polygon.sides) /
-            (8.0 * area);
-    }
-    return share;
+    float2 outwards = BokehTurn(float(k), polygon);
+    return BokehRotated(float2(-outwards.y, outwards.x), polygon.axis);
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon
@@ -674,19 +593,19 @@ struct BokehFilled
 
 // Layers: holes filled with what is around; the nearest counts most
 //   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-BokehFilled BokehHoleFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
-    BOKEH_TEXELS(SharesSamp), BOKEH_TEXELS(ReachSamp), float2 uv, BokehLayers layers)
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SharesSamp,
+    BOKEH_TEXTURE ReachSamp, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid grid = BokehReducedGrid(layers.full, 4.0);
-    float2 center = uv * grid.size;
-    float reach = BokehFetchGrid(BOKEH_SHARED(ReachSamp, MiddleSamp), center / 2.0,
-        BokehReducedGrid(layers.full, 8.0)).r;
-    float2 stretch = float2(layers.polygon.squeeze, 1.0);
-    float2 cornerStep = BokehCornerStep(layers.polygon);
-    float2 corner = BokehFirstCorner(layers.polygon);
-    float4 middle = BokehFetchGrid(BOKEH_ARGUMENT(MiddleSamp), center, grid);
-    float4 far = BokehFetchGrid(BOKEH_SHARED(FarSamp, MiddleSamp), center, grid);
-    float2 shares = BokehFetchGrid(BOKEH_SHARED(SharesSamp, MiddleSamp), center, grid).rg;
+    BokehGrid grid = BokehReducedGrid(layers, 4.0);
+    float2 center = layers.uv * grid.size;
+    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR).r;
+    float2 corner = BokehRotated(polygon.corner, polygon.axis);
+    float2 direction = BokehEdgeDirection(1, polygon);
+    float2 turn = BokehTurn(1.0, polygon);
+    float4 middle = BokehFetchGrid(MiddleSamp, center, grid BOKEH_LINEAR);
+    float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
+    float2 shares = BokehFetchGrid(SharesSamp, center, grid BOKEH_LINEAR).rg;
     for (int ring = 1; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -694,24 +613,23 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
         {
             break;
         }
-        // in quarter pixels; the rings reach half the CoC
-        float radius = max(reach / 16.0, 1.0) * float(ring);
-        float weight = 1.0 / (1.0 + 16.0 * radius * radius);
-        int onEdge = BokehOnEdge(ring, layers.polygon);
-        BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides; edge++)
+        // diameter in quarter pixels; the rings reach half the CoC
+        float diameter = max(reach / 8.0, 2.0) * float(ring);
+        float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
+        float2 scale = float2(polygon.squeeze * diameter, diameter);
+        int onEdge = BokehOnEdge(ring, polygon);
+        BOKEH_LOOP for (int edge = 1; edge <= polygon.sides; edge++)
         {
-            float2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
-                layers.polygon);
-            float2 along = (nextCorner - corner) / float(onEdge);
+            float2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
             BOKEH_LOOP for (int i = 0; i < onEdge; i++)
             {
-                float2 place = center + (corner + along * float(i)) * stretch * radius;
-                middle += BokehFetchGrid(BOKEH_ARGUMENT(MiddleSamp), place, grid) * weight;
-                far += BokehFetchGrid(BOKEH_SHARED(FarSamp, MiddleSamp), place, grid) * weight;
-                shares += BokehFetchGrid(BOKEH_SHARED(SharesSamp, MiddleSamp), place, grid).rg *
-                    weight;
+                float2 place = center + corner * scale;
+                middle += BokehFetchGrid(MiddleSamp, place, grid BOKEH_LINEAR) * weight;
+                far += BokehFetchGrid(FarSamp, place, grid BOKEH_LINEAR) * weight;
+                shares += BokehFetchGrid(SharesSamp, place, grid BOKEH_LINEAR).rg * weight;
+                corner += along;
             }
-            corner = nextCorner;
+            direction = BokehRotated(direction, turn);
         }
     }
     float3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
@@ -731,33 +649,36 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE(MiddleSamp), BOKEH_TEXELS(FarSamp),
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] polygons at half size
-// -------------------------------------------------------------------------------------------------
+// [13] polygons at half size
 //
-//   The parallelograms of [8], without weights and without a leakage test: a layer has nothing in
+//   The parallelograms of [5], without weights and without a leakage test: a layer has nothing in
 //   it that must not spread. All four channels are blurred alike.
 
-// Layers: mean of the samples along one line
-//   center        place, texels of the half size
-//   segment       from BokehPolygonEdge
+// Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
 //   CoC           texels of the half size
-float4 BokehLayerLine(BOKEH_TEXTURE(LayerSamp), float2 center, float4 segment, float CoC,
-    BokehLayers layers)
+float4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secondPass, float CoC,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid halves = BokehReducedGrid(layers.full, 2.0);
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    float4 segment = BokehEdgeLine(k, polygon, secondPass);
     float lengthInTexels = 2.0 * length(segment.zw) * CoC;
     float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
     float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    float2 first = center + (segment.xy - segment.zw) * CoC;
+    float2 first = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
     float2 cellLength = segment.zw * CoC * (2.0 / cells);
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        float2 place = first + cellLength * (float(i) + cell * phase);
-        sum += cell * BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), place, halves);
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase),
+            halves BOKEH_LINEAR);
     }
-    return sum / cells;
+    sum = sum / cells;
+    if (secondPass)
+    {
+        sum *= BokehEdgeArea(k, polygon);
+    }
+    return sum;
 }
 
 // Layers: the CoC that a layer is blurred by, texels of the half size
@@ -765,10 +686,11 @@ float4 BokehLayerLine(BOKEH_TEXTURE(LayerSamp), float2 center, float4 segment, f
 //   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
 //   (street_11: .044 for .041).
 //   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLayers layers)
+float BokehLayerCoC(BOKEH_TEXTURE SizesSamp, float2 center, bool isFar,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    float2 sizes = BokehFetchGrid(BOKEH_ARGUMENT(SizesSamp), center / 4.0,
-        BokehReducedGrid(layers.full, 8.0)).rg;
+    float2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR).rg;
     float CoC = 0.5 * sizes.r;
     if (isFar)
     {
@@ -779,71 +701,51 @@ float BokehLayerCoC(BOKEH_TEXTURE(SizesSamp), float2 center, bool isFar, BokehLa
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
-//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; only those before edge k count
 float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float4 L3, float4 L4)
 {
-    float angle = 6.28318531 / float(polygon.sides);
-    float w1 = sin((float(k) - 1.0) * angle);
-    float w2 = max(sin((float(k) - 2.0) * angle), 0.0);
-    float w3 = max(sin((float(k) - 3.0) * angle), 0.0);
-    float w4 = max(sin((float(k) - 4.0) * angle), 0.0);
-    if (BOKEH_CHARACTER > 0)
-    {
-        w1 *= polygon.lengths.x;
-        w2 *= polygon.lengths.y;
-        w3 *= polygon.lengths.z;
-        w4 *= polygon.lengths.w;
-    }
-    return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
+    float4 w = BokehEdgeWeights(k, polygon);
+    return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
 //   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
-//   returns       as BokehExactFirst
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 uv,
-    bool isFar, BokehLayers layers)
+//   last, returns as of BokehExactFirst
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, bool isFar, int last,
+    BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehPolygon polygon = layers.polygon;
-    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 none = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    targets.edge2 = none;
-    targets.edge3 = none;
-    targets.edge4 = none;
-    targets.edge5 = none;
-    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
+    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers BOKEH_LINEAR);
     if (CoC > 0.5)
     {
         float4 L2 = none;
         float4 L3 = none;
-        float4 L1 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
-            BokehPolygonEdge(1, polygon, false), CoC, layers);
+        float4 L4 = none;
+        float4 L1 = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers BOKEH_LINEAR);
+        if (last > 2)
+        {
+            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers BOKEH_LINEAR);
+        }
+        if (last > 3)
+        {
+            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers BOKEH_LINEAR);
+        }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers BOKEH_LINEAR);
+        }
         targets.edge2 = L1;
-        if (polygon.sides > 4)
-        {
-            L2 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
-                BokehPolygonEdge(2, polygon, false), CoC, layers);
-            targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-        }
-        if (polygon.sides > 6)
-        {
-            L3 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
-                BokehPolygonEdge(3, polygon, false), CoC, layers);
-            targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-        }
-        if (polygon.sides > 8)
-        {
-            float4 L4 = BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
-                BokehPolygonEdge(4, polygon, false), CoC, layers);
-            targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-        }
+        targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
+        targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
+        targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.edge2 = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
-            BokehReducedGrid(layers.full, 2.0));
+        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers,
+            2.0) BOKEH_LINEAR);
         targets.edge3 = targets.edge2;
         targets.edge4 = targets.edge2;
         targets.edge5 = targets.edge2;
@@ -852,104 +754,52 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), 
 }
 
 // Layers: second pass: the finished layer
-//   Edge2Samp ..  what the first pass wrote; where there are fewer, pass any of them for the
-//                 rest: it is not read
-//   SizesSamp     sizes of BokehKernelColumns
-//   isFar         false: the near layer
+//   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
-float4 BokehLayerSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp), BOKEH_TEXELS(Edge4Samp),
-    BOKEH_TEXELS(Edge5Samp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar, BokehLayers layers)
+float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
+    BOKEH_TEXTURE Edge5Samp, BOKEH_TEXTURE SizesSamp, bool isFar, BokehPolygon polygon,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehPolygon polygon = layers.polygon;
-    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
+    float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, Edge2Samp), center, isFar, layers);
+    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers BOKEH_LINEAR);
     if (CoC > 0.5)
     {
-        float total = BokehExactWeight(2, polygon);
-        float4 sum = total * BokehLayerLine(BOKEH_ARGUMENT(Edge2Samp), center,
-            BokehPolygonEdge(2, polygon, true), CoC, layers);
+        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            float weight = BokehExactWeight(3, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge3Samp, Edge2Samp), center,
-                BokehPolygonEdge(3, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            float weight = BokehExactWeight(4, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge4Samp, Edge2Samp), center,
-                BokehPolygonEdge(4, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            float weight = BokehExactWeight(5, polygon);
-            sum += weight * BokehLayerLine(BOKEH_SHARED(Edge5Samp, Edge2Samp), center,
-                BokehPolygonEdge(5, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers BOKEH_LINEAR);
         }
-        result = sum / total;
+        result = result / polygon.area;
     }
     else
     {
-        result = BokehFetchGrid(BOKEH_ARGUMENT(Edge2Samp), center, BokehReducedGrid(layers.full,
-            2.0));
-    }
-    return result;
-}
-
-// Layers: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2; as BokehExactEdge.
-float4 BokehLayerEdge(BOKEH_TEXTURE(LayerSamp), BOKEH_TEXELS(SizesSamp), float2 uv, bool isFar,
-    int k, BokehLayers layers)
-{
-    BokehPolygon polygon = layers.polygon;
-    float2 center = uv * BokehReducedGrid(layers.full, 2.0).size;
-    float4 result = float4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(BOKEH_SHARED(SizesSamp, LayerSamp), center, isFar, layers);
-    if (CoC > 0.5)
-    {
-        float angle = 6.28318531 / float(polygon.sides);
-        float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-        float total = 0.0;
-        BOKEH_LOOP for (int i = 1; i < min(k, 5); i++)
-        {
-            float area = max(sin(float(k - i) * angle), 0.0);
-            if (BOKEH_CHARACTER > 0)
-            {
-                area *= BokehEdgeLength(i, polygon);
-            }
-            sum += area * BokehLayerLine(BOKEH_ARGUMENT(LayerSamp), center,
-                BokehPolygonEdge(i, polygon, false), CoC, layers);
-            total += area;
-        }
-        result = sum / total;
-    }
-    else
-    {
-        result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), center,
-            BokehReducedGrid(layers.full, 2.0));
+        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0) BOKEH_LINEAR);
     }
     return result;
 }
 
 // -------------------------------------------------------------------------------------------------
-// [13] the picture
-// -------------------------------------------------------------------------------------------------
+// [14] the picture
 
 // Layers: a half-size layer at a place of the full size
-//   Catmull-Rom without its corners, five fetches: bilinear would make the edges of polygons
-//   ragged. It overshoots: no channel leaves the range of its five fetches, or lights had dark rims
-//   and too much light.
+//   Catmull-Rom without its corners, five fetches: bilinear makes the edges of polygons ragged. It
+//   overshoots, so it is clamped to its five fetches, or lights had dark rims and too much light.
 //
 //            t          w0     weights from the texel before to the second one after;
 //          l c r      w1 + w2  c, the middle fetch, takes two by two texels
 //            b          w3
 //
 //   place         texels of the half size
-float4 BokehFetchLayer(BOKEH_TEXTURE(LayerSamp), float2 place, BokehGrid halves)
+float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves BOKEH_SAMPLER)
 {
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     if (BOKEH_LAYER_CUBIC > 0)
@@ -961,24 +811,19 @@ float4 BokehFetchLayer(BOKEH_TEXTURE(LayerSamp), float2 place, BokehGrid halves)
         float2 w3 = f * f * (0.5 * f - 0.5);
         float2 w12 = 1.0 - w0 - w3;
         float2 inner = texel + w2 / w12;
-        float4 c = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), inner, halves);
-        float4 l = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(texel.x - 1.0, inner.y),
-            halves);
-        float4 r = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(texel.x + 2.0, inner.y),
-            halves);
-        float4 t = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(inner.x, texel.y - 1.0),
-            halves);
-        float4 b = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), float2(inner.x, texel.y + 2.0),
-            halves);
+        float4 c = BokehFetchGrid(LayerSamp, inner, halves BOKEH_LINEAR);
+        float4 l = BokehFetchGrid(LayerSamp, float2(texel.x - 1.0, inner.y), halves BOKEH_LINEAR);
+        float4 r = BokehFetchGrid(LayerSamp, float2(texel.x + 2.0, inner.y), halves BOKEH_LINEAR);
+        float4 t = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y - 1.0), halves BOKEH_LINEAR);
+        float4 b = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y + 2.0), halves BOKEH_LINEAR);
         float2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-        float4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) +
-            t * (w0.y * side.y) + b * (w3.y * side.y);
-        result = clamp(sum, min(min(c, min(l, r)), min(t, b)),
-            max(max(c, max(l, r)), max(t, b)));
+        float4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t * (w0.y *
+            side.y) + b * (w3.y * side.y);
+        result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), max(t, b)));
     }
     else
     {
-        result = BokehFetchGrid(BOKEH_ARGUMENT(LayerSamp), place, halves);
+        result = BokehFetchGrid(LayerSamp, place, halves BOKEH_LINEAR);
     }
     return result;
 }
@@ -1000,22 +845,18 @@ float BokehRingRadius(int ring, float radius, float power)
 
 // Layers: the last pass: a gather over what is in no layer, and all of it together
 //   Each sample counts by its own CoC, spread over the area that it covers; from behind this
-//   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
-//   over it and behind it.
-//   MapSamp       from BokehSignedCoCMap
-//   TilesSamp     reach of BokehKernelColumns
-//   NearSamp, FarSamp     from BokehLayerSecond
-//   MiddleSamp, BackSamp  what BokehHoleFill wrote
+//   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
+//   and behind it. The table at the top says what it reads.
 //   returns       rgb = the picture, a = signed CoC of this pixel
-float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEXELS(NearSamp),
-    BOKEH_TEXELS(FarSamp), BOKEH_TEXELS(MiddleSamp), BOKEH_TEXELS(BackSamp), float2 uv,
-    BokehLayers layers)
+float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
+    BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid full = layers.full;
-    float2 center = uv * full.size;
-    float4 centerPixel = BokehFetchNearest(MapSamp, uv);
-    float4 tile = BokehFetchGrid(BOKEH_SHARED(TilesSamp, MapSamp), center / 8.0,
-        BokehReducedGrid(full, 8.0));
+    BokehGrid full = BokehFullGrid(layers);
+    float2 center = layers.uv * full.size;
+    float4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
+    float4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR);
     float3 result = centerPixel.rgb;
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
@@ -1028,10 +869,10 @@ float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEX
         float farShare = BokehLayerShare(s, farSlope);
         // at a near pixel the far layer is added too: it lies beyond it
         float addFar = max(farShare, nearShare);
-        float4 near = BokehFetchLayer(BOKEH_SHARED(NearSamp, MapSamp), 0.5 * center,
-            BokehReducedGrid(full, 2.0));
-        float4 far = BokehFetchLayer(BOKEH_SHARED(FarSamp, MapSamp), 0.5 * center,
-            BokehReducedGrid(full, 2.0));
+        float4 near = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(layers,
+            2.0) BOKEH_LINEAR);
+        float4 far = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(layers,
+            2.0) BOKEH_LINEAR);
 
         // the gather reaches as far as what is in no layer
         float ownRadius = BokehSpreadRadius(s);
@@ -1052,11 +893,12 @@ float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEX
         float4 sum = float4(centerPixel.rgb, 1.0) * weight;
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
-        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 *
-            clamp((tile.r - 16.0) / 16.0, 0.0, 1.0);
-        float2 stretch = float2(layers.polygon.squeeze, 1.0);
-        float2 cornerStep = BokehCornerStep(layers.polygon);
-        float2 corner = BokehFirstCorner(layers.polygon);
+        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 * clamp((tile.r -
+            16.0) / 16.0, 0.0, 1.0);
+        float2 stretch = float2(polygon.squeeze, 1.0);
+        float2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
+        float2 direction = BokehEdgeDirection(1, polygon) * 2.0;
+        float2 turn = BokehTurn(1.0, polygon);
         BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
         {
             //   ring        1     2     3
@@ -1073,29 +915,30 @@ float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEX
             {
                 break;
             }
-            int onEdge = BokehOnEdge(ring, layers.polygon);
-            float cell = (outer * outer - inner * inner) / float(onEdge * layers.polygon.sides);
+            int onEdge = BokehOnEdge(ring, polygon);
+            // of its edges each gets what lies in the triangle from the middle to it
+            float cell = (outer * outer - inner * inner) / (8.0 * polygon.area * float(onEdge));
             float slope = 1.0 / (outer - inner);
             float start = inner * slope;
             float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
             float2 scale = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
-            BOKEH_LOOP for (int edge = 0; edge < layers.polygon.sides / 2; edge++)
+            BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
             {
-                float2 nextCorner = BokehNextCorner(corner, edge, cornerStep,
-                    layers.polygon);
-                float edgeCell = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
-                float2 along = (nextCorner - corner) * scale / float(onEdge);
+                float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
+                float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
+                float2 along = alongEdge * scale / float(onEdge);
                 float2 first = corner * scale + along * phase;
                 BOKEH_LOOP for (int i = 0; i < onEdge; i++)
                 {
-                    float2 offset = first + along * float(i);
-                    float2 texel = floor(offset);
-                    offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
-                        float2(0.0, 0.0), float2(1.0, 1.0));
+                    float2 place = first + along * float(i);
+                    float2 texel = floor(place);
+                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
+                        steepness, float2(0.0, 0.0), float2(1.0, 1.0));
                     for (int side = 0; side < 2; side++)
                     {
-                        float4 pixel = BokehFetchAround(BOKEH_ARGUMENT(MapSamp), uv, offset, full);
+                        float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset,
+                            full BOKEH_LINEAR);
                         float isBehind = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
                             (1.0 - nearShare);
                         float spread = abs(pixel.a) * (0.5 * height) - 0.5;
@@ -1108,7 +951,8 @@ float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEX
                         offset = -offset;
                     }
                 }
-                corner = nextCorner;
+                corner += alongEdge;
+                direction = BokehRotated(direction, turn);
             }
             before = current;
             current = next;
@@ -1123,18 +967,17 @@ float4 BokehComposite(BOKEH_TEXTURE(MapSamp), BOKEH_TEXELS(TilesSamp), BOKEH_TEX
         {
             // in depth order: the gather, then what fills its holes, then the far layer, and what
             // fills that
-            BokehGrid quarters = BokehReducedGrid(full, 4.0);
-            float4 middle = BokehFetchGrid(BOKEH_SHARED(MiddleSamp, MapSamp), 0.25 * center,
-                quarters);
-            float4 back = BokehFetchGrid(BOKEH_SHARED(BackSamp, MapSamp), 0.25 * center, quarters);
+            BokehGrid quarters = BokehReducedGrid(layers, 4.0);
+            float4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters BOKEH_LINEAR);
+            float4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters BOKEH_LINEAR);
             float empty = clamp(1.0 - sum.a, 0.0, 1.0);
             float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
             float farAlpha = min(far.a, 1.0);
             float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
             float3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
                 missing;
-            float3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background *
-                (empty - cover);
+            float3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background * (empty -
+                cover);
             if (plain.a < 0.001)
             {
                 result = stack;

@@ -1,114 +1,88 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes on bokeh.hlsl, HLSL. Version 0.2.0.
-// Put this file after bokeh.hlsl, for the layers after bokeh_layers.hlsl too; or define
-// BOKEH_INCLUDE to have the one included, and BOKEH_INCLUDE_LAYERS for the other.
+// Ready-made passes, HLSL. Version 0.2.0.
+// Put this file after bokeh.hlsl and what the passes are made from: bokeh_paper.hlsl,
+// bokeh_layers.hlsl, bokeh_lens.hlsl, or none.
 //
 //   pass                        reads                             writes
-//   BokehLinearDepth_PS         DepthSamp (any convention)        depth in metres, to R32F
-//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC: paper, naive
-//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BokehLinearDepth_PS         DepthSamp                         depth in metres, to R32F
+//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC
 //   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehSquareFirst_PS         ColorSamp                         1 target
+//   BokehSquareSecond_PS        ColorSamp                         the picture, from that target
+//   BokehHexagonFirst_PS        ColorSamp                         2 targets
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the picture, from those
+//   BokehOctagonFirst_PS        ColorSamp                         3 targets
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the picture
+//   BokehDecagonFirst_PS        ColorSamp                         4 targets
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the picture
+//   BokehExactEdge_PS           ColorSamp                         one target of these first passes
+//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
+//   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
+//
+//   With bokeh_paper; DepthSamp has metres:
+//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC
 //   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
 //   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
 //   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
 //   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
-//   BokehSquareFirst_PS         ColorSamp                         exact, first pass: 1 target
-//   BokehSquareSecond_PS        ColorSamp                         exact, second pass: finished
-//   BokehHexagonFirst_PS        ColorSamp                         2 targets
-//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the targets in their order
-//   BokehOctagonFirst_PS        ColorSamp                         3 targets
-//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
-//   BokehDecagonFirst_PS        ColorSamp                         4 targets
-//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS           ColorSamp                         one target of the first pass
-//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
-//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
-//   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
 //
-//   Layers, with bokeh_layers.hlsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BokehTileMax_PS             ColorSamp                         largest CoC of 8 x 8 pixels
-//   BokehTileDilate_PS          ColorSamp                         twice: BokehAxis 0, 1
-//   BokehPrefilter_PS           ColorSamp, ColorSampB             4 targets
-//   BokehKernelReduce_PS        ColorSamp, ColorSampB             2 targets
-//   BokehKernelRows_PS          ColorSamp, ColorSampB .. C        2 targets
-//   BokehKernelColumns_PS       ColorSamp, ColorSampB .. C        2 targets
-//   BokehHoleDownsample_PS      ColorSamp, ColorSampB             3 targets
-//   BokehHoleFill_PS            ColorSamp, ColorSampB .. D        2 targets
-//   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
-//   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
-//   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
-//   BokehHexagonLayerSecond_PS  ColorSamp, ColorSampB, E
-//   BokehOctagonLayerFirst_PS   ColorSamp, ColorSampB             3 targets
-//   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
-//   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
-//   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
-//   BokehComposite_PS           ColorSamp, ColorSampB .. F        the picture
-//   BokehPrefilterOne_PS        ColorSamp, ColorSampB             one target of Prefilter
-//   BokehKernelReduceOne_PS     ColorSamp, ColorSampB             of KernelReduce
-//   BokehKernelRowsOne_PS       ColorSamp, ColorSampB .. C        of KernelRows
-//   BokehKernelColumnsOne_PS    ColorSamp, ColorSampB .. C        of KernelColumns
-//   BokehHoleDownsampleOne_PS   ColorSamp, ColorSampB             of HoleDownsample
-//   BokehHoleFillOne_PS         ColorSamp, ColorSampB .. D        of HoleFill
-//   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
+//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
+//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
+//
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
+//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
-//   buffer in SM4 and up; the buffer has 160 bytes (docs/parameters.md has the table with units,
+//   buffer in SM4 and up; the buffer has 192 bytes (docs/parameters.md has the table with units,
 //   and the buffer as a struct for C++, C#, Rust and JavaScript).
 //   Unused slots: a pass reads only what its row names; bind nothing for the rest, or anything.
 
-#ifdef BOKEH_INCLUDE
-#include "bokeh.hlsl"
-#endif
-#ifdef BOKEH_INCLUDE_LAYERS
-#include "bokeh_layers.hlsl"
-#endif
-
-// ...One and ...Edge: the target that is written, 0 ..
+// the target that ..One and ..Edge write, 0 ..; whether BokehJitter acts, the aperture
+// has the shape of a lens, the CoC map takes all parameters
 #ifndef BOKEH_TARGET_INDEX
 #define BOKEH_TARGET_INDEX 0
+#endif
+#ifndef BOKEH_JITTER
+#define BOKEH_JITTER 0
+#endif
+#ifndef BOKEH_LENS_SHAPE
+#define BOKEH_LENS_SHAPE 0
+#endif
+#ifndef BOKEH_FOCUS_CONTROLS
+#define BOKEH_FOCUS_CONTROLS 0
+#endif
+#if BOKEH_LENS_SHAPE + BOKEH_FOCUS_CONTROLS > 0 && !defined(BOKEH_LENS)
+#error BOKEH_LENS_SHAPE 1 and BOKEH_FOCUS_CONTROLS 1 need bokeh_lens.hlsl before this file
 #endif
 
 // -------------------------------------------------------------------------------------------------
 // bindings
-// -------------------------------------------------------------------------------------------------
 
 #if BOKEH_HLSL_SM == 3
-
-sampler2D BokehColorSamp : register(s0);
-sampler2D BokehDepthSamp : register(s1);
-sampler2D BokehColorSampB : register(s2);
-sampler2D BokehColorSampC : register(s3);
-sampler2D BokehColorSampD : register(s4);
-sampler2D BokehKernelSamp : register(s5);
-sampler2D BokehColorSampE : register(s6);
-sampler2D BokehColorSampF : register(s7);
-
 // BokehCoCMap_PS, BokehSignedCoCMap_PS and BokehConstantCoC_PS read colour texel by texel: set a
 // nearest filter on s0 for them, and always on s1 and s5
+#define BOKEH_SLOT(type, name, index) type name : register(s##index);
 #define BOKEH_PARAMETER(type, name, index) type name : register(c##index);
-
 #else
-
-Texture2D BokehColorSamp : register(t0);
-Texture2D BokehDepthSamp : register(t1);
-Texture2D BokehColorSampB : register(t2);
-Texture2D BokehColorSampC : register(t3);
-Texture2D BokehColorSampD : register(t4);
-Texture2D BokehKernelSamp : register(t5);
-Texture2D BokehColorSampE : register(t6);
-Texture2D BokehColorSampF : register(t7);
 SamplerState BokehLinearClamp : register(s0);
-
-// each texture with its sampler, under the names that BOKEH_ARGUMENT forms
-#define BokehColorSampSampler BokehLinearClamp
-#define BokehColorSampBSampler BokehLinearClamp
-
+#define BOKEH_SLOT(type, name, index) type name : register(t##index);
 #define BOKEH_PARAMETER(type, name, index) type name;
+#endif
 
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSamp, 0)
+BOKEH_SLOT(BOKEH_DEPTH_TEXTURE, BokehDepthSamp, 1)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSampB, 2)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSampC, 3)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSampD, 4)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehKernelSamp, 5)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSampE, 6)
+BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSampF, 7)
+
+#if BOKEH_HLSL_SM > 3
 cbuffer BokehParameters : register(b0)
 {
 #endif
@@ -150,8 +124,16 @@ BOKEH_PARAMETER(float, BokehLayer, 33)
 BOKEH_PARAMETER(float, BokehCatsEye, 34)
 BOKEH_PARAMETER(float, BokehRoundness, 35)
 BOKEH_PARAMETER(float, BokehLateral, 36)
-BOKEH_PARAMETER(float, BokehAxialRed, 37)
-BOKEH_PARAMETER(float, BokehAxialBlue, 38)
+BOKEH_PARAMETER(float, BokehFrontRange, 37)
+BOKEH_PARAMETER(float, BokehBackRange, 38)
+BOKEH_PARAMETER(float, BokehNearScale, 39)
+BOKEH_PARAMETER(float, BokehFarScale, 40)
+BOKEH_PARAMETER(float, BokehNearMaxCoC, 41)
+BOKEH_PARAMETER(float, BokehFarMaxCoC, 42)
+BOKEH_PARAMETER(float, BokehDepthX, 43)
+BOKEH_PARAMETER(float, BokehDepthY, 44)
+BOKEH_PARAMETER(float, BokehDepthWidth, 45)
+BOKEH_PARAMETER(float, BokehDepthHeight, 46)
 
 #if BOKEH_HLSL_SM == 3
 
@@ -171,7 +153,6 @@ BOKEH_PARAMETER(float, BokehAxialBlue, 38)
 
 // -------------------------------------------------------------------------------------------------
 // vertex shader
-// -------------------------------------------------------------------------------------------------
 
 #if BOKEH_HLSL_SM == 3
 
@@ -202,7 +183,6 @@ void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position
 
 // -------------------------------------------------------------------------------------------------
 // pixel shaders
-// -------------------------------------------------------------------------------------------------
 
 // what a pass without a filter begins with
 void BokehUseViewport()
@@ -211,75 +191,105 @@ void BokehUseViewport()
     BokehSetViewport(viewport, float2(BokehTextureWidth, BokehTextureHeight));
 }
 
+// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
+//   passIndex     0, 1 ..: a pass that reads another one needs another index
+float BokehNoise(float2 uv, float2 imageSize, float frame, float passIndex)
+{
+    float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+    float seed = dot(floor(uv * imageSize), float2(0.06711056, 0.00583715));
+    float value = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
+    return value - floor(value) - 0.5;
+}
+
+// noise times its amount, with BOKEH_JITTER 1
+float BokehPassJitter(float2 uv, float2 imageSize, float passIndex)
+{
+    float jitter = 0.0;
+    if (BOKEH_JITTER > 0)
+    {
+        jitter = BokehJitter * BokehNoise(uv, imageSize, BokehFrame, passIndex);
+    }
+    return jitter;
+}
+
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
 BokehFilter BokehBegin(float2 uv, float passIndex)
 {
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-    float noise = BokehNoise(uv, imageSize, BokehFrame, passIndex);
     BokehFilter settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
     settings.spacing = BokehSpacing;
-    settings.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    if (BokehSpacing <= 0.0)
+    {
+        settings.spacing = BOKEH_SPACING;
+    }
+    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
     settings.bleedingBias = BokehBleedingBias;
     settings.bleedingMult = BokehBleedingMult;
     return settings;
 }
 
-// one line of the filter, adaptive
-float4 BokehAdaptiveLine(float2 uv)
+// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+BokehPolygon BokehAperture(float2 uv, int sides)
 {
-    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
-    float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
-    float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
-    return BokehDepthOfFieldAdaptive(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, segment,
-        settings, BokehBlurCoC > 0.5);
+    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
+#ifdef BOKEH_LENS
+    if (BOKEH_LENS_SHAPE > 0)
+    {
+        polygon = BokehWithRoundness(polygon, BokehRoundness);
+        polygon = BokehWithCatsEye(polygon, uv, float2(BokehImageWidth, BokehImageHeight),
+            BokehCatsEye);
+    }
+#endif
+    return polygon;
 }
 
-// BokehSides; a parameter that nobody has set is a hexagon
-int BokehSidesOrSix()
+// the aperture where BokehSides says it; a parameter that nobody has set is a hexagon
+BokehPolygon BokehAnyAperture(float2 uv)
 {
     int sides = int(BokehSides + 0.5);
     if (sides == 0)
     {
         sides = 6;
     }
-    return sides;
+    return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
-BokehPolygon BokehAperture(float2 uv, int sides)
+// the lens
+BokehLens BokehPassLens()
 {
-    BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
-    if (BOKEH_CHARACTER > 0)
+    BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
+    lens.sensorHeight = BokehSensorHeight;
+    lens.maxCoC = BokehMaxCoC;
+    return lens;
+}
+
+// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+float BokehPassCoC(float depth)
+{
+    float CoC = BokehSignedCoC(depth, BokehPassLens());
+#ifdef BOKEH_LENS
+    if (BOKEH_FOCUS_CONTROLS > 0)
     {
-        float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-        polygon.roundness = BokehRoundness;
-        BokehPolygon cut = BokehWithCatsEye(polygon, uv, imageSize, BokehCatsEye);
-        polygon.lengths = cut.lengths;
-        polygon.fifth = cut.fifth;
-        polygon.axial = float2(BokehAxialRed, BokehAxialBlue);
+        BokehFocus focus;
+        focus.sharpRange = float2(BokehFrontRange, BokehBackRange);
+        focus.sideScale = float2(BokehNearScale, BokehFarScale);
+        focus.sideMaxCoC = float2(BokehNearMaxCoC, BokehFarMaxCoC);
+        CoC = BokehFocusedCoC(depth, BokehPassLens(), focus);
     }
-    return polygon;
+#endif
+    return CoC;
 }
 
-// exact, first pass
-BokehTargets BokehFirst(float2 uv, int sides)
+// depth of this pixel in metres
+float BokehPassDepth(float2 depthUV)
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactFirst(BOKEH_ARGUMENT(BokehColorSamp), uv, polygon, settings);
-}
-
-// exact, second pass
-float4 BokehSecond(BOKEH_TEXTURE(Edge2Samp), BOKEH_TEXELS(Edge3Samp), BOKEH_TEXELS(Edge4Samp),
-    BOKEH_TEXELS(Edge5Samp), float2 uv, int sides)
-{
-    BokehFilter settings = BokehBegin(uv, 1.0);
-    BokehPolygon polygon = BokehAperture(uv, sides);
-    return BokehExactSecond(BOKEH_ARGUMENT(Edge2Samp), Edge3Samp, Edge4Samp, Edge5Samp, uv, polygon,
-        settings);
+    float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
+    return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
@@ -301,36 +311,58 @@ float4 BokehPickTarget(float4 first, float4 second, float4 third, float4 fourth)
     return picked;
 }
 
+#ifdef BOKEH_PAPER
+
+// one line of the filter, adaptive
+float4 BokehAdaptiveLine(float2 uv)
+{
+    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
+    float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
+    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
+        BokehBlurCoC > 0.5 BOKEH_LINEAR);
+}
+
+#endif
+
 #ifdef BOKEH_LAYERS
 
 // what a pass of the layers begins with: the viewport set, and its settings
-//   sides         4, 6, 8 or 10
 //   scale         of its target
-BokehLayers BokehBeginLayers(float2 uv, int sides, float scale, float passIndex)
+BokehLayers BokehBeginLayers(float2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-    BokehPolygon polygon = BokehAperture(uv, clamp(sides, 4, 10));
-    BokehLayers layers = BokehMakeLayers(imageSize, polygon, BokehMaxCoC);
-    layers.full = BokehMakeGrid(float4(BokehViewportX, BokehViewportY, imageSize),
-        float2(BokehTextureWidth, BokehTextureHeight));
-    float noise = BokehNoise(uv, ceil(imageSize / scale), BokehFrame, passIndex);
-    layers.jitter = BokehJitter * noise * float(BOKEH_ADAPTIVE_SAMPLES);
+    BokehLayers layers = BokehMakeLayers(uv, imageSize, BokehMaxCoC);
+    if (BOKEH_VIEWPORT > 0)
+    {
+        layers.origin = float2(BokehViewportX, BokehViewportY);
+        layers.texel = 1.0 / float2(BokehTextureWidth, BokehTextureHeight);
+    }
+    layers.jitter = BokehPassJitter(uv, ceil(imageSize / scale), passIndex);
     return layers;
 }
 
 // the same for a pass without samples of its own
 BokehLayers BokehBeginTiles(float2 uv)
 {
-    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+    return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
 // the polygon of a layer, first pass
-BokehTargets BokehLayerPolygon(float2 uv, int sides)
+//   last          as in BokehExactFirst
+BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, sides, 2.0, 0.0);
-    return BokehLayerFirst(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv, BokehLayer > 0.5,
-        layers);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayer > 0.5, last, polygon,
+        BokehBeginLayers(uv, 2.0, 0.0) BOKEH_LINEAR);
+}
+
+// the polygon of a layer, second pass
+float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
+    BOKEH_TEXTURE Edge5Samp, int sides)
+{
+    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
+        BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0) BOKEH_LINEAR);
 }
 
 #endif
@@ -338,46 +370,156 @@ BokehTargets BokehLayerPolygon(float2 uv, int sides)
 float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    float depth = BokehFetchNearest(BokehDepthSamp, uv).r;
-    float S2 = BokehLinearDepth(depth, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
-    return float4(S2, S2, S2, 1.0);
-}
-
-float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    BokehUseViewport();
-    return BokehCoCMap(BokehColorSamp, BokehDepthSamp, uv, BokehApertureDiameter,
-        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+    float depth = BokehPassDepth(BokehToTexture(uv));
+    return float4(depth, depth, depth, 1.0);
 }
 
 float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    return BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, uv, BokehApertureDiameter,
-        BokehFocalLength, BokehFocusDistance, BokehSensorHeight, BokehMaxCoC);
+    float2 depthUV = BokehToTexture(uv);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = float2(BokehDepthX, BokehDepthY) + uv * float2(BokehDepthWidth, BokehDepthHeight);
+    }
+    float4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(uv));
+    return BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
 }
 
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    float4 color = BokehFetchNearest(BokehColorSamp, uv);
+    float4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(uv));
     return BokehPackCoC(color, clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
+}
+
+float4 BokehSquareFirst_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    return BokehSquareFirst(BokehColorSamp, uv, BokehAperture(uv, 4), settings BOKEH_LINEAR).edge2;
+}
+
+float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    return BokehSquareSecond(BokehColorSamp, uv, BokehAperture(uv, 4), settings BOKEH_LINEAR);
+}
+
+void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1))
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehTargets targets = BokehHexagonFirst(BokehColorSamp, uv, BokehAperture(uv, 6),
+        settings BOKEH_LINEAR);
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+}
+
+float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    return BokehHexagonSecond(BokehColorSamp, BokehColorSampB, uv, BokehAperture(uv, 6),
+        settings BOKEH_LINEAR);
+}
+
+void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehTargets targets = BokehOctagonFirst(BokehColorSamp, uv, BokehAperture(uv, 8),
+        settings BOKEH_LINEAR);
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
+}
+
+float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    return BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, uv,
+        BokehAperture(uv, 8), settings BOKEH_LINEAR);
+}
+
+void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
+    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
+    out float4 target3 : BOKEH_TARGET(3))
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehTargets targets = BokehDecagonFirst(BokehColorSamp, uv, BokehAperture(uv, 10),
+        settings BOKEH_LINEAR);
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+    target2 = targets.edge4;
+    target3 = targets.edge5;
+}
+
+float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 1.0);
+    return BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD, uv,
+        BokehAperture(uv, 10), settings BOKEH_LINEAR);
+}
+
+float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehTargets targets = BokehExactFirst(BokehColorSamp, uv, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(uv), settings BOKEH_LINEAR);
+    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+// BokehDebugMode: 0 colour
+//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+//                 2 CoC as grey: black in focus, white at BokehMaxCoC
+//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehUseViewport();
+    float4 result = BokehFetch(BokehColorSamp, uv BOKEH_LINEAR);
+    float depth = BokehPassDepth(BokehToTexture(uv));
+    float grey = clamp(abs(result.a) / max(BokehMaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+    float3 weights = float3(1.0, 1.0, 1.0);
+    if (BokehDebugMode > 2.5)
+    {
+        weights = float3(0.1, 0.4, 1.0);
+        if (depth < BokehFocusDistance)
+        {
+            weights = float3(1.0, 0.5, 0.0);
+        }
+    }
+    else if (BokehDebugMode < 1.5)
+    {
+        grey = depth / (depth + BokehFocusDistance);
+    }
+    if (BokehDebugMode > 0.5)
+    {
+        result = float4(weights * grey, 1.0);
+    }
+    return result;
+}
+
+#ifdef BOKEH_PAPER
+
+float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehUseViewport();
+    return BokehCoCMap(BokehColorSamp, BokehDepthSamp, uv, BokehPassLens());
 }
 
 float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    return BokehDepthOfField(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, lineEnd, settings,
-        BokehBlurCoC > 0.5);
+    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, uv, lineEnd, settings, BokehBlurCoC >
+        0.5 BOKEH_LINEAR);
 }
 
 float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    return BokehDepthOfFieldFinal(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, BokehColorSampB,
-        uv, lineEnd, settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5);
+    return BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, uv, lineEnd,
+        settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5 BOKEH_LINEAR);
 }
 
 float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -388,15 +530,15 @@ float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float4 a = BokehAdaptiveLine(uv);
-    return BokehCombine(a, BokehFetch(BOKEH_ARGUMENT(BokehColorSampB), uv), BokehUseMax > 0.5);
+    return BokehCombine(a, BokehFetch(BokehColorSampB, uv BOKEH_LINEAR), BokehUseMax > 0.5);
 }
 
 float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilter settings = BokehBegin(uv, 0.0);
     settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
-    return BokehNaiveGather(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, BokehKernelSamp, uv,
-        settings, BokehBlurCoC > 0.5);
+    return BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, uv, settings,
+        BokehBlurCoC > 0.5 BOKEH_LINEAR);
 }
 
 float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -404,122 +546,42 @@ float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     float2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
-    return BokehNaiveGrid(BOKEH_ARGUMENT(BokehColorSamp), BokehDepthSamp, uv, lineEndU, lineEndV,
-        settings, BokehBlurCoC > 0.5);
+    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, uv, lineEndU, lineEndV, settings,
+        BokehBlurCoC > 0.5 BOKEH_LINEAR);
 }
 
-void BokehSquareFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
-{
-    target0 = BokehFirst(uv, 4).edge2;
-}
+#endif
 
-float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSamp, BokehColorSamp,
-        BokehColorSamp, uv, 4);
-}
-
-void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
-{
-    BokehTargets targets = BokehFirst(uv, 6);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-}
-
-float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampB,
-        BokehColorSampB, uv, 6);
-}
-
-void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
-{
-    BokehTargets targets = BokehFirst(uv, 8);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
-}
-
-float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
-        BokehColorSampC, uv, 8);
-}
-
-void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
-    out float4 target3 : BOKEH_TARGET(3))
-{
-    BokehTargets targets = BokehFirst(uv, 10);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
-    target3 = targets.edge5;
-}
-
-float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    return BokehSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, uv, 10);
-}
-
-float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    BokehFilter settings = BokehBegin(uv, 0.0);
-    BokehPolygon polygon = BokehAperture(uv, BokehSidesOrSix());
-    return BokehExactEdge(BOKEH_ARGUMENT(BokehColorSamp), uv, BOKEH_TARGET_INDEX + 2, polygon,
-        settings);
-}
+#ifdef BOKEH_LENS
 
 // the last pass
 float4 BokehLateralColor_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    return BokehLateralColor(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehLateral);
+    return BokehLateralColor(BokehColorSamp, uv, BokehLateral BOKEH_LINEAR);
 }
 
-// BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
-float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
-{
-    BokehUseViewport();
-    float4 result = BokehFetch(BOKEH_ARGUMENT(BokehColorSamp), uv);
-    float S2 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, uv).r);
-    if (BokehDebugMode > 2.5)
-    {
-        result = BokehDebugFocus(S2, BokehFocusDistance, result.a, BokehMaxCoC);
-    }
-    else if (BokehDebugMode > 1.5)
-    {
-        result = BokehDebugCoC(result.a, BokehMaxCoC);
-    }
-    else if (BokehDebugMode > 0.5)
-    {
-        result = BokehDebugDepth(S2, BokehFocusDistance);
-    }
-    return result;
-}
+#endif
 
 #ifdef BOKEH_LAYERS
 
 float4 BokehTileMax_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehTileMax(BOKEH_ARGUMENT(BokehColorSamp), uv, BokehBeginTiles(uv));
+    return BokehTileMax(BokehColorSamp, BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
 float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 axis = float2(1.0 - BokehAxis, BokehAxis);
-    return BokehTileDilate(BOKEH_ARGUMENT(BokehColorSamp), uv, axis, BokehBeginTiles(uv));
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
 void BokehPrefilter_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
     out float4 target3 : BOKEH_TARGET(3))
 {
-    BokehPrefiltered targets = BokehPrefilter(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.nearLayer;
     target1 = targets.farLayer;
     target2 = targets.kernelSums;
@@ -529,8 +591,8 @@ void BokehPrefilter_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 void BokehKernelReduce_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehKernels targets = BokehKernelReduce(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.leftovers;
     target1 = targets.sums;
 }
@@ -538,8 +600,8 @@ void BokehKernelReduce_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 void BokehKernelRows_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehKernels targets = BokehKernelRows(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, BokehBeginTiles(uv));
+    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.leftovers;
     target1 = targets.sums;
 }
@@ -547,8 +609,8 @@ void BokehKernelRows_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 void BokehKernelColumns_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehSizes targets = BokehKernelColumns(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, BokehBeginTiles(uv));
+    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.reach;
     target1 = targets.sizes;
 }
@@ -556,8 +618,8 @@ void BokehKernelColumns_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 void BokehHoleDownsample_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
-    BokehHoles targets = BokehHoleDownsample(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.middle;
     target1 = targets.far;
     target2 = targets.shares;
@@ -566,44 +628,39 @@ void BokehHoleDownsample_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 void BokehHoleFill_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 4.0, 0.0);
-    BokehFilled targets = BokehHoleFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, BokehColorSampD, uv, layers);
+    BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
     target0 = targets.middle;
     target1 = targets.back;
 }
 
-void BokehSquareLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0))
+float4 BokehSquareLayerFirst_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    target0 = BokehLayerPolygon(uv, 4).edge2;
+    return BokehLayerPolygon(uv, 2, BokehAperture(uv, 4)).edge2;
 }
 
 float4 BokehSquareLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, 4, 2.0, 1.0);
-    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSamp, BokehColorSamp,
-        BokehColorSamp, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+    return BokehLayerResult(uv, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
 }
 
 void BokehHexagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1))
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 6);
+    BokehTargets targets = BokehLayerPolygon(uv, 3, BokehAperture(uv, 6));
     target0 = targets.edge2;
     target1 = targets.edge3;
 }
 
 float4 BokehHexagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, 6, 2.0, 1.0);
-    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampB,
-        BokehColorSampB, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
 }
 
 void BokehOctagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 8);
+    BokehTargets targets = BokehLayerPolygon(uv, 4, BokehAperture(uv, 8));
     target0 = targets.edge2;
     target1 = targets.edge3;
     target2 = targets.edge4;
@@ -611,16 +668,14 @@ void BokehOctagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0)
 
 float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, 8, 2.0, 1.0);
-    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
-        BokehColorSampC, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
 }
 
 void BokehDecagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
     out float4 target3 : BOKEH_TARGET(3))
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 10);
+    BokehTargets targets = BokehLayerPolygon(uv, 5, BokehAperture(uv, 10));
     target0 = targets.edge2;
     target1 = targets.edge3;
     target2 = targets.edge4;
@@ -629,67 +684,63 @@ void BokehDecagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0)
 
 float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, 10, 2.0, 1.0);
-    return BokehLayerSecond(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, uv, BokehLayer > 0.5, layers);
+    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
 }
 
 float4 BokehComposite_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 1.0, 2.0);
-    return BokehComposite(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, BokehColorSampF, uv, layers);
+    return BokehComposite(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehColorSampE, BokehColorSampF, BokehAnyAperture(uv), BokehBeginLayers(uv, 1.0,
+        2.0) BOKEH_LINEAR);
 }
 
 float4 BokehPrefilterOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehPrefiltered targets = BokehPrefilter(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
         targets.leftovers);
 }
 
 float4 BokehKernelReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehKernels targets = BokehKernelReduce(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
 float4 BokehKernelRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehKernels targets = BokehKernelRows(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, BokehBeginTiles(uv));
+    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
 float4 BokehKernelColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehSizes targets = BokehKernelColumns(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, uv, BokehBeginTiles(uv));
+    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
 float4 BokehHoleDownsampleOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehHoles targets = BokehHoleDownsample(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv,
-        BokehBeginTiles(uv));
+    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
 
 float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 4.0, 0.0);
-    BokehFilled targets = BokehHoleFill(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB,
-        BokehColorSampC, BokehColorSampD, uv, layers);
+    BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
     return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
 float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLayers layers = BokehBeginLayers(uv, BokehSidesOrSix(), 2.0, 0.0);
-    return BokehLayerEdge(BOKEH_ARGUMENT(BokehColorSamp), BokehColorSampB, uv, BokehLayer > 0.5,
-        BOKEH_TARGET_INDEX + 2, layers);
+    BokehTargets targets = BokehLayerPolygon(uv, BOKEH_TARGET_INDEX + 2, BokehAnyAperture(uv));
+    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 #endif

@@ -2,59 +2,46 @@
 //
 // Polygonal bokeh depth of field, WGSL. Version 0.2.0.
 // After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures
-// in a Post-Process Depth of Field Shader", Listings 1-4. Sections and figures are of that paper.
+// in a Post-Process Depth of Field Shader". Sections, listings and figures are of that paper.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.wgsl beside it has
-//   ready-made programs.
-//   In    colour: linear, HDR, before bloom and tone mapping.
-//         depth: along the view axis, metres.
-//   Out   colour blurred by a polygonal aperture; alpha = CoC.
-//   CoC   circle of confusion: a DIAMETER as a fraction of the image height. BokehSignedCoCMap
-//         gives it a sign: below 0 the pixel is nearer than the focus.
+//   Functions only: no bindings, no entry points. Each of bokeh_paper.wgsl, bokeh_layers.wgsl and
+//   bokeh_lens.wgsl needs this file before it and no other; bokeh_passes.wgsl has ready-made
+//   programs of what stands before it.
+//   In    colour: linear, HDR, before bloom and tone mapping; the engine's depth buffer.
+//   Out   colour blurred by a polygonal aperture; alpha = signed CoC.
+//   CoC   circle of confusion: a DIAMETER as a fraction of the image height; below 0: near field.
 //   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
-//   Targets between the passes: RGBA16F, read with a linear filter and clamp; blending off, since
-//   alpha is data. Depth: R32F, or whatever holds it; no filter is needed.
+//   Targets between the passes: RGBA16F, linear filter, clamp; blending off: alpha is data.
 //
-//   exact, for polygons with 4, 6, 8 or 10 sides: no min, no light lost, section [8]
-//   colour + depth -> SignedCoCMap -> ExactFirst (1 to 4 targets) -> ExactSecond -> bloom
+// PASTE: the whole effect as an exact hexagon, three passes. Each module is this file, the vertex
+//   shader, and one of these blocks; the pipeline's layout may be 'auto'. Blending off in all of
+//   them. A lens to begin with: apertureDiameter 0.036, focalLength 0.05, focusDistance 2.0, which
+//   is 50 mm at f/1.4, blurs what is far away by 41 pixels at 1920 x 1080.
 //
-//   paper, Listings 1-4:
-//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine
-//
-//   aperture   lines (degrees)                                passes   combine
-//   square     0, then 90                                     2
-//   diamond    0, then 45                                     2
-//   hexagon    90, then 30 and, from the same, 150            3        min
-//   octagon    0, then 90;  45, then 135                      4        min
-//   star       as octagon                                     4        max
-//
-// PASTE: the whole effect as an exact hexagon, four passes. Each module is this file and one of
-//   these blocks; the pipeline's layout may be 'auto'. Blending off in all of them. uv comes from
-//   your vertex shader: 0 .. 1 over the target.
-//
-//   1. Linear depth. Depth: the depth buffer. Target: r32float.
-//          struct Camera { zNear: f32, zFar: f32 }
-//          @group(0) @binding(0) var<uniform> camera: Camera;
-//          @group(0) @binding(1) var Depth: texture_2d<f32>;
-//          @fragment fn linearDepth(@location(0) uv: vec2f) -> @location(0) f32
+//   Vertex shader of all three: three vertices without a buffer.
+//          struct Corner { @builtin(position) position: vec4f, @location(0) uv: vec2f }
+//          @vertex fn fullScreen(@builtin(vertex_index) id: u32) -> Corner
 //          {
-//              return BokehLinearDepth(BokehFetchNearest(Depth, uv).r, 1, camera.zNear,
-//                  camera.zFar);
+//              let uv = vec2f(select(0.0, 2.0, id == 1u), select(0.0, 2.0, id == 2u));
+//              return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 //          }
 //
-//   2. CoC map. Color: HDR colour. Depth: from 1. Target: rgba16float.
-//          struct Lens { apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
-//          @group(0) @binding(0) var<uniform> lens: Lens;
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. The 1 selects
+//      standard depth: 0 at the near plane, 1 at the far plane.
+//          struct Camera { nearPlane: f32, farPlane: f32,
+//              apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
+//          @group(0) @binding(0) var<uniform> camera: Camera;
 //          @group(0) @binding(1) var Color: texture_2d<f32>;
 //          @group(0) @binding(2) var Depth: texture_2d<f32>;
 //          @fragment fn map(@location(0) uv: vec2f) -> @location(0) vec4f
 //          {
-//              return BokehSignedCoCMap(Color, Depth, uv, lens.apertureDiameter,
-//                  lens.focalLength, lens.focusDistance, BOKEH_SENSOR_HEIGHT, BOKEH_MAX_COC);
+//              return BokehSignedCoCMap(Color, Depth, uv, uv,
+//                  BokehMakeLens(camera.apertureDiameter, camera.focalLength,
+//                  camera.focusDistance), 1, camera.nearPlane, camera.farPlane);
 //          }
 //
-//   3. First pass. Map: from 2. Linear: linear filter, clamp. Targets: two rgba16float.
+//   2. First pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          struct Targets { @location(0) edge2: vec4f, @location(1) edge3: vec4f }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
@@ -62,13 +49,13 @@
 //          @group(0) @binding(2) var Linear: sampler;
 //          @fragment fn first(@location(0) uv: vec2f) -> Targets
 //          {
-//              let targets = BokehExactFirst(Map, Linear, uv,
+//              let targets = BokehHexagonFirst(Map, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
-//                  BokehDefaultFilter(aperture.imageSize));
+//                  BokehDefaultFilter(aperture.imageSize), Linear);
 //              return Targets(targets.edge2, targets.edge3);
 //          }
 //
-//   4. Second pass. Edge2, Edge3: from 3. Linear: linear filter, clamp. Target: rgba16float.
+//   3. Second pass. Edge2, Edge3: from 2. Linear: as above. Target: rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
 //          @group(0) @binding(1) var Edge2: texture_2d<f32>;
@@ -76,97 +63,88 @@
 //          @group(0) @binding(3) var Linear: sampler;
 //          @fragment fn second(@location(0) uv: vec2f) -> @location(0) vec4f
 //          {
-//              return BokehExactSecond(Edge2, Linear, Edge3, Edge3, Edge3, uv,
+//              return BokehHexagonSecond(Edge2, Edge3, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
-//                  BokehDefaultFilter(aperture.imageSize));
+//                  BokehDefaultFilter(aperture.imageSize), Linear);
 //          }
 //
 // CONTENTS
-//   [1] configuration
-//   [2] porting: BokehSetViewport, BokehFetch, BokehFetchNearest, BokehFetchTable
-//   [3] circle of confusion: BokehCoC, BokehLinearDepth, BokehCoCMap, BokehSignedCoCMap
-//   [4] sample offsets: BokehLineEnd, BokehMakeOffsets; adaptive: BokehFilter,
-//       BokehDefaultFilter, BokehCells, BokehNoise, BokehSegment
-//   [5] line filter: BokehDepthOfField; adaptive: BokehDepthOfFieldAdaptive
-//   [6] combine: BokehCombine, BokehDepthOfFieldFinal
-//   [7] naive gather: BokehNaiveGather, BokehNaiveGrid
-//   [8] exact polygons: BokehMakePolygon, BokehExactFirst, BokehExactSecond; for one target at a
-//       time: BokehExactEdge; cut by the lens barrel: BokehWithCatsEye
-//   [9] finished picture: BokehLateralColor
-//       debug views: BokehDebugDepth, BokehDebugCoC, BokehDebugFocus
+//   [1] configuration   [2] porting   [3] circle of confusion: BokehMakeLens, BokehSignedCoCMap
+//   [4] samples along a line: BokehDefaultFilter   [5] exact polygons: BokehMakePolygon,
+//   BokehHexagonFirst, BokehHexagonSecond, and of Square, Octagon, Decagon
 
 // -------------------------------------------------------------------------------------------------
 // [1] configuration
-// -------------------------------------------------------------------------------------------------
 //
-//   name                    default    range   meaning
-//   BOKEH_NUM_SAMPLES       13         2 ..    samples on a line (section 4.3), or the most of them
-//                                              where their number is adaptive; see below
-//   BOKEH_SPACING           1.0        >= 0    pixels between samples; 0: always BOKEH_NUM_SAMPLES
-//   BOKEH_ADAPTIVE_SAMPLES  1          0, 1    0: always BOKEH_NUM_SAMPLES; faster than a spacing
-//                                              of 0 at run time, which keeps the loop's exit
-//   BOKEH_VIEWPORT          0          0, 1    1: the image is a part of its textures, see
-//                                              BokehSetViewport
-//   BOKEH_CHARACTER         0          0 .. 2  1: the ready-made passes have the character of a
-//                                              lens, see BokehWithCatsEye; 2: `exact` has axial
-//                                              colour too, see BokehExactFirst
-//   BOKEH_SENSOR_HEIGHT     0.024      > 0     metres, 35 mm film (section 4.1)
-//   BOKEH_MAX_COC           0.1        0 .. 1  clamp of the CoC; where it is too large, individual
-//                                              samples become visible
-//   BOKEH_BLEEDING_BIAS     0.02       0 .. 2  Listing 3; 2 turns the leakage test off
-//   BOKEH_BLEEDING_MULT     30.0       > 0     Listing 3
-//   BOKEH_MAX_COLOR         65504.0            brighter colour is cut off here: by default what a
-//                                              half float holds; lower, it is the clamp against
-//                                              fireflies, at the cost of the light of highlights
-//   BOKEH_MIN_DEPTH         0.000001           metres, replaces zero and negative depth
-//   BOKEH_MAX_DEPTH         1000000000.0       metres, replaces infinite depth, where the CoC is
-//                                              A f / ((S1 - f) sensorHeight)
+//   name                     default   range   meaning
+//   BOKEH_NUM_SAMPLES        9         2 ..    samples on a line, at most; the preset sets it
+//   BOKEH_SPACING            1.5       >= 0    pixels between them; the preset sets it; 0.0: always
+//                                              as many
+//   BOKEH_VIEWPORT           0         0, 1    1: the image is a part of its textures
+//   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled, its first sample is read
+//   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float
+//                                              holds; lower, it is the clamp against fireflies
 //
-//   Presets for BOKEH_NUM_SAMPLES and BOKEH_SPACING: define one before this file; in WGSL set both
-//   constants. The ready-made passes take their spacing from BokehSpacing. Fetches: of the exact
-//   hexagon, both passes, a pixel. Smooth: the CoC in pixels up to which its samples are no farther
-//   apart than the spacing.
+//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, both
+//   passes of the exact hexagon. Smooth: up to this CoC in pixels samples are as close as that.
 //
 //   preset                  samples    spacing  fetches  smooth
 //   BOKEH_PRESET_LOW        5          2.0      22       20
-//   BOKEH_PRESET_MEDIUM     9          1.5      38       27
+//   BOKEH_PRESET_MEDIUM     9          1.5      38       27      the default
 //   BOKEH_PRESET_HIGH       17         1.0      70       34
 //   BOKEH_PRESET_ULTRA      33         1.0      134      66
 
-override BOKEH_NUM_SAMPLES: i32 = 13;
-override BOKEH_SPACING: f32 = 1.0;
-override BOKEH_ADAPTIVE_SAMPLES: i32 = 1;
+override BOKEH_NUM_SAMPLES: i32 = 9;
+override BOKEH_SPACING: f32 = 1.5;
 override BOKEH_VIEWPORT: i32 = 0;
-override BOKEH_CHARACTER: i32 = 0;
-const BOKEH_SENSOR_HEIGHT: f32 = 0.024;
-const BOKEH_MAX_COC: f32 = 0.1;
-const BOKEH_BLEEDING_BIAS: f32 = 0.02;
-const BOKEH_BLEEDING_MULT: f32 = 30.0;
 const BOKEH_MAX_COLOR: f32 = 65504.0;
+// metres: what replaces zero and negative depth, and infinite
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 
 // -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
-// -------------------------------------------------------------------------------------------------
 //
-//   A filtered texture and its sampler are two parameters, Name and NameSampler; where a function
-//   reads several, they share the sampler of the first. Depth has none: it is loaded, so that its
-//   texture may be of a format that cannot be filtered (r32float, depth32float).
+//   A function that filters has the sampler as its last parameter. All else is loaded, so that its
+//   texture may be of a format that cannot be filtered (r32float, depth32float). To fetch in your
+//   own way, texture arrays for stereo for example, change this section.
 
-// where the image lies in its textures, in their uv: xy = its corner, zw = its size; then the
-// bounds of the fetches
+// the engine's depth buffer; also texture_depth_2d, and where it is multisampled
+// texture_multisampled_2d<f32> or texture_depth_multisampled_2d: its first sample is read
+alias BokehDepthTexture = texture_2d<f32>;
+
+// Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
+//   coords        texture uv
+fn BokehFetchTexture(tex: texture_2d<f32>, coords: vec2f, BokehLinearClamp: sampler) -> vec4f
+{
+    return textureSampleLevel(tex, BokehLinearClamp, coords, 0.0);
+}
+
+// Porting: the texel at a place, whatever filter the texture has
+fn BokehFetchTexel(tex: texture_2d<f32>, coords: vec2f) -> vec4f
+{
+    let size: vec2i = vec2i(textureDimensions(tex));
+    let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
+    return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
+}
+
+// Porting: the same of the engine's depth buffer; the first sample where there are several
+fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> f32
+{
+    let size: vec2i = vec2i(textureDimensions(tex));
+    let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
+    return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).r;
+}
+
+// where the image lies in its textures, in their uv: corner, size; then the bounds of the fetches
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 
 // Porting: the image is a part of its textures (dynamic resolution); call it first
-//   It needs BOKEH_VIEWPORT 1.
-//   Every texture but the kernel is laid out like this. What is around the image is not read: it
-//   may hold anything. The bounds are 1/128 texel inside the centres of the outermost texels, since
-//   bilinear filtering reads texels of zero weight too, and 0 times NaN is NaN; 1/256 is how
-//   exactly devices place a sample (Direct3D 11, Vulkan).
-//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more
-//   textureSize   width, height; pixels
+//   What is around the image is not read: it may hold anything. The bounds are 1/128 texel inside
+//   the centres of the outermost texels, since filtering reads texels of zero weight too, and 0
+//   times NaN is NaN; devices place a sample to 1/256.
+//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more; as textureSize
 fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
 {
     if (BOKEH_VIEWPORT > 0)
@@ -190,251 +168,162 @@ fn BokehToTexture(uv: vec2f) -> vec2f
     return coords;
 }
 
-// Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
-//   coords        texture uv
-fn BokehFetchTexture(tex: texture_2d<f32>, texSampler: sampler, coords: vec2f) -> vec4f
+// Porting: one filtered fetch at image uv
+fn BokehFetch(tex: texture_2d<f32>, uv: vec2f, BokehLinearClamp: sampler) -> vec4f
 {
-    return textureSampleLevel(tex, texSampler, coords, 0.0);
-}
-
-// Porting: the same at image uv
-fn BokehFetch(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f) -> vec4f
-{
-    return BokehFetchTexture(tex, texSampler, BokehToTexture(uv));
-}
-
-// Porting: the texel at a place, whatever filter the texture has; depth is read this way
-fn BokehFetchNearest(tex: texture_2d<f32>, uv: vec2f) -> vec4f
-{
-    let size: vec2i = vec2i(textureDimensions(tex));
-    let texel: vec2i = vec2i(saturate(BokehToTexture(uv)) * vec2f(size));
-    return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
-}
-
-// Porting: entry i of a table, a texture of count x 1 texels; no viewport applies to it
-fn BokehFetchTable(tex: texture_2d<f32>, i: i32, count: i32) -> vec4f
-{
-    return textureLoad(tex, vec2i(min(i, count - 1), 0), 0);
+    return BokehFetchTexture(tex, BokehToTexture(uv), BokehLinearClamp);
 }
 
 // -------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
-// -------------------------------------------------------------------------------------------------
 
-// Listing 1: CoC of a thin lens (section 4.1)
-//   S2            depth of the pixel along the view axis, metres, > 0 (planar depth, not the length
-//                 of the ray)
-//   A             diameter of the aperture, metres
-//   f             focal length, metres
-//   S1            focus distance, metres, > f; a lens cannot focus nearer: everything but S2 = S1
-//                 gets MaxCoC then. Infinity, and 3.4e38 in its place, become BOKEH_MAX_DEPTH
-//   sensorHeight  height of the image sensor, metres
-//   MaxCoC        largest CoC allowed, fraction of the image height
-//   returns       diameter of the circle of confusion, fraction of the image height, 0 .. MaxCoC
-fn BokehCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
+// Listing 1: the lens and the sensor (section 4.1); metres but where it says otherwise
+//   apertureDiameter  A, the focal length f / the f-stop
+//   focusDistance     S1, more than f: no lens can focus nearer, and all but S1 gets maxCoC then
+//   maxCoC            largest CoC allowed, fraction of the image height
+struct BokehLens
 {
-    let focus: f32 = min(S1, BOKEH_MAX_DEPTH);
-    let magnification: f32 = f / max(focus - f, BOKEH_MIN_DEPTH);
-    let c: f32 = A * magnification * (abs(S2 - focus) / S2);
-    return clamp(c / max(sensorHeight, BOKEH_MIN_DEPTH), 0.0, MaxCoC);
+    apertureDiameter: f32,
+    focalLength: f32,
+    focusDistance: f32,
+    sensorHeight: f32,
+    maxCoC: f32,
 }
 
-// Listing 1: one colour channel made safe: NaN and negative become 0, infinite becomes the largest
-//   half float
-//   NaN fails this comparison; max() may return either operand. It has to be >=: fxc compiles > for
-//   shader model 3 to the opposite comparison with its results swapped, and NaN passes that.
-fn BokehSafeChannel(value: f32) -> f32
+// Listing 1: a BokehLens in one expression, with a sensor of 35 mm film
+fn BokehMakeLens(apertureDiameter: f32, focalLength: f32, focusDistance: f32) -> BokehLens
 {
-    var safe: f32 = 0.0;
-    if (value >= 0.0)
-    {
-        safe = min(value, BOKEH_MAX_COLOR);
-    }
-    return safe;
+    var lens: BokehLens;
+    lens.apertureDiameter = apertureDiameter;
+    lens.focalLength = focalLength;
+    lens.focusDistance = focusDistance;
+    lens.sensorHeight = 0.024;
+    lens.maxCoC = 0.1;
+    return lens;
 }
 
-// Listing 1: depth made safe: NaN, zero and negative become the smallest, infinite the largest
-fn BokehSafeDepth(S2: f32) -> f32
-{
-    var safe: f32 = BOKEH_MIN_DEPTH;
-    if (S2 >= BOKEH_MIN_DEPTH)
-    {
-        safe = min(S2, BOKEH_MAX_DEPTH);
-    }
-    return safe;
-}
-
-// Depth: window depth 0 (near) .. 1 (far) of a perspective camera to metres
-//   Direct3D, Vulkan and WebGPU have it so, and OpenGL's depth textures.
-//   zNear, zFar   the camera's planes, metres, 0 < zNear < zFar
-//   returns       depth along the view axis, for the CoC maps and all passes that read depth; the
-//                 sky is at zFar, or infinite where zNear is less than zFar / 2^24, which
-//                 BokehSafeDepth takes care of
-fn BokehDepthFromWindow(depth: f32, zNear: f32, zFar: f32) -> f32
-{
-    return zNear * zFar / (zFar - depth * (zFar - zNear));
-}
-
-// Depth: reversed window depth, 1 (near) .. 0 (far), of a perspective camera to metres
-fn BokehDepthFromReversed(depth: f32, zNear: f32, zFar: f32) -> f32
-{
-    return zNear * zFar / (zNear + depth * (zFar - zNear));
-}
-
-// Depth: reversed window depth without a far plane, 1 (near) .. 0 (infinite), to metres
-//   The sky is at BOKEH_MAX_DEPTH.
-fn BokehDepthFromInfinite(depth: f32, zNear: f32) -> f32
-{
-    var stored: f32 = zNear / BOKEH_MAX_DEPTH;
-    if (depth >= stored)
-    {
-        stored = depth;
-    }
-    return zNear / stored;
-}
-
-// Depth: depth of clip space, -1 (near) .. 1 (far), z / w in OpenGL, to metres
-fn BokehDepthFromClip(depth: f32, zNear: f32, zFar: f32) -> f32
-{
-    return 2.0 * zNear * zFar / (zFar + zNear - depth * (zFar - zNear));
-}
-
-// Depth: window depth 0 (near) .. 1 (far) of an orthographic camera to metres
-//   Pass 1 - depth where it is reversed.
-fn BokehDepthFromOrthographic(depth: f32, zNear: f32, zFar: f32) -> f32
-{
-    return zNear + depth * (zFar - zNear);
-}
-
-// Depth: a fraction of the far plane's distance to metres, as Listing 1 has it
-fn BokehDepthFromFraction(depth: f32, zFar: f32) -> f32
-{
-    return depth * zFar;
-}
-
-// Depth: logarithmic depth, log(1 + metres) / log(1 + zFar), to metres (three.js's WebGLRenderer)
-fn BokehDepthFromLogarithmic(depth: f32, zFar: f32) -> f32
-{
-    var stored: f32 = 0.0;
-    if (depth >= 0.0)
-    {
-        stored = depth;
-    }
-    return exp2(stored * log2(zFar + 1.0)) - 1.0;
-}
-
-// Depth: any of the above to metres, made safe, for one pass that makes depth linear
-//   kind          0 metres already, 1 window, 2 reversed, 3 reversed infinite, 4 clip,
-//                 5 orthographic, 6 orthographic reversed, 7 fraction of zFar, 8 logarithmic
-fn BokehLinearDepth(depth: f32, kind: i32, zNear: f32, zFar: f32) -> f32
-{
-    var S2: f32 = depth;
-    if (kind == 1)
-    {
-        S2 = BokehDepthFromWindow(depth, zNear, zFar);
-    }
-    else if (kind == 2)
-    {
-        S2 = BokehDepthFromReversed(depth, zNear, zFar);
-    }
-    else if (kind == 3)
-    {
-        S2 = BokehDepthFromInfinite(depth, zNear);
-    }
-    else if (kind == 4)
-    {
-        S2 = BokehDepthFromClip(depth, zNear, zFar);
-    }
-    else if (kind == 5)
-    {
-        S2 = BokehDepthFromOrthographic(depth, zNear, zFar);
-    }
-    else if (kind == 6)
-    {
-        S2 = BokehDepthFromOrthographic(1.0 - depth, zNear, zFar);
-    }
-    else if (kind == 7)
-    {
-        S2 = BokehDepthFromFraction(depth, zFar);
-    }
-    else if (kind == 8)
-    {
-        S2 = BokehDepthFromLogarithmic(depth, zFar);
-    }
-    return BokehSafeDepth(S2);
-}
-
-// Listing 1: colour as it is, CoC beside it in alpha
-//   color         linear HDR colour; its alpha is not used
-//   CoC           fraction of the image height
-//   returns       what every later pass reads: rgb finite and >= 0, a = CoC
-fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
-{
-    return vec4f(BokehSafeChannel(color.r), BokehSafeChannel(color.g), BokehSafeChannel(color.b),
-        CoC);
-}
-
-// Listing 1: CoCMap, the first pass of `paper` and `naive`
-//   No later pass sees the engine's raw colour.
-//   ColorSamp     linear HDR scene colour, read texel by texel
-//   DepthSamp     r = depth along the view axis, metres (docs/inputs.md has the depth conventions)
-//   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
-//   A .. MaxCoC   as in BokehCoC
-//   returns       rgb = colour, a = CoC
-fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>, uv: vec2f, A: f32, f: f32,
-    S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
-{
-    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-    let CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
-    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
-}
-
-// Listing 1, signed: the CoC with a sign: below 0 the pixel is nearer than the focus distance
+// Listing 1: CoC of a thin lens, with a sign: below 0 the pixel is nearer than the focus distance
 //   It grows with depth, so it is all that the leakage test needs to know of depth.
 //
-//      +MaxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
+//      +maxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
 //            0 - - - - -/- - - - - -> depth
-//      -MaxCoC --------' S1             near field: < 0
-//
-//   Parameters as in BokehCoC.
-fn BokehSignedCoC(S2: f32, A: f32, f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> f32
+//      -maxCoC --------'  focus         near field: < 0
+//   depth         S2, metres, > 0
+//   returns       fraction of the image height; an infinite focus distance is BOKEH_MAX_DEPTH
+fn BokehSignedCoC(depth: f32, lens: BokehLens) -> f32
 {
-    var CoC: f32 = BokehCoC(S2, A, f, S1, sensorHeight, MaxCoC);
-    if (S2 < S1)
+    let focus: f32 = min(lens.focusDistance, BOKEH_MAX_DEPTH);
+    let magnification: f32 = lens.focalLength / max(focus - lens.focalLength, BOKEH_MIN_DEPTH);
+    let c: f32 = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
+    var CoC: f32 = clamp(c / max(lens.sensorHeight, BOKEH_MIN_DEPTH), 0.0, lens.maxCoC);
+    if (depth < focus)
     {
         CoC = -CoC;
     }
     return CoC;
 }
 
-// Listing 1, signed: the first pass of `exact`, whose later passes read no depth
-//   Parameters as in BokehCoCMap.
-//   returns       rgb = colour, a = signed CoC
-fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: texture_2d<f32>, uv: vec2f, A: f32,
-    f: f32, S1: f32, sensorHeight: f32, MaxCoC: f32) -> vec4f
+// Listing 1: bad input made safe: NaN and what is below `least` become that, infinity `most`
+//   NaN fails this comparison; max() may return either operand. fxc for shader model 3 turns > into
+//   the opposite comparison, which NaN passes: it has to be >=.
+fn BokehSafe(value: f32, least: f32, most: f32) -> f32
 {
-    let S2: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-    let CoC: f32 = BokehSignedCoC(S2, A, f, S1, sensorHeight, MaxCoC);
-    return BokehPackCoC(BokehFetchNearest(ColorSamp, uv), CoC);
+    var safe: f32 = least;
+    if (value >= least)
+    {
+        safe = min(value, most);
+    }
+    return safe;
+}
+
+// Listing 1: what the engine's depth buffer holds to metres along the view axis, made safe
+//   kind          0 metres (planar, not the length of the ray)
+//                 1 window depth, 0 (near) .. 1 (far), as depth textures have it
+//                 2 reversed: 1 (near) .. 0 (far)
+//                 3 reversed without a far plane: 1 (near) .. 0 (infinite)
+//                 4 clip space, -1 (near) .. 1 (far): z / w in OpenGL
+//                 5, 6 of an orthographic camera, and that reversed
+//                 7 a fraction of the far plane, as Listing 1 has it
+//                 8 logarithmic: log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
+//   near, far     planes of the camera, metres; 0 < near < far in kinds 1 to 4
+//   returns       the sky is at far; in kind 3, and in kind 1 where near is below far / 2^24, at
+//                 BOKEH_MAX_DEPTH
+fn BokehLinearDepth(stored: f32, kind: i32, near: f32, far: f32) -> f32
+{
+    var depth: f32 = stored;
+    if (kind == 1)
+    {
+        depth = near * far / (far - stored * (far - near));
+    }
+    else if (kind == 2)
+    {
+        depth = near * far / (near + stored * (far - near));
+    }
+    else if (kind == 3)
+    {
+        depth = BOKEH_MAX_DEPTH;
+        if (stored >= near / BOKEH_MAX_DEPTH)
+        {
+            depth = near / stored;
+        }
+    }
+    else if (kind == 4)
+    {
+        depth = 2.0 * near * far / (far + near - stored * (far - near));
+    }
+    else if (kind == 5)
+    {
+        depth = near + stored * (far - near);
+    }
+    else if (kind == 6)
+    {
+        depth = near + (1.0 - stored) * (far - near);
+    }
+    else if (kind == 7)
+    {
+        depth = stored * far;
+    }
+    else if (kind == 8)
+    {
+        depth = 0.0;
+        if (stored >= 0.0)
+        {
+            depth = exp2(stored * log2(far + 1.0)) - 1.0;
+        }
+    }
+    return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+}
+
+// Listing 1: colour as it is, CoC beside it in alpha
+//   returns       what every later pass reads: rgb finite and >= 0, a = CoC
+fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
+{
+    return vec4f(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
+        BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+}
+
+// Listing 1: the map, first pass of `exact` and of the layers; no other sees the engine's textures
+//   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
+//   depthUV       its place in the depth buffer: uv, or with BOKEH_VIEWPORT 1 BokehToTexture(uv);
+//                 where depth has a rectangle of its own, in that; plus the camera's jitter where
+//                 temporal anti-aliasing has resolved colour, and depth is jittered
+//   returns       rgb = colour, a = signed CoC
+fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+    depthUV: vec2f, lens: BokehLens, kind: i32, near: f32, far: f32) -> vec4f
+{
+    let depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
+        lens));
 }
 
 // -------------------------------------------------------------------------------------------------
-// [4] Listing 2: sample offsets
-// -------------------------------------------------------------------------------------------------
-//
-//      u ->      angle = 0: along +u;  90 degrees: along +v, towards the last row in memory
-//    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
-//    |                              ^ this pixel
-//    v
+// [4] samples along a line
 
-// Listing 2: how a line is sampled, and the leakage test of Listing 3
-//   aspectRatio   width / height of the image
-//   imageHeight   pixels
-//   spacing       pixels between samples, 1 is right for most; 0: exactly BOKEH_NUM_SAMPLES
-//   jitter        from BokehNoise, times its amount; 0 = none. It acts where samples are farther
-//                 apart than a pixel.
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 or more turns
-//                 the test off
+// Lines: how a line is sampled, and the leakage test of Listing 3
+//   aspectRatio   width / height of the image; imageHeight: pixels
+//   spacing       pixels between samples, > 0; with BOKEH_SPACING 0.0 it does not count
+//   jitter        noise, -0.5 .. 0.5, where samples are farther apart than a pixel; 0 = none
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
 {
@@ -446,8 +335,7 @@ struct BokehFilter
     bleedingMult: f32,
 }
 
-// Listing 2: the settings that [1] configures, without jitter
-//   imageSize     width, height; pixels
+// Lines: settings without jitter; imageSize: width, height; pixels
 fn BokehDefaultFilter(imageSize: vec2f) -> BokehFilter
 {
     var settings: BokehFilter;
@@ -455,124 +343,45 @@ fn BokehDefaultFilter(imageSize: vec2f) -> BokehFilter
     settings.imageHeight = imageSize.y;
     settings.spacing = BOKEH_SPACING;
     settings.jitter = 0.0;
-    settings.bleedingBias = BOKEH_BLEEDING_BIAS;
-    settings.bleedingMult = BOKEH_BLEEDING_MULT;
+    settings.bleedingBias = 0.02;
+    settings.bleedingMult = 30.0;
     return settings;
 }
 
-// Listing 2: the end of a line of length 1 centred on this pixel
-//   angle         radians
-//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a
-//                 highlight is not stretched
-//   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
-fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
-{
-    return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
-}
-
-// Listing 2: makeOffsets, sample i of numSamples evenly spaced from end to end of the line
-//   t runs from -1 to +1, so that the offsets are exact negatives of each other and the middle one
-//   is 0.
-//   returns       uv offset for a CoC of 1
-fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
-{
-    let last: i32 = max(numSamples, 2) - 1;
-    let t: f32 = f32(2 * i - last) / f32(last);
-    return lineEnd * t;
-}
-
-// Listing 2, adaptive: the CoC that the filter uses, 0 where the pixel is in focus
-//   Below half a pixel nothing is left to blur; up to one pixel it fades in, so that no contour
-//   shows.
-//   Written (x - 0.5) * 2: from 2 - 2 abs(x) fxc drops the abs in shader model 3.
-//   CoC           without a sign
-//   spacing       as in BokehFilter; 0 or less: the CoC as it is
-//   returns       fraction of the image height
-fn BokehFilterCoC(CoC: f32, imageHeight: f32, spacing: f32) -> f32
+// Lines: the CoC that the filter uses, 0 where the pixel is in focus: below half a pixel
+//   It fades in up to one pixel: no contour shows. (fxc drops the abs of 2 - 2 abs(x) for SM3.)
+fn BokehFilterCoC(CoC: f32, imageHeight: f32) -> f32
 {
     var filterCoC: f32 = CoC;
-    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
+    if (BOKEH_SPACING > 0.0)
     {
         filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
     }
     return filterCoC;
 }
 
-// Listing 2, adaptive: number of cells on a line, one sample each; not a whole number
+// Lines: number of cells on a line, one sample each; not a whole number
 //   Cells are `spacing` pixels long, or longer where BOKEH_NUM_SAMPLES of them would not fill the
 //   line. Cell i weighs clamp(cells - i, 0, 1):
 //
 //      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
 //        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
-//
 fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
 {
     var cells: f32 = f32(BOKEH_NUM_SAMPLES);
-    if (BOKEH_ADAPTIVE_SAMPLES > 0 && spacing > 0.0)
+    if (BOKEH_SPACING > 0.0)
     {
         cells = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
     }
     return cells;
 }
 
-// Listing 2, adaptive: interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass
-//   In pass p each frame adds (8 p + 1) 33 / 64. So over 64 frames every pass takes 64 evenly
-//   spaced values in each pixel, and no two passes take theirs in the same order: the mean of the
-//   frames converges.
-//   imageSize     width, height; pixels
-//   frame         number of the frame, a whole number
-//   passIndex     0, 1 ..: of the pass within the frame; a pass that reads another one needs
-//                 another index
-//   returns       -0.5 .. 0.5
-fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
-{
-    let number: f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
-    let seed: f32 = dot(floor(uv * imageSize), vec2f(0.06711056, 0.00583715));
-    let value: f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
-    return value - floor(value) - 0.5;
-}
-
-// Listing 2, adaptive: a line of any length and place, for BokehDepthOfFieldAdaptive
-//   angle         radians
-//   lineLength    in units of the CoC
-//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
-//                 last row; a highlight shows the line on the other side
-//   squeeze       width of the bokeh / its height, 1 = round
-//   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
-//                 BokehPolygonEdge returns the same
-fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
-{
-    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
-        sin(angle));
-    return segment * vec4f(squeeze, 1.0, squeeze, 1.0);
-}
-
-// -------------------------------------------------------------------------------------------------
-// [5] Listing 3: one pass of the line filter
-// -------------------------------------------------------------------------------------------------
-
-// Listing 3: weight of one sample against intensity leakage (section 2.1)
-//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it.
-//   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
-//   1 / bleedingMult up. All other samples have the weight 1.
-fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
-    settings: BokehFilter) -> f32
-{
-    var weight: f32 = 1.0;
-    if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
-    {
-        weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
-    }
-    return weight;
-}
-
-// Listing 3, signed: the same test from signed CoC alone; the weight is the square of Listing 3's
+// Lines: weight of one sample against intensity leakage (section 2.1), from signed CoC alone: the
+//   test of Listing 3, with its weight squared
 //   Behind the focus a sharper sample is a nearer one; in front of it centerCoC is below 0, and
-//   every sample counts. The test sets in from half of the bias to one and a half: a step would
-//   make outlines pop as the focus is pulled. In the second pass a rejected sample also displaces
-//   what its own line would have gathered; squared weights make up for that.
-//   0.001: a bias of 0 must not divide, and a half float's rounding not reject a surface's own
-//   samples.
+//   every sample counts. The test sets in around the bias: a step would make outlines pop. In the
+//   second pass a rejected sample also displaces what its own line would have gathered; squared
+//   weights make up for that. 0.001: half floats' rounding must not reject a surface's own samples.
 fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
 {
     let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
@@ -581,228 +390,52 @@ fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilte
     return 1.0 - rejected * (1.0 - weight * weight);
 }
 
-// Listing 3: the weighted average, or centerPixel where all weights are 0
-//   With an even number of samples the middle of the line is not sampled, so all may be rejected.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
-//                 (Figure 7)
-fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
+// Lines: colour of a weighted sum, or of centerPixel where all weights are 0; the CoC stays
+fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 {
     var result: vec4f = centerPixel;
-    if (totalWeight > 0.0)
+    if (sum.a > 0.0)
     {
-        result = color / totalWeight;
-    }
-    if (!blurCoC)
-    {
-        result = vec4f(result.rgb, centerPixel.a);
-    }
-    return result;
-}
-
-// Listing 3: DepthOfField, the mean of the samples along one line
-//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass;
-//                 linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap
-//   lineEnd       from BokehLineEnd
-//   settings      of which the leakage test is used; there are always BOKEH_NUM_SAMPLES samples, in
-//                 shader model 3 254 at most
-fn BokehDepthOfField(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
-    DepthSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehFilter,
-    blurCoC: bool) -> vec4f
-{
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var totalWeight: f32 = 0.0;
-    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
-    {
-        let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_NUM_SAMPLES);
-        let sampleCoords: vec2f = uv + offset * centerPixel.a;
-        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
-        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
-            settings);
-        color += samplePixel * weight;
-        totalWeight += weight;
-    }
-    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
-}
-
-// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs
-//   The paper's future work; along a line of any length and place.
-//   segment       from BokehSegment
-//   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
-fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
-    DepthSamp: texture_2d<f32>, uv: vec2f, segment: vec4f, settings: BokehFilter,
-    blurCoC: bool) -> vec4f
-{
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    var result: vec4f = centerPixel;
-    let CoC: f32 = BokehFilterCoC(centerPixel.a, settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
-    {
-        let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-        let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-        let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
-        let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
-        var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        var totalWeight: f32 = 0.0;
-        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
-        {
-            if (BOKEH_ADAPTIVE_SAMPLES > 0 && f32(i) >= cells)
-            {
-                break;
-            }
-            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-            let sampleCoords: vec2f = first + cellLength * (f32(i) + cell * phase);
-            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
-            let weight: f32 = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-                centerPixel.a, settings);
-            color += samplePixel * weight;
-            totalWeight += weight;
-        }
-        result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
+        result = vec4f(sum.rgb / sum.a, centerPixel.a);
     }
     return result;
 }
 
 // -------------------------------------------------------------------------------------------------
-// [6] Listing 4: combine by min / max
-// -------------------------------------------------------------------------------------------------
-
-// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC too (section 4.5)
-fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
-{
-    var result: vec4f = min(a, b);
-    if (useMax)
-    {
-        result = max(a, b);
-    }
-    return result;
-}
-
-// Listing 4: DepthOfFieldFinal, the last line of the second parallelogram, combined with the first
-//   CompareSamp   the finished first parallelogram
-//   useMax        false: intersection (hexagon, octagon); true: union (star)
-fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
-    DepthSamp: texture_2d<f32>, CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f,
-    settings: BokehFilter, blurCoC: bool, useMax: bool) -> vec4f
-{
-    let a: vec4f = BokehDepthOfField(ColorSamp, ColorSampSampler, DepthSamp, uv, lineEnd, settings,
-        blurCoC);
-    return BokehCombine(a, BokehFetch(CompareSamp, ColorSampSampler, uv), useMax);
-}
-
-// -------------------------------------------------------------------------------------------------
-// [7] naive gather
-// -------------------------------------------------------------------------------------------------
-
-// Section 3: gather with a table of BOKEH_NUM_SAMPLES offsets, any shape
-//   The bokeh is their point reflection: negate a table that is drawn as the bokeh looks.
-//   KernelSamp    BOKEH_NUM_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right, y
-//                 towards the last row
-fn BokehNaiveGather(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler,
-    DepthSamp: texture_2d<f32>, KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehFilter,
-    blurCoC: bool) -> vec4f
-{
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-    let scale: vec2f = vec2f(centerPixel.a / settings.aspectRatio, centerPixel.a);
-    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var totalWeight: f32 = 0.0;
-    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
-    {
-        let offset: vec2f = BokehFetchTable(KernelSamp, i, BOKEH_NUM_SAMPLES).rg;
-        let sampleCoords: vec2f = uv + offset * scale;
-        let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-        let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
-        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
-            settings);
-        color += samplePixel * weight;
-        totalWeight += weight;
-    }
-    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
-}
-
-// Section 3: gather over a parallelogram grid, offsets computed instead of read (Table 1)
-//   BOKEH_NUM_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
-//   lineEndU, lineEndV  the two sides, from BokehLineEnd
-fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, ColorSampSampler: sampler, DepthSamp: texture_2d<f32>,
-    uv: vec2f, lineEndU: vec2f, lineEndV: vec2f, settings: BokehFilter, blurCoC: bool) -> vec4f
-{
-    let centerPixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, uv);
-    let centerDepth: f32 = BokehSafeDepth(BokehFetchNearest(DepthSamp, uv).r);
-    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var totalWeight: f32 = 0.0;
-    for (var j: i32 = 0; j < BOKEH_NUM_SAMPLES; j++)
-    {
-        let rowOffset: vec2f = BokehMakeOffsets(lineEndV, j, BOKEH_NUM_SAMPLES);
-        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
-        {
-            let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_NUM_SAMPLES);
-            let sampleCoords: vec2f = uv + offset * centerPixel.a;
-            let samplePixel: vec4f = BokehFetch(ColorSamp, ColorSampSampler, sampleCoords);
-            let sampleDepth: f32 = BokehFetchNearest(DepthSamp, sampleCoords).r;
-            let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-                centerPixel.a, settings);
-            color += samplePixel * weight;
-            totalWeight += weight;
-        }
-    }
-    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
-}
-
-// -------------------------------------------------------------------------------------------------
-// [8] exact polygons
-// -------------------------------------------------------------------------------------------------
+// [5] exact polygons
 //
-//   A regular polygon with an even number of sides is cut into parallelograms that do not overlap.
-//   Their blurs are ADDED: no light is lost as by min, and highlights that overlap add up. The
-//   first pass blurs along all edges of one half of the outline but the last, the second pass along
-//   all but the first. docs/apertures.md has the proof.
+//   A polygon is cut into parallelograms that do not overlap. Their blurs are ADDED: no light is
+//   lost as by min. The first pass blurs along all edges of one half of the outline but the last,
+//   the second along all but the first: docs/apertures.md.
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
 //   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
 //          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
 //
-//   sides       targets of the first pass, textures of the second
-//   4           edge2
-//   6           edge2, edge3
-//   8           edge2 .. edge4
-//   10          edge2 .. edge5
-//
-//   Where a pass can write one target only, BokehExactEdge makes them one at a time.
-//   Corners lie on the circle of confusion. Rotation 0 has an upright edge at the right, as `paper`
-//   has it.
+//   A polygon of 4, 6, 8 or 10 sides has 1, 2, 3 or 4 such targets.
 
-// Exact: the aperture
-//   sides         4, 6, 8 or 10, a literal: what it does not need is then compiled away
-//   rotation      radians
+// Exact: the aperture: its edges, one half of the outline, for a CoC of 1
+//   Edge k points along 360 k / sides + 90 degrees, before axis and squeeze.
+//   sides         4, 6, 8 or 10; where it is a literal, what it does not need is compiled away
+//   axis          cos, sin of the rotation
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
-//   lengths       of edges 1 to 4, units of the CoC, before the squeeze; fifth: of edge 5. They
-//                 count with BOKEH_CHARACTER 1 only: BokehWithCatsEye changes them.
-//   roundness     curved blades, of an octagon: 0 a square, 1 regular, between them a square with
-//                 corners cut off; set it before BokehWithCatsEye
-//   axial         axial colour, with BOKEH_CHARACTER 2 only: what red (x) and blue (y) have more of
-//                 signed CoC than green; fraction of image height
+//   lengths       of edges 1 to 4; fifth: of edge 5; of which sides / 2 count
+//   corner        where edge 1 begins; mean: of the middles of all edges but the last; area: of the
+//                 polygon: what follows from the lengths (BokehClosed of bokeh_lens)
 struct BokehPolygon
 {
     sides: i32,
-    rotation: f32,
+    axis: vec2f,
     squeeze: f32,
     lengths: vec4f,
     fifth: f32,
-    roundness: f32,
-    axial: vec2f,
+    corner: vec2f,
+    mean: vec2f,
+    area: f32,
 }
 
-// Exact: what the first pass writes: what the second one blurs along edges 2 to 5; those that the
-//   polygon does not have hold the unblurred pixel
+// Exact: what the first pass writes, and the second one blurs along edges 2 to 5
 struct BokehTargets
 {
     edge2: vec4f,
@@ -811,22 +444,22 @@ struct BokehTargets
     edge5: vec4f,
 }
 
-// Exact: a BokehPolygon in one expression
+// Exact: a regular polygon, its corners on the circle of confusion
+//   rotation      radians; 0 has an upright edge at the right, as `paper` has it
 fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
+    let halfStep: f32 = 3.14159265 / f32(sides);
+    let edge: f32 = sin(halfStep);
     var polygon: BokehPolygon;
     polygon.sides = sides;
-    polygon.rotation = rotation;
+    polygon.axis = vec2f(cos(rotation), sin(rotation));
     polygon.squeeze = squeeze;
-    polygon.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
-    polygon.fifth = 0.0;
-    polygon.roundness = 1.0;
-    polygon.axial = vec2f(0.0, 0.0);
-    if (BOKEH_CHARACTER > 0)
-    {
-        polygon.fifth = sin(3.14159265 / f32(sides));
-        polygon.lengths = vec4f(polygon.fifth, polygon.fifth, polygon.fifth, polygon.fifth);
-    }
+    polygon.lengths = vec4f(edge, edge, edge, edge);
+    polygon.fifth = edge;
+    polygon.corner = vec2f(0.5 * cos(halfStep), 0.5 * edge);
+    polygon.mean = vec2f(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
+        1.0)));
+    polygon.area = 0.25 * f32(sides) * edge * cos(halfStep);
     return polygon;
 }
 
@@ -834,513 +467,246 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 //   axis          (cos, sin) of the angle
 fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
 {
-    return vec2f(direction.x * axis.x - direction.y * axis.y,
-        direction.x * axis.y + direction.y * axis.x);
+    return vec2f(direction.x * axis.x - direction.y * axis.y, direction.x * axis.y + direction.y *
+        axis.x);
 }
 
-// Exact: length of edge k of a polygon that is cut
-//   k             1 .. sides / 2
+// Exact: (cos, sin) of the angle from one edge to the next, k times
+fn BokehTurn(k: f32, polygon: BokehPolygon) -> vec2f
+{
+    let angle: f32 = 6.28318531 / f32(polygon.sides) * k;
+    return vec2f(cos(angle), sin(angle));
+}
+
+// Exact: length of edge k, 1 .. sides: those from sides / 2 + 1 on are opposite to the first half
 fn BokehEdgeLength(k: i32, polygon: BokehPolygon) -> f32
 {
+    var edge: i32 = k;
+    if (k > polygon.sides / 2)
+    {
+        edge = k - polygon.sides / 2;
+    }
     var edgeLength: f32 = polygon.lengths.x;
-    if (k == 2)
+    if (edge == 2)
     {
         edgeLength = polygon.lengths.y;
     }
-    else if (k == 3)
+    else if (edge == 3)
     {
         edgeLength = polygon.lengths.z;
     }
-    else if (k == 4)
+    else if (edge == 4)
     {
         edgeLength = polygon.lengths.w;
     }
-    else if (k == 5)
+    else if (edge == 5)
     {
         edgeLength = polygon.fifth;
     }
     return edgeLength;
 }
 
-// Exact: edge k of a polygon that is cut, from its beginning to its end; not rotated, not squeezed
-fn BokehEdgeVector(k: i32, polygon: BokehPolygon) -> vec2f
+// Exact: edge k from its beginning to its end, upright
+fn BokehEdge(k: i32, polygon: BokehPolygon) -> vec2f
 {
-    let angle: f32 = 6.28318531 / f32(polygon.sides) * f32(k);
-    return vec2f(-sin(angle), cos(angle)) * BokehEdgeLength(k, polygon);
-}
-
-// Exact: the line of edge k of a polygon that is cut, as in BokehPolygonEdge; not rotated, not
-//   squeezed
-//   The polygon is the sum of its edges: it begins at minus half of all of them.
-fn BokehCutEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
-{
-    var corner: vec2f = vec2f(0.0, 0.0);
-    for (var i: i32 = 1; i <= polygon.sides / 2; i++)
-    {
-        corner -= BokehEdgeVector(i, polygon) * 0.5;
-    }
-    var begin: vec2f = corner;
-    var middle: vec2f = vec2f(0.0, 0.0);
-    var meanOfFirst: vec2f = vec2f(0.0, 0.0);
-    for (var j: i32 = 1; j <= polygon.sides / 2; j++)
-    {
-        let edge: vec2f = BokehEdgeVector(j, polygon);
-        if (j == k)
-        {
-            middle = begin + edge * 0.5;
-        }
-        if (j < polygon.sides / 2)
-        {
-            meanOfFirst += (begin + edge * 0.5) / (0.5 * f32(polygon.sides) - 1.0);
-        }
-        begin += edge;
-    }
-    middle -= meanOfFirst;
-    if (secondPass)
-    {
-        middle = -middle - corner;
-    }
-    return vec4f(middle, BokehEdgeVector(k, polygon) * 0.5);
+    let outwards: vec2f = BokehTurn(f32(k), polygon);
+    return vec2f(-outwards.y, outwards.x) * BokehEdgeLength(k, polygon);
 }
 
 // Exact: the line of edge k in one of the two passes
-//   If both passes put their lines on the outline, every sample of the first pass would be on one
-//   side of the pixel. So the first pass is moved by the mean of its lines to the middle, and the
-//   second pass back. All but the last statements are constants where sides is a literal.
-//   k             1 .. sides / 2
-//   secondPass    false: first pass
-//   returns       xy = middle, zw = from the middle to the end; in units of the CoC, x to the right
-fn BokehPolygonEdge(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+//   On the outline all samples of the first pass would be on one side of the pixel. So it is moved
+//   by the mean of its lines to the middle, and the second pass back.
+//   returns       xy = middle, zw = from the middle to the end, units of the CoC
+fn BokehEdgeLine(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 {
-    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
-    let angle: f32 = 2.0 * halfStep * f32(k);
-    let outwards: vec2f = vec2f(cos(angle), sin(angle));
-    let meanOfFirst: f32 = 0.5 * cos(halfStep) * cos(halfStep) /
-        (sin(halfStep) * (0.5 * f32(polygon.sides) - 1.0));
-    var middle: vec2f = outwards * (0.5 * cos(halfStep)) - vec2f(0.0, meanOfFirst);
+    let halfEdge: vec2f = BokehEdge(k, polygon) * 0.5;
+    var middle: vec2f = polygon.corner - polygon.mean + halfEdge;
+    // and the edges before it
+    let before: vec4f = clamp(f32(k) - vec4f(1.0, 2.0, 3.0, 4.0), vec4f(0.0, 0.0, 0.0, 0.0),
+        vec4f(1.0, 1.0, 1.0, 1.0));
+    middle += BokehEdge(1, polygon) * before.x + BokehEdge(2, polygon) * before.y + BokehEdge(3,
+        polygon) * before.z + BokehEdge(4, polygon) * before.w;
     if (secondPass)
     {
-        middle = -middle - vec2f(0.5 * cos(halfStep), 0.5 * sin(halfStep));
+        middle = -middle - polygon.corner;
     }
-    var halfEdge: vec2f = vec2f(-outwards.y, outwards.x) * (0.5 * sin(halfStep));
-    if (BOKEH_CHARACTER > 0)
-    {
-        let edge: vec4f = BokehCutEdge(k, polygon, secondPass);
-        middle = edge.xy;
-        halfEdge = edge.zw;
-    }
-    let axis: vec2f = vec2f(cos(polygon.rotation), sin(polygon.rotation));
-    let segment: vec4f = vec4f(BokehRotated(middle, axis), BokehRotated(halfEdge, axis));
+    let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge,
+        polygon.axis));
     return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: area of the parallelograms of edge k with edges 1 .. k - 1; of a polygon that is not cut,
-//   for edges of length 1
-fn BokehExactWeight(k: i32, polygon: BokehPolygon) -> f32
+// Exact: cross products of edges 1 to 4 with edge k, for a length of 1 of that; 0 from edge k on
+fn BokehEdgeWeights(k: i32, polygon: BokehPolygon) -> vec4f
 {
-    let halfStep: f32 = 3.14159265 / f32(polygon.sides);
-    var area: f32 = sin(f32(k) * halfStep) * sin((f32(k) - 1.0) * halfStep) / sin(halfStep);
-    if (BOKEH_CHARACTER > 0)
-    {
-        area = 0.0;
-        for (var i: i32 = 1; i < k; i++)
-        {
-            area += sin(2.0 * halfStep * f32(k - i)) * BokehEdgeLength(i, polygon);
-        }
-        area *= BokehEdgeLength(k, polygon);
-    }
-    return area;
+    let angle: f32 = 6.28318531 / f32(polygon.sides);
+    let steps: vec4f = max(vec4f(f32(k) - 1.0, f32(k) - 2.0, f32(k) - 3.0, f32(k) - 4.0), vec4f(0.0,
+        0.0, 0.0, 0.0));
+    return max(sin(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 
-// Exact: distance of edge k from the middle of a polygon that is cut, units of the CoC
-//   cut           xy = along which, z = the mean of two neighbours' distances before the cut, w =
-//                 half of how much more it is where k is even
-fn BokehHalfWidth(k: i32, sides: i32, cut: vec4f) -> f32
+// Exact: area of the parallelograms of edge k with the edges before it
+fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
 {
-    let angle: f32 = 6.28318531 / f32(sides) * f32(k);
-    let whole: f32 = cut.z + cut.w * cos(3.14159265 * f32(k));
-    return whole * (1.0 - abs(cut.x * cos(angle) + cut.y * sin(angle)));
+    return dot(BokehEdgeWeights(k, polygon), vec4f(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
+        polygon);
 }
 
-// Exact: length of edge k between the lines of all other edges
-//
-//      before after
-//      ,---+---,   edge k is on a line half a width from the middle; on both sides it ends where
-//     /    |    '  the nearest of the other lines crosses that one
-//
-//   returns       units of the CoC; 0.001 where nothing is left, so that no weights add up to 0
-fn BokehCutLength(k: i32, sides: i32, cut: vec4f) -> f32
-{
-    let halfWidth: f32 = BokehHalfWidth(k, sides, cut);
-    // before and after
-    var ends: vec2f = vec2f(1.0, 1.0);
-    for (var i: i32 = 1; i < sides / 2; i++)
-    {
-        let angle: f32 = 6.28318531 / f32(sides) * f32(i);
-        let others: vec2f = vec2f(BokehHalfWidth(k - i, sides, cut),
-            BokehHalfWidth(k + i, sides, cut));
-        ends = min(ends, (others - halfWidth * cos(angle)) / sin(angle));
-    }
-    return max(ends.x + ends.y, 0.001);
-}
-
-// Exact: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
-//   The front rim of the barrel cuts one side of the bokeh, the rear rim the other. Both are taken
-//   for the polygon itself, moved: so the middle stays where it is, near and far are alike, and
-//   what is left has the same edges, some of them shorter.
-//   uv            of this pixel
-//   imageSize     width, height; pixels
-//   amount        0 .. 0.9: share of the width, from the middle of the image outwards, that is gone
-//                 in its corners; half-way to them half as much
-fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: f32) -> BokehPolygon
-{
-    let place: vec2f = (uv * 2.0 - 1.0) * imageSize / length(imageSize);
-    let axis: vec2f = vec2f(cos(polygon.rotation), -sin(polygon.rotation));
-    let along: vec2f = BokehRotated(place, axis) * clamp(amount, 0.0, 0.9);
-    var result: BokehPolygon = polygon;
-    let sides: i32 = clamp(polygon.sides, 4, 10);
-    result.sides = sides;
-    var even: f32 = 0.5 * cos(3.14159265 / f32(sides));
-    var odd: f32 = even;
-    if (sides == 8)
-    {
-        // corners stay on the circle: what an edge has less of it, its neighbours have more
-        let corner: f32 = 0.39269908 * clamp(polygon.roundness, 0.0, 1.0);
-        even = 0.5 * cos(0.78539816 - corner);
-        odd = 0.5 * cos(corner);
-    }
-    let cut: vec4f = vec4f(along, 0.5 * (even + odd), 0.5 * (even - odd));
-    result.lengths = vec4f(BokehCutLength(1, sides, cut), BokehCutLength(2, sides, cut),
-        BokehCutLength(3, sides, cut), BokehCutLength(4, sides, cut));
-    result.fifth = BokehCutLength(5, sides, cut);
-    return result;
-}
-
-// Exact: signed CoC of a colour channel
-//   shift         axial colour: how much more of it the channel has than green; fraction of image
-//                 height
-fn BokehChannelCoC(signedCoC: f32, shift: f32) -> f32
-{
-    var CoC: f32 = signedCoC;
-    if (BOKEH_CHARACTER > 1)
-    {
-        CoC += shift;
-    }
-    return CoC;
-}
-
-// Exact: axial colour: what a channel of the blur writes: 0 red, 1 green and the CoC, 2 blue
-fn BokehChannelMask(channel: i32) -> vec4f
-{
-    return vec4f(f32(channel == 0), f32(channel == 1), f32(channel == 2), f32(channel == 1));
-}
-
-// Exact: the samples along one line, as many as it needs
+// Exact: the samples along edge k, as many as its CoC needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/apertures.md).
-//   MapSamp       a = signed CoC; linear filter, clamp
-//   segment       from BokehPolygonEdge
-//   CoC           from BokehFilterCoC, > 0
-//   centerCoC     signed, of this pixel
-//   shift         as in BokehChannelCoC; centerCoC has it already
-//   returns       rgb = mean of colour times weight, a = mean weight
-fn BokehLineSum(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, segment: vec4f,
-    CoC: f32, centerCoC: f32, shift: f32, settings: BokehFilter) -> vec4f
+//   returns       rgb = mean of colour times weight, a = mean weight, in the second pass times the
+//                 area of the edge's parallelograms; 0 where the pixel is in focus
+fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
+    centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
-    let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-    let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-    let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-    let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
-    let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-    let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
+    if (CoC > 0.0)
     {
-        if (BOKEH_ADAPTIVE_SAMPLES > 0 && f32(i) >= cells)
+        let segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+        let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
+        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
+        let first: vec2f = uv + (segment.xy - segment.zw) * scale;
+        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            break;
+            if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+            {
+                break;
+            }
+            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
+            let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
+                BokehLinearClamp);
+            let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+            sum += vec4f(samplePixel.rgb, 1.0) * weight;
         }
-        let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        let samplePixel: vec4f = BokehFetch(MapSamp, MapSampSampler,
-            first + cellLength * (f32(i) + cell * phase));
-        let sampleCoC: f32 = BokehChannelCoC(samplePixel.a, shift);
-        let weight: f32 = cell * BokehSignedLeakageWeight(sampleCoC, centerCoC, settings);
-        sum += vec4f(samplePixel.rgb, 1.0) * weight;
+        sum = sum / cells;
+        if (secondPass)
+        {
+            sum *= BokehEdgeArea(k, polygon);
+        }
     }
-    return sum / cells;
+    return sum;
 }
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
-//   their parallelograms and divided once, by the sum of all weights
-//   L1 .. L4      from BokehLineSum, along edges 1 to 4; only those before edge k count
-//   returns       rgb = colour, a = CoC of this pixel: the second pass blurs by the unblurred CoC
+//   their parallelograms and divided once, by the sum of all weights; a = CoC of this pixel
 fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
     centerPixel: vec4f) -> vec4f
 {
-    let angle: f32 = 6.28318531 / f32(polygon.sides);
-    var w1: f32 = sin((f32(k) - 1.0) * angle);
-    var w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
-    var w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
-    var w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
-    if (BOKEH_CHARACTER > 0)
-    {
-        w1 *= polygon.lengths.x;
-        w2 *= polygon.lengths.y;
-        w3 *= polygon.lengths.z;
-        w4 *= polygon.lengths.w;
-    }
-    let sum: vec4f = L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4;
-    return BokehResolve(sum, sum.a, centerPixel, false);
+    let weights: vec4f = BokehEdgeWeights(k, polygon);
+    let sum: vec4f = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
+    return BokehResolved(sum, centerPixel);
 }
 
-// Exact: BokehExactFirst with one CoC for all channels
-//   shift         as in BokehChannelCoC
-fn BokehChannelFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> BokehTargets
+// Exact: first pass, of any polygon
+//   last          sides / 2; where a pass can write one target only, the edge of that target
+fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
-    let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
-    var targets: BokehTargets;
-    targets.edge2 = centerPixel;
-    targets.edge3 = centerPixel;
-    targets.edge4 = centerPixel;
-    targets.edge5 = centerPixel;
-    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
-    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
+    let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
+    let CoC: f32 = centerPixel.a;
+    let L1: vec4f = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings, BokehLinearClamp);
+    var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var L3: vec4f = L2;
+    var L4: vec4f = L2;
+    if (last > 2)
     {
-        // the targets come last: until then only the lines take registers
-        let L1: vec4f = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(1, polygon,
-            false), CoC, centerCoC, shift, settings);
-        var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        var L3: vec4f = L2;
-        var L4: vec4f = L2;
-        if (polygon.sides > 4)
-        {
-            L2 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(2, polygon, false), CoC,
-                centerCoC, shift, settings);
-        }
-        if (polygon.sides > 6)
-        {
-            L3 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(3, polygon, false), CoC,
-                centerCoC, shift, settings);
-        }
-        if (polygon.sides > 8)
-        {
-            L4 = BokehLineSum(MapSamp, MapSampSampler, uv, BokehPolygonEdge(4, polygon, false), CoC,
-                centerCoC, shift, settings);
-        }
-        targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-        if (polygon.sides > 4)
-        {
-            targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-        }
-        if (polygon.sides > 6)
-        {
-            targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-        }
-        if (polygon.sides > 8)
-        {
-            targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
-        }
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
     }
+    if (last > 3)
+    {
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+    }
+    if (last > 4)
+    {
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+    }
+    var targets: BokehTargets;
+    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
-// Exact: first pass
-//   With BOKEH_CHARACTER 2 red, green and blue are blurred one after the other, each by its own
-//   CoC: three times the fetches.
-//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
-//   returns       as many as the table above says
-fn BokehExactFirst(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter) -> BokehTargets
+// Exact: first pass of a square
+//   MapSamp       from BokehSignedCoCMap; Edge2Samp ..: from the first pass; linear filter, clamp
+//   polygon       from BokehMakePolygon(4, ..), below with 6, 8 and 10
+//   returns       edge2, below more; the second pass: rgb = colour, a = CoC, as in the map
+fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
-    var targets: BokehTargets;
-    if (BOKEH_CHARACTER > 1)
-    {
-        targets.edge2 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.edge3 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.edge4 = vec4f(0.0, 0.0, 0.0, 0.0);
-        targets.edge5 = vec4f(0.0, 0.0, 0.0, 0.0);
-        for (var channel: i32 = 0; channel < 3; channel++)
-        {
-            let mask: vec4f = BokehChannelMask(channel);
-            let shift: f32 = dot(mask.rb, polygon.axial);
-            let one: BokehTargets = BokehChannelFirst(MapSamp, MapSampSampler, uv, polygon,
-                settings, shift);
-            targets.edge2 += one.edge2 * mask;
-            targets.edge3 += one.edge3 * mask;
-            targets.edge4 += one.edge4 * mask;
-            targets.edge5 += one.edge5 * mask;
-        }
-    }
-    else
-    {
-        targets = BokehChannelFirst(MapSamp, MapSampSampler, uv, polygon, settings, 0.0);
-    }
-    return targets;
+    return BokehExactFirst(MapSamp, uv, 2, polygon, settings, BokehLinearClamp);
 }
 
-// Exact: BokehExactSecond with one CoC for all channels
-//   shift         as in BokehChannelCoC
-fn BokehChannelSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler,
-    Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> vec4f
+// Exact: second pass of a square
+fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(Edge2Samp, Edge2SampSampler, uv);
-    var result: vec4f = centerPixel;
-    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
-    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
-    {
-        var sum: vec4f = BokehExactWeight(2, polygon) * BokehLineSum(Edge2Samp, Edge2SampSampler,
-            uv, BokehPolygonEdge(2, polygon, true), CoC, centerCoC, shift, settings);
-        if (polygon.sides > 4)
-        {
-            sum += BokehExactWeight(3, polygon) * BokehLineSum(Edge3Samp, Edge2SampSampler, uv,
-                BokehPolygonEdge(3, polygon, true), CoC, centerCoC, shift, settings);
-        }
-        if (polygon.sides > 6)
-        {
-            sum += BokehExactWeight(4, polygon) * BokehLineSum(Edge4Samp, Edge2SampSampler, uv,
-                BokehPolygonEdge(4, polygon, true), CoC, centerCoC, shift, settings);
-        }
-        if (polygon.sides > 8)
-        {
-            sum += BokehExactWeight(5, polygon) * BokehLineSum(Edge5Samp, Edge2SampSampler, uv,
-                BokehPolygonEdge(5, polygon, true), CoC, centerCoC, shift, settings);
-        }
-        result = BokehResolve(sum, sum.a, centerPixel, false);
-    }
-    return result;
+    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
+    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+        BokehLinearClamp);
+    return BokehResolved(sum, pixel);
 }
 
-// Exact: second pass, the finished polygon
-//   Edge2Samp ..  what the first pass wrote; linear filter, clamp. Where there are fewer, pass any
-//                 of them for the rest: it is not read.
-//   returns       rgb = colour, a = signed CoC of this pixel, as BokehSignedCoCMap made it
-fn BokehExactSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler,
-    Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
+// Exact: first pass of a hexagon
+fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
-    var result: vec4f;
-    if (BOKEH_CHARACTER > 1)
-    {
-        result = vec4f(0.0, 0.0, 0.0, 0.0);
-        for (var channel: i32 = 0; channel < 3; channel++)
-        {
-            let mask: vec4f = BokehChannelMask(channel);
-            let shift: f32 = dot(mask.rb, polygon.axial);
-            let one: vec4f = BokehChannelSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp,
-                Edge5Samp, uv, polygon, settings, shift);
-            result += one * mask;
-        }
-    }
-    else
-    {
-        result = BokehChannelSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp, Edge5Samp,
-            uv, polygon, settings, 0.0);
-    }
-    return result;
+    return BokehExactFirst(MapSamp, uv, 3, polygon, settings, BokehLinearClamp);
 }
 
-// Exact: BokehExactEdge with one CoC for all channels
-//   shift         as in BokehChannelCoC
-fn BokehChannelEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
-    polygon: BokehPolygon, settings: BokehFilter, shift: f32) -> vec4f
+// Exact: second pass of a hexagon
+fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
-    let centerPixel: vec4f = BokehFetch(MapSamp, MapSampSampler, uv);
-    var result: vec4f = centerPixel;
-    let centerCoC: f32 = BokehChannelCoC(centerPixel.a, shift);
-    let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight, settings.spacing);
-    if (CoC > 0.0)
-    {
-        let angle: f32 = 6.28318531 / f32(polygon.sides);
-        var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        for (var i: i32 = 1; i < min(k, 5); i++)
-        {
-            var area: f32 = max(sin(f32(k - i) * angle), 0.0);
-            if (BOKEH_CHARACTER > 0)
-            {
-                area *= BokehEdgeLength(i, polygon);
-            }
-            sum += area * BokehLineSum(MapSamp, MapSampSampler, uv,
-                BokehPolygonEdge(i, polygon, false), CoC, centerCoC, shift, settings);
-        }
-        result = BokehResolve(sum, sum.a, centerPixel, false);
-    }
-    return result;
+    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+        BokehLinearClamp);
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
+    return BokehResolved(sum, pixel);
 }
 
-// Exact: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2: it makes that target from the lines along edges 1 .. k - 1,
-//   as BokehExactFirst does. For a hexagon that is one line more than with two targets.
-fn BokehExactEdge(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f, k: i32,
-    polygon: BokehPolygon, settings: BokehFilter) -> vec4f
+// Exact: first pass of an octagon
+fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
-    var result: vec4f;
-    if (BOKEH_CHARACTER > 1)
-    {
-        result = vec4f(0.0, 0.0, 0.0, 0.0);
-        for (var channel: i32 = 0; channel < 3; channel++)
-        {
-            let mask: vec4f = BokehChannelMask(channel);
-            let shift: f32 = dot(mask.rb, polygon.axial);
-            let one: vec4f = BokehChannelEdge(MapSamp, MapSampSampler, uv, k, polygon, settings,
-                shift);
-            result += one * mask;
-        }
-    }
-    else
-    {
-        result = BokehChannelEdge(MapSamp, MapSampSampler, uv, k, polygon, settings, 0.0);
-    }
-    return result;
+    return BokehExactFirst(MapSamp, uv, 4, polygon, settings, BokehLinearClamp);
 }
 
-// -------------------------------------------------------------------------------------------------
-// [9] finished picture: lateral colour; debug views
-// -------------------------------------------------------------------------------------------------
-
-// Lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
-//   The last pass after any method; bloom and tone mapping come after it.
-//   PictureSamp   linear filter, clamp
-//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
-//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
-//   returns       green and a are those of this pixel
-fn BokehLateralColor(PictureSamp: texture_2d<f32>, PictureSampSampler: sampler, uv: vec2f,
-    amount: f32) -> vec4f
+// Exact: second pass of an octagon
+fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
+    Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFilter,
+    BokehLinearClamp: sampler) -> vec4f
 {
-    let larger: f32 = clamp(amount, -0.1, 0.1);
-    let place: vec2f = uv - 0.5;
-    let green: vec4f = BokehFetch(PictureSamp, PictureSampSampler, uv);
-    let red: f32 = BokehFetch(PictureSamp, PictureSampSampler, place / (1.0 + larger) + 0.5).r;
-    let blue: f32 = BokehFetch(PictureSamp, PictureSampSampler, place / (1.0 - larger) + 0.5).b;
-    return vec4f(red, green.g, blue, green.a);
+    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+        BokehLinearClamp);
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
+    return BokehResolved(sum, pixel);
 }
 
-// Debug: linear depth as grey: black at the camera, 0.5 at the focus distance, white at infinity
-fn BokehDebugDepth(S2: f32, S1: f32) -> vec4f
+// Exact: first pass of a decagon
+fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
-    let grey: f32 = S2 / (S2 + S1);
-    return vec4f(grey, grey, grey, 1.0);
+    return BokehExactFirst(MapSamp, uv, 5, polygon, settings, BokehLinearClamp);
 }
 
-// Debug: CoC as grey, with or without a sign: black in focus, white at MaxCoC
-fn BokehDebugCoC(CoC: f32, MaxCoC: f32) -> vec4f
+// Exact: second pass of a decagon
+fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
+    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
-    let grey: f32 = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
-    return vec4f(grey, grey, grey, 1.0);
-}
-
-// Debug: which side of the focus: near field orange, far field blue, in focus black; brighter with
-//   the CoC
-fn BokehDebugFocus(S2: f32, S1: f32, CoC: f32, MaxCoC: f32) -> vec4f
-{
-    let amount: f32 = clamp(abs(CoC) / max(MaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
-    var result: vec4f = vec4f(0.1 * amount, 0.4 * amount, amount, 1.0);
-    if (S2 < S1)
-    {
-        result = vec4f(amount, 0.5 * amount, 0.0, 1.0);
-    }
-    return result;
+    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+        BokehLinearClamp);
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp);
+    return BokehResolved(sum, pixel);
 }

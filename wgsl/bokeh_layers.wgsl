@@ -2,13 +2,11 @@
 //
 // Layered depth of field with polygonal bokeh, WGSL. Version 0.2.0. Put it after bokeh.wgsl.
 //
-//   The one-layer filters of bokeh.wgsl blur each pixel by its own CoC, so near objects keep a hard
-//   outline. Here near objects spread over what is behind them, what they hide is filled, and far
-//   samples count by how far they spread themselves. docs/layers.md has the method.
+//   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here they spread
+//   over what is behind them, and what they hide is filled: docs/layers.md.
 //
 // CONTRACT
-//   This file holds functions only: no bindings, no entry points. bokeh_passes.wgsl beside it has
-//   ready-made programs.
+//   Functions only: no bindings, no entry points.
 //   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
 //   Out   rgb = the picture, a = signed CoC.
 //   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
@@ -33,28 +31,18 @@
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
 //   layer, then for the far one.
-//
-// CONTENTS
-//   [10] layers: BokehMakeLayers, BokehTileMax, BokehTileDilate, BokehPrefilter,
-//        BokehKernelReduce, BokehKernelRows, BokehKernelColumns
-//   [11] holes: BokehHoleDownsample, BokehHoleFill
-//   [12] polygons at half size: BokehLayerFirst, BokehLayerSecond; for one target at a time:
-//        BokehLayerEdge
-//   [13] the picture: BokehComposite
 
 // -------------------------------------------------------------------------------------------------
-// [10] layers
-// -------------------------------------------------------------------------------------------------
+// [11] layers
 //
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
 //   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
-//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: darker pixels do
-//                                              not lower the level of light; far below what the
-//                                              exposure shows
+//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
+//                                              not lower the level of light
 //
-//   Presets: define one before both files; in WGSL set the three constants.
+//   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
 //   BOKEH_PRESET_LOW        2          8       0
@@ -78,59 +66,55 @@ struct BokehGrid
     texel: vec2f,
 }
 
-// Layers: what all passes need to know
-//   full          the grid of the full size
-//   polygon       the aperture
-//   largest       possible CoC: BokehMaxCoC times the image height, pixels
+// Layers: what all passes need to know of the image and of this pixel
+//   uv            of this pixel
+//   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
+//   largest       possible CoC: maxCoC of the map times the image height, pixels
 //   jitter        from BokehNoise, times its amount; 0 = none
 struct BokehLayers
 {
-    full: BokehGrid,
-    polygon: BokehPolygon,
+    uv: vec2f,
+    size: vec2f,
+    origin: vec2f,
+    texel: vec2f,
     largest: f32,
     jitter: f32,
 }
 
-// Layers: the grid of the full size
-//   viewport      x, y of the image's first pixel, multiples of 8, width, height; pixels
-//   wholeSize     of the textures, pixels; it and x, y count with BOKEH_VIEWPORT 1 only
-fn BokehMakeGrid(viewport: vec4f, wholeSize: vec2f) -> BokehGrid
-{
-    var grid: BokehGrid;
-    grid.size = viewport.zw;
-    grid.origin = vec2f(0.0, 0.0);
-    grid.texel = 1.0 / viewport.zw;
-    if (BOKEH_VIEWPORT > 0)
-    {
-        grid.origin = viewport.xy;
-        grid.texel = 1.0 / wholeSize;
-    }
-    return grid;
-}
-
 // Layers: settings for an image that fills its textures, without jitter
-//   imageSize     width, height; pixels
-//   MaxCoC        fraction of the image height, as in the CoC map
-fn BokehMakeLayers(imageSize: vec2f, polygon: BokehPolygon, MaxCoC: f32) -> BokehLayers
+//   maxCoC        fraction of the image height, as in the CoC map
+fn BokehMakeLayers(uv: vec2f, imageSize: vec2f, maxCoC: f32) -> BokehLayers
 {
     var layers: BokehLayers;
-    layers.full = BokehMakeGrid(vec4f(0.0, 0.0, imageSize), imageSize);
-    layers.polygon = polygon;
-    layers.largest = MaxCoC * imageSize.y;
+    layers.uv = uv;
+    layers.size = imageSize;
+    layers.origin = vec2f(0.0, 0.0);
+    layers.texel = 1.0 / imageSize;
+    layers.largest = maxCoC * imageSize.y;
     layers.jitter = 0.0;
     return layers;
 }
 
-// Layers: the grid of textures of 1 / scale of the full size
-fn BokehReducedGrid(full: BokehGrid, scale: f32) -> BokehGrid
+// Layers: the grid of the full size
+fn BokehFullGrid(layers: BokehLayers) -> BokehGrid
 {
     var grid: BokehGrid;
-    grid.size = ceil(full.size / scale);
-    grid.origin = full.origin / scale;
+    grid.size = layers.size;
+    grid.origin = layers.origin;
+    grid.texel = layers.texel;
+    return grid;
+}
+
+// Layers: the grid of textures of 1 / scale of the full size
+fn BokehReducedGrid(layers: BokehLayers, scale: f32) -> BokehGrid
+{
+    var grid: BokehGrid;
+    grid.size = ceil(layers.size / scale);
+    grid.origin = layers.origin / scale;
     grid.texel = 1.0 / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        grid.texel = 1.0 / ceil(floor(1.0 / full.texel + 0.5) / scale);
+        grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
     }
     return grid;
 }
@@ -149,23 +133,24 @@ fn BokehGridCoords(place: vec2f, grid: BokehGrid) -> vec2f
 }
 
 // Layers: one filtered fetch
-fn BokehFetchGrid(tex: texture_2d<f32>, texSampler: sampler, place: vec2f, grid: BokehGrid) -> vec4f
+fn BokehFetchGrid(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid,
+    BokehLinearClamp: sampler) -> vec4f
 {
-    return BokehFetchTexture(tex, texSampler, BokehGridCoords(place, grid));
+    return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
 }
 
 // Layers: the same at a distance from a pixel, with fewer instructions
 //   uv            of the pixel in the image
 //   offset        texels of the grid
-fn BokehFetchAround(tex: texture_2d<f32>, texSampler: sampler, uv: vec2f, offset: vec2f,
-    grid: BokehGrid) -> vec4f
+fn BokehFetchAround(tex: texture_2d<f32>, uv: vec2f, offset: vec2f, grid: BokehGrid,
+    BokehLinearClamp: sampler) -> vec4f
 {
     var coords: vec2f = uv + offset * grid.texel;
     if (BOKEH_VIEWPORT > 0)
     {
         coords = BokehGridCoords(uv * grid.size + offset, grid);
     }
-    return BokehFetchTexture(tex, texSampler, coords);
+    return BokehFetchTexture(tex, coords, BokehLinearClamp);
 }
 
 // Layers: largest of the three channels
@@ -208,34 +193,30 @@ fn BokehLayerShare(CoC: f32, slope: f32) -> f32
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
-// Layers: largest near and far CoC of 8 x 8 pixels, and how bright they are
-//   The level is the mean of the logarithm: later passes compare brightness with it, so that the
-//   picture does not depend on exposure.
+// Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
 //   returns       r = near, g = far, both >= 0, pixels; b = level
-fn BokehTileMax(MapSamp: texture_2d<f32>, MapSampSampler: sampler, uv: vec2f,
-    layers: BokehLayers) -> vec4f
+fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    let first: vec2f = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 8.0 + vec2f(0.5, 0.5);
+    let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5, 0.5);
     var found: vec3f = vec3f(0.0, 0.0, 0.0);
     for (var y: i32 = 0; y < 8; y++)
     {
         for (var x: i32 = 0; x < 8; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, layers.full);
-            let s: f32 = pixel.a * layers.full.size.y;
+            let pixel: vec4f = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers),
+                BokehLinearClamp);
+            let s: f32 = pixel.a * layers.size.y;
             let level: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
             found = vec3f(max(found.r, -s), max(found.g, s), found.b + level);
         }
     }
-    return vec4f(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
-        1.0);
+    return vec4f(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
 }
 
 // Layers: what a CoC of another tile counts for here
 //   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
 //   more, so that nothing jumps as CoC change.
-//   tiles         distance
 fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
 {
     let share: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
@@ -249,12 +230,11 @@ fn BokehReachTiles(layers: BokehLayers) -> f32
 }
 
 // Layers: the largest CoC that reach a tile; along rows first, then along columns
-//   TilesSamp     from BokehTileMax, then from here
 //   axis          (1, 0), then (0, 1)
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, TilesSampSampler: sampler, uv: vec2f, axis: vec2f,
-    layers: BokehLayers) -> vec4f
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> vec4f
 {
-    let grid: BokehGrid = BokehReducedGrid(layers.full, 8.0);
+    let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
     let radius: f32 = BokehReachTiles(layers);
     var found: vec2f = vec2f(0.0, 0.0);
     var level: f32 = 0.0;
@@ -265,8 +245,8 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, TilesSampSampler: sampler, uv: ve
         {
             break;
         }
-        let tile: vec4f = BokehFetchGrid(TilesSamp, TilesSampSampler, uv * grid.size + axis * tiles,
-            grid);
+        let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
+            BokehLinearClamp);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         level += tile.b;
     }
@@ -296,13 +276,13 @@ struct BokehPrefiltered
 }
 
 // Layers: near and far layer at half size, and what is known of their CoC
-fn BokehPrefilter(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp: texture_2d<f32>,
-    uv: vec2f, layers: BokehLayers) -> BokehPrefiltered
+fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehPrefiltered
 {
-    let full: BokehGrid = layers.full;
-    let middle: vec2f = floor(uv * BokehReducedGrid(full, 2.0).size) * 2.0 + vec2f(1.0, 1.0);
-    let reach: vec4f = BokehFetchGrid(ReachSamp, MapSampSampler, middle / 8.0,
-        BokehReducedGrid(full, 8.0));
+    let full: BokehGrid = BokehFullGrid(layers);
+    let middle: vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0, 1.0);
+    let reach: vec4f = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp);
     let nearSlope: f32 = BokehNearSlope(reach.r);
     let farSlope: f32 = BokehFarSlope(reach.g);
     let unit: f32 = exp2(-reach.b);
@@ -317,12 +297,12 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp: 
         for (var x: i32 = 0; x < 2; x++)
         {
             let place: vec2f = middle + vec2f(f32(x) - 0.5, f32(y) - 0.5);
-            let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, full);
+            let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
             let s: f32 = pixel.a * full.size.y;
-            let nearShare: f32 = BokehLayerShare(-s, nearSlope);
+            var nearShare: f32 = BokehLayerShare(-s, nearSlope);
             let farShare: f32 = BokehLayerShare(s, farSlope);
-            let weight: f32 = farShare *
-                BokehBlurWeight(BokehBrightest(pixel.rgb) * unit, heaviest);
+            let weight: f32 = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit,
+                heaviest);
             far += vec4f(pixel.rgb, 1.0) * farShare;
             sums += vec4f(0.0, 0.0, weight * s / 8.0, weight);
             left = max(left, vec2f(-s, s) * min(vec2f(4.0 - 4.0 * nearShare, 4.0 - 4.0 * farShare),
@@ -341,8 +321,8 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp: 
             for (var x: i32 = 0; x < 4; x++)
             {
                 let place: vec2f = middle + vec2f(f32(x) - 1.5, f32(y) - 1.5);
-                let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, full);
-                let nearShare: f32 = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
+                let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
+                var nearShare: f32 = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
                 if (nearShare < 0.5 * largestShare)
                 {
                     behind = max(behind, BokehBrightest(pixel.rgb));
@@ -359,7 +339,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp: 
             for (var column: i32 = 0; column < 2; column++)
             {
                 let place: vec2f = middle + vec2f(f32(column) - 0.5, f32(row) - 0.5);
-                let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, full);
+                let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
                 let s: f32 = pixel.a * full.size.y;
                 var nearShare: f32 = BokehLayerShare(-s, nearSlope);
                 let brightest: f32 = BokehBrightest(pixel.rgb);
@@ -373,8 +353,8 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, MapSampSampler: sampler, ReachSamp: 
                         nearShare *= (behind - brightest) / (behind - limit);
                     }
                 }
-                let weight: f32 = nearShare *
-                    BokehBlurWeight(BokehBrightest(color) * unit, heaviest);
+                let weight: f32 = nearShare * BokehBlurWeight(BokehBrightest(color) * unit,
+                    heaviest);
                 near += vec4f(color, 1.0) * nearShare;
                 sums += vec4f(-weight * s / 8.0, weight, 0.0, 0.0);
             }
@@ -399,11 +379,11 @@ struct BokehKernels
 }
 
 // Layers: kernelSums and leftovers of BokehPrefilter for each tile
-fn BokehKernelReduce(SumsSamp: texture_2d<f32>, SumsSampSampler: sampler, LeftSamp: texture_2d<f32>,
-    uv: vec2f, layers: BokehLayers) -> BokehKernels
+fn BokehKernelReduce(SumsSamp: texture_2d<f32>, LeftSamp: texture_2d<f32>, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehKernels
 {
-    let halves: BokehGrid = BokehReducedGrid(layers.full, 2.0);
-    let first: vec2f = floor(uv * BokehReducedGrid(layers.full, 8.0).size) * 4.0 + vec2f(0.5, 0.5);
+    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5, 0.5);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var left: vec2f = vec2f(0.0, 0.0);
     for (var y: i32 = 0; y < 4; y++)
@@ -411,8 +391,8 @@ fn BokehKernelReduce(SumsSamp: texture_2d<f32>, SumsSampSampler: sampler, LeftSa
         for (var x: i32 = 0; x < 4; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            sums += BokehFetchGrid(SumsSamp, SumsSampSampler, place, halves);
-            left = max(left, BokehFetchGrid(LeftSamp, SumsSampSampler, place, halves).rg);
+            sums += BokehFetchGrid(SumsSamp, place, halves, BokehLinearClamp);
+            left = max(left, BokehFetchGrid(LeftSamp, place, halves, BokehLinearClamp).rg);
         }
     }
     var targets: BokehKernels;
@@ -423,12 +403,12 @@ fn BokehKernelReduce(SumsSamp: texture_2d<f32>, SumsSampSampler: sampler, LeftSa
 
 // Layers: BokehKernelRows along any axis
 //   axis          (1, 0) or (0, 1)
-fn BokehKernelAlong(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler,
-    SumsSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, uv: vec2f, axis: vec2f,
-    layers: BokehLayers) -> BokehKernels
+fn BokehKernelAlong(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
+    ReachSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehKernels
 {
-    let grid: BokehGrid = BokehReducedGrid(layers.full, 8.0);
-    let reach: vec2f = BokehFetchGrid(ReachSamp, LeftSampSampler, uv * grid.size, grid).rg;
+    let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
+    let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
     // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
     // .180), half as wide, the kernel changes within one light
     let sigma: vec2f = max(reach * 0.0375, vec2f(0.6, 0.6));
@@ -443,11 +423,11 @@ fn BokehKernelAlong(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler,
         {
             break;
         }
-        let place: vec2f = uv * grid.size + axis * tiles;
+        let place: vec2f = layers.uv * grid.size + axis * tiles;
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGrid(SumsSamp, LeftSampSampler, place, grid) *
-            vec4f(weight.x, weight.x, weight.y, weight.y);
-        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, LeftSampSampler, place, grid).rg,
+        sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
+            weight.y, weight.y);
+        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid, BokehLinearClamp).rg,
             abs(tiles)));
         total += weight;
     }
@@ -461,11 +441,11 @@ fn BokehKernelAlong(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler,
 //   LeftSamp, SumsSamp  what BokehKernelReduce wrote
 //   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
 //                 as the CoC that reach here
-fn BokehKernelRows(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler, SumsSamp: texture_2d<f32>,
-    ReachSamp: texture_2d<f32>, uv: vec2f, layers: BokehLayers) -> BokehKernels
+fn BokehKernelRows(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
+    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehKernels
 {
-    return BokehKernelAlong(LeftSamp, LeftSampSampler, SumsSamp, ReachSamp, uv, vec2f(1.0, 0.0),
-        layers);
+    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(1.0, 0.0), layers,
+        BokehLinearClamp);
 }
 
 // Layers: what BokehKernelColumns writes
@@ -481,14 +461,13 @@ struct BokehSizes
 // Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
 //   LeftSamp, SumsSamp  what BokehKernelRows wrote
-fn BokehKernelColumns(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler,
-    SumsSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, uv: vec2f,
-    layers: BokehLayers) -> BokehSizes
+fn BokehKernelColumns(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
+    ReachSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehSizes
 {
-    let grid: BokehGrid = BokehReducedGrid(layers.full, 8.0);
-    let reach: vec2f = BokehFetchGrid(ReachSamp, LeftSampSampler, uv * grid.size, grid).rg;
-    let kernels: BokehKernels = BokehKernelAlong(LeftSamp, LeftSampSampler, SumsSamp, ReachSamp, uv,
-        vec2f(0.0, 1.0), layers);
+    let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
+    let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
+    let kernels: BokehKernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(0.0, 1.0),
+        layers, BokehLinearClamp);
     let sums: vec4f = kernels.sums;
     var sizes: vec2f = vec2f(0.0, 0.0);
     if (sums.g > 0.0001 && reach.r > 6.0)
@@ -506,8 +485,7 @@ fn BokehKernelColumns(LeftSamp: texture_2d<f32>, LeftSampSampler: sampler,
 }
 
 // -------------------------------------------------------------------------------------------------
-// [11] holes: what the near layer hides
-// -------------------------------------------------------------------------------------------------
+// [12] holes: what the near layer hides
 
 // Layers: what BokehHoleDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
@@ -521,14 +499,14 @@ struct BokehHoles
 
 // Layers: what is not near, at quarter size, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-fn BokehHoleDownsample(MapSamp: texture_2d<f32>, MapSampSampler: sampler,
-    ReachSamp: texture_2d<f32>, uv: vec2f, layers: BokehLayers) -> BokehHoles
+fn BokehHoleDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehHoles
 {
-    let full: BokehGrid = layers.full;
-    let first: vec2f = floor(uv * BokehReducedGrid(full, 4.0).size) * 4.0 + vec2f(0.5, 0.5);
+    let full: BokehGrid = BokehFullGrid(layers);
+    let first: vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5, 0.5);
     let middlePlace: vec2f = first + vec2f(1.5, 1.5);
-    let reach: vec4f = BokehFetchGrid(ReachSamp, MapSampSampler, middlePlace / 8.0,
-        BokehReducedGrid(full, 8.0));
+    let reach: vec4f = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp);
     let nearSlope: f32 = BokehNearSlope(reach.r);
     let farSlope: f32 = BokehFarSlope(reach.g);
     let unit: f32 = exp2(-reach.b);
@@ -540,7 +518,7 @@ fn BokehHoleDownsample(MapSamp: texture_2d<f32>, MapSampSampler: sampler,
         for (var x: i32 = 0; x < 4; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            let pixel: vec4f = BokehFetchGrid(MapSamp, MapSampSampler, place, full);
+            let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
             let s: f32 = pixel.a * full.size.y;
             // what is partly near is hardly background: a near light would shine through itself
             let nearShare: f32 = BokehLayerShare(-s, nearSlope);
@@ -559,76 +537,11 @@ fn BokehHoleDownsample(MapSamp: texture_2d<f32>, MapSampSampler: sampler,
     return targets;
 }
 
-// Layers: the first corner of a polygon, at a distance of 1 from its middle; not squeezed
-fn BokehFirstCorner(polygon: BokehPolygon) -> vec2f
+// Layers: direction of edge k, as drawn, but not squeezed
+fn BokehEdgeDirection(k: i32, polygon: BokehPolygon) -> vec2f
 {
-    let angle: f32 = polygon.rotation - 3.14159265 / f32(polygon.sides);
-    var corner: vec2f = vec2f(cos(angle), sin(angle));
-    if (BOKEH_CHARACTER > 0)
-    {
-        // the last edge, less the others
-        var sum: vec2f = BokehEdgeVector(polygon.sides / 2, polygon);
-        for (var i: i32 = 1; i < polygon.sides / 2; i++)
-        {
-            sum -= BokehEdgeVector(i, polygon);
-        }
-        corner = BokehRotated(sum, vec2f(cos(polygon.rotation), sin(polygon.rotation)));
-    }
-    return corner;
-}
-
-// Layers: (cos, sin) of the angle from one corner to the next
-fn BokehCornerStep(polygon: BokehPolygon) -> vec2f
-{
-    let angle: f32 = 6.28318531 / f32(polygon.sides);
-    return vec2f(cos(angle), sin(angle));
-}
-
-// Layers: the corner that follows on another one, both as in BokehFirstCorner
-//   k             of the edge between them: 0, 1 ..; edge sides / 2 is opposite to edge 0
-//   cornerStep    from BokehCornerStep
-fn BokehNextCorner(corner: vec2f, k: i32, cornerStep: vec2f, polygon: BokehPolygon) -> vec2f
-{
-    var nextCorner: vec2f = BokehRotated(corner, cornerStep);
-    if (BOKEH_CHARACTER > 0)
-    {
-        let edges: i32 = polygon.sides / 2;
-        var edge: i32 = k;
-        if (k >= edges)
-        {
-            edge = k - edges;
-        }
-        if (edge == 0)
-        {
-            edge = edges;
-        }
-        let axis: vec2f = vec2f(cos(polygon.rotation), sin(polygon.rotation));
-        var along: vec2f = BokehRotated(BokehEdgeVector(edge, polygon), axis) * 2.0;
-        // the outline runs around the middle one way
-        if (corner.x * along.y < corner.y * along.x)
-        {
-            along = -along;
-        }
-        nextCorner = corner + along;
-    }
-    return nextCorner;
-}
-
-// Layers: area of the triangle from the middle to an edge, in units of their mean
-fn BokehEdgeShare(corner: vec2f, nextCorner: vec2f, polygon: BokehPolygon) -> f32
-{
-    var share: f32 = 1.0;
-    if (BOKEH_CHARACTER > 0)
-    {
-        var area: f32 = 0.0;
-        for (var k: i32 = 2; k <= polygon.sides / 2; k++)
-        {
-            area += BokehExactWeight(k, polygon);
-        }
-        share = (corner.x * nextCorner.y - corner.y * nextCorner.x) * f32(polygon.sides) /
-            (8.0 * area);
-    }
-    return share;
+    let outwards: vec2f = BokehTurn(f32(k), polygon);
+    return BokehRotated(vec2f(-outwards.y, outwards.x), polygon.axis);
 }
 
 // Layers: how many samples of a ring are on each edge of the polygon
@@ -650,20 +563,20 @@ struct BokehFilled
 
 // Layers: holes filled with what is around; the nearest counts most
 //   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-fn BokehHoleFill(MiddleSamp: texture_2d<f32>, MiddleSampSampler: sampler, FarSamp: texture_2d<f32>,
-    SharesSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, uv: vec2f,
-    layers: BokehLayers) -> BokehFilled
+fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, SharesSamp: texture_2d<f32>,
+    ReachSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehFilled
 {
-    let grid: BokehGrid = BokehReducedGrid(layers.full, 4.0);
-    let center: vec2f = uv * grid.size;
-    let reach: f32 = BokehFetchGrid(ReachSamp, MiddleSampSampler, center / 2.0,
-        BokehReducedGrid(layers.full, 8.0)).r;
-    let stretch: vec2f = vec2f(layers.polygon.squeeze, 1.0);
-    let cornerStep: vec2f = BokehCornerStep(layers.polygon);
-    var corner: vec2f = BokehFirstCorner(layers.polygon);
-    var middle: vec4f = BokehFetchGrid(MiddleSamp, MiddleSampSampler, center, grid);
-    var far: vec4f = BokehFetchGrid(FarSamp, MiddleSampSampler, center, grid);
-    var shares: vec2f = BokehFetchGrid(SharesSamp, MiddleSampSampler, center, grid).rg;
+    let grid: BokehGrid = BokehReducedGrid(layers, 4.0);
+    let center: vec2f = layers.uv * grid.size;
+    let reach: f32 = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp).r;
+    var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
+    var direction: vec2f = BokehEdgeDirection(1, polygon);
+    let turn: vec2f = BokehTurn(1.0, polygon);
+    var middle: vec4f = BokehFetchGrid(MiddleSamp, center, grid, BokehLinearClamp);
+    var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
+    var shares: vec2f = BokehFetchGrid(SharesSamp, center, grid, BokehLinearClamp).rg;
     for (var ring: i32 = 1; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -671,23 +584,23 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, MiddleSampSampler: sampler, FarSam
         {
             break;
         }
-        // in quarter pixels; the rings reach half the CoC
-        let radius: f32 = max(reach / 16.0, 1.0) * f32(ring);
-        let weight: f32 = 1.0 / (1.0 + 16.0 * radius * radius);
-        let onEdge: i32 = BokehOnEdge(ring, layers.polygon);
-        for (var edge: i32 = 0; edge < layers.polygon.sides; edge++)
+        // diameter in quarter pixels; the rings reach half the CoC
+        let diameter: f32 = max(reach / 8.0, 2.0) * f32(ring);
+        let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
+        let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
+        let onEdge: i32 = BokehOnEdge(ring, polygon);
+        for (var edge: i32 = 1; edge <= polygon.sides; edge++)
         {
-            let nextCorner: vec2f = BokehNextCorner(corner, edge, cornerStep,
-                layers.polygon);
-            let along: vec2f = (nextCorner - corner) / f32(onEdge);
+            let along: vec2f = direction * (BokehEdgeLength(edge, polygon) / f32(onEdge));
             for (var i: i32 = 0; i < onEdge; i++)
             {
-                let place: vec2f = center + (corner + along * f32(i)) * stretch * radius;
-                middle += BokehFetchGrid(MiddleSamp, MiddleSampSampler, place, grid) * weight;
-                far += BokehFetchGrid(FarSamp, MiddleSampSampler, place, grid) * weight;
-                shares += BokehFetchGrid(SharesSamp, MiddleSampSampler, place, grid).rg * weight;
+                let place: vec2f = center + corner * scale;
+                middle += BokehFetchGrid(MiddleSamp, place, grid, BokehLinearClamp) * weight;
+                far += BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp) * weight;
+                shares += BokehFetchGrid(SharesSamp, place, grid, BokehLinearClamp).rg * weight;
+                corner += along;
             }
-            corner = nextCorner;
+            direction = BokehRotated(direction, turn);
         }
     }
     let both: vec3f = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
@@ -707,33 +620,36 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, MiddleSampSampler: sampler, FarSam
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] polygons at half size
-// -------------------------------------------------------------------------------------------------
+// [13] polygons at half size
 //
-//   The parallelograms of [8], without weights and without a leakage test: a layer has nothing in
+//   The parallelograms of [5], without weights and without a leakage test: a layer has nothing in
 //   it that must not spread. All four channels are blurred alike.
 
-// Layers: mean of the samples along one line
-//   center        place, texels of the half size
-//   segment       from BokehPolygonEdge
+// Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
 //   CoC           texels of the half size
-fn BokehLayerLine(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, center: vec2f,
-    segment: vec4f, CoC: f32, layers: BokehLayers) -> vec4f
+fn BokehLayerLine(tex: texture_2d<f32>, k: i32, polygon: BokehPolygon, secondPass: bool, CoC: f32,
+    layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    let halves: BokehGrid = BokehReducedGrid(layers.full, 2.0);
+    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    let segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
     let lengthInTexels: f32 = 2.0 * length(segment.zw) * CoC;
     let cells: f32 = clamp(lengthInTexels, 2.0, f32(BOKEH_LAYER_CELLS));
     let phase: f32 = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    let first: vec2f = center + (segment.xy - segment.zw) * CoC;
+    let first: vec2f = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
     let cellLength: vec2f = segment.zw * CoC * (2.0 / cells);
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var i: i32 = 0; i < i32(ceil(cells)); i++)
     {
         let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        let place: vec2f = first + cellLength * (f32(i) + cell * phase);
-        sum += cell * BokehFetchGrid(LayerSamp, LayerSampSampler, place, halves);
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), halves,
+            BokehLinearClamp);
     }
-    return sum / cells;
+    sum = sum / cells;
+    if (secondPass)
+    {
+        sum *= BokehEdgeArea(k, polygon);
+    }
+    return sum;
 }
 
 // Layers: the CoC that a layer is blurred by, texels of the half size
@@ -741,11 +657,11 @@ fn BokehLayerLine(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, center:
 //   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
 //   (street_11: .044 for .041).
 //   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-fn BokehLayerCoC(SizesSamp: texture_2d<f32>, SizesSampSampler: sampler, center: vec2f, isFar: bool,
-    layers: BokehLayers) -> f32
+fn BokehLayerCoC(SizesSamp: texture_2d<f32>, center: vec2f, isFar: bool, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> f32
 {
-    let sizes: vec2f = BokehFetchGrid(SizesSamp, SizesSampSampler, center / 4.0,
-        BokehReducedGrid(layers.full, 8.0)).rg;
+    let sizes: vec2f = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp).rg;
     var CoC: f32 = 0.5 * sizes.r;
     if (isFar)
     {
@@ -756,72 +672,52 @@ fn BokehLayerCoC(SizesSamp: texture_2d<f32>, SizesSampSampler: sampler, center: 
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
 //   their parallelograms
-//   L1 .. L4      from BokehLayerLine, along edges 1 to 4; only those before edge k count
 fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f,
     L4: vec4f) -> vec4f
 {
-    let angle: f32 = 6.28318531 / f32(polygon.sides);
-    var w1: f32 = sin((f32(k) - 1.0) * angle);
-    var w2: f32 = max(sin((f32(k) - 2.0) * angle), 0.0);
-    var w3: f32 = max(sin((f32(k) - 3.0) * angle), 0.0);
-    var w4: f32 = max(sin((f32(k) - 4.0) * angle), 0.0);
-    if (BOKEH_CHARACTER > 0)
-    {
-        w1 *= polygon.lengths.x;
-        w2 *= polygon.lengths.y;
-        w3 *= polygon.lengths.z;
-        w4 *= polygon.lengths.w;
-    }
-    return (L1 * w1 + L2 * w2 + L3 * w3 + L4 * w4) / (w1 + w2 + w3 + w4);
+    let w: vec4f = BokehEdgeWeights(k, polygon);
+    return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
 //   SizesSamp     sizes of BokehKernelColumns
 //   isFar         false: the near layer
-//   returns       as BokehExactFirst
-fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler,
-    SizesSamp: texture_2d<f32>, uv: vec2f, isFar: bool, layers: BokehLayers) -> BokehTargets
+//   last, returns as of BokehExactFirst
+fn BokehLayerFirst(LayerSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, isFar: bool, last: i32,
+    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehTargets
 {
-    let polygon: BokehPolygon = layers.polygon;
-    let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
+    let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
-    targets.edge2 = none;
-    targets.edge3 = none;
-    targets.edge4 = none;
-    targets.edge5 = none;
-    let CoC: f32 = BokehLayerCoC(SizesSamp, LayerSampSampler, center, isFar, layers);
+    let CoC: f32 = BokehLayerCoC(SizesSamp, center, isFar, layers, BokehLinearClamp);
     if (CoC > 0.5)
     {
         var L2: vec4f = none;
         var L3: vec4f = none;
-        let L1: vec4f = BokehLayerLine(LayerSamp, LayerSampSampler, center,
-            BokehPolygonEdge(1, polygon, false), CoC, layers);
+        var L4: vec4f = none;
+        let L1: vec4f = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers, BokehLinearClamp);
+        if (last > 2)
+        {
+            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers, BokehLinearClamp);
+        }
+        if (last > 3)
+        {
+            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers, BokehLinearClamp);
+        }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers, BokehLinearClamp);
+        }
         targets.edge2 = L1;
-        if (polygon.sides > 4)
-        {
-            L2 = BokehLayerLine(LayerSamp, LayerSampSampler, center,
-                BokehPolygonEdge(2, polygon, false), CoC, layers);
-            targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-        }
-        if (polygon.sides > 6)
-        {
-            L3 = BokehLayerLine(LayerSamp, LayerSampSampler, center,
-                BokehPolygonEdge(3, polygon, false), CoC, layers);
-            targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-        }
-        if (polygon.sides > 8)
-        {
-            let L4: vec4f = BokehLayerLine(LayerSamp, LayerSampSampler, center,
-                BokehPolygonEdge(4, polygon, false), CoC, layers);
-            targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-        }
+        targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
+        targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
+        targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.edge2 = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
-            BokehReducedGrid(layers.full, 2.0));
+        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
+            BokehLinearClamp);
         targets.edge3 = targets.edge2;
         targets.edge4 = targets.edge2;
         targets.edge5 = targets.edge2;
@@ -830,106 +726,53 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler,
 }
 
 // Layers: second pass: the finished layer
-//   Edge2Samp ..  what the first pass wrote; where there are fewer, pass any of them for the
-//                 rest: it is not read
-//   SizesSamp     sizes of BokehKernelColumns
-//   isFar         false: the near layer
+//   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
-fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler,
-    Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>,
-    SizesSamp: texture_2d<f32>, uv: vec2f, isFar: bool, layers: BokehLayers) -> vec4f
+fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
+    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, SizesSamp: texture_2d<f32>, isFar: bool,
+    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    let polygon: BokehPolygon = layers.polygon;
-    let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
+    let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    let CoC: f32 = BokehLayerCoC(SizesSamp, Edge2SampSampler, center, isFar, layers);
+    let CoC: f32 = BokehLayerCoC(SizesSamp, center, isFar, layers, BokehLinearClamp);
     if (CoC > 0.5)
     {
-        var total: f32 = BokehExactWeight(2, polygon);
-        var sum: vec4f = total * BokehLayerLine(Edge2Samp, Edge2SampSampler, center,
-            BokehPolygonEdge(2, polygon, true), CoC, layers);
+        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers, BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            let weight: f32 = BokehExactWeight(3, polygon);
-            sum += weight * BokehLayerLine(Edge3Samp, Edge2SampSampler, center,
-                BokehPolygonEdge(3, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers, BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            let weight: f32 = BokehExactWeight(4, polygon);
-            sum += weight * BokehLayerLine(Edge4Samp, Edge2SampSampler, center,
-                BokehPolygonEdge(4, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers, BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            let weight: f32 = BokehExactWeight(5, polygon);
-            sum += weight * BokehLayerLine(Edge5Samp, Edge2SampSampler, center,
-                BokehPolygonEdge(5, polygon, true), CoC, layers);
-            total += weight;
+            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers, BokehLinearClamp);
         }
-        result = sum / total;
+        result = result / polygon.area;
     }
     else
     {
-        result = BokehFetchGrid(Edge2Samp, Edge2SampSampler, center, BokehReducedGrid(layers.full,
-            2.0));
-    }
-    return result;
-}
-
-// Layers: one target of the first pass, where a pass can write only one
-//   Call it for k = 2 .. sides / 2; as BokehExactEdge.
-fn BokehLayerEdge(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, SizesSamp: texture_2d<f32>,
-    uv: vec2f, isFar: bool, k: i32, layers: BokehLayers) -> vec4f
-{
-    let polygon: BokehPolygon = layers.polygon;
-    let center: vec2f = uv * BokehReducedGrid(layers.full, 2.0).size;
-    var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    let CoC: f32 = BokehLayerCoC(SizesSamp, LayerSampSampler, center, isFar, layers);
-    if (CoC > 0.5)
-    {
-        let angle: f32 = 6.28318531 / f32(polygon.sides);
-        var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        var total: f32 = 0.0;
-        for (var i: i32 = 1; i < min(k, 5); i++)
-        {
-            var area: f32 = max(sin(f32(k - i) * angle), 0.0);
-            if (BOKEH_CHARACTER > 0)
-            {
-                area *= BokehEdgeLength(i, polygon);
-            }
-            sum += area * BokehLayerLine(LayerSamp, LayerSampSampler, center,
-                BokehPolygonEdge(i, polygon, false), CoC, layers);
-            total += area;
-        }
-        result = sum / total;
-    }
-    else
-    {
-        result = BokehFetchGrid(LayerSamp, LayerSampSampler, center,
-            BokehReducedGrid(layers.full, 2.0));
+        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0), BokehLinearClamp);
     }
     return result;
 }
 
 // -------------------------------------------------------------------------------------------------
-// [13] the picture
-// -------------------------------------------------------------------------------------------------
+// [14] the picture
 
 // Layers: a half-size layer at a place of the full size
-//   Catmull-Rom without its corners, five fetches: bilinear would make the edges of polygons
-//   ragged. It overshoots: no channel leaves the range of its five fetches, or lights had dark rims
-//   and too much light.
+//   Catmull-Rom without its corners, five fetches: bilinear makes the edges of polygons ragged. It
+//   overshoots, so it is clamped to its five fetches, or lights had dark rims and too much light.
 //
 //            t          w0     weights from the texel before to the second one after;
 //          l c r      w1 + w2  c, the middle fetch, takes two by two texels
 //            b          w3
 //
 //   place         texels of the half size
-fn BokehFetchLayer(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, place: vec2f,
-    halves: BokehGrid) -> vec4f
+fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
+    BokehLinearClamp: sampler) -> vec4f
 {
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     if (BOKEH_LAYER_CUBIC > 0)
@@ -941,24 +784,23 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, LayerSampSampler: sampler, place:
         let w3: vec2f = f * f * (0.5 * f - 0.5);
         let w12: vec2f = 1.0 - w0 - w3;
         let inner: vec2f = texel + w2 / w12;
-        let c: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, inner, halves);
-        let l: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, vec2f(texel.x - 1.0, inner.y),
-            halves);
-        let r: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, vec2f(texel.x + 2.0, inner.y),
-            halves);
-        let t: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, vec2f(inner.x, texel.y - 1.0),
-            halves);
-        let b: vec4f = BokehFetchGrid(LayerSamp, LayerSampSampler, vec2f(inner.x, texel.y + 2.0),
-            halves);
+        let c: vec4f = BokehFetchGrid(LayerSamp, inner, halves, BokehLinearClamp);
+        let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), halves,
+            BokehLinearClamp);
+        let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), halves,
+            BokehLinearClamp);
+        let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), halves,
+            BokehLinearClamp);
+        let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), halves,
+            BokehLinearClamp);
         let side: vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-        let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) +
-            t * (w0.y * side.y) + b * (w3.y * side.y);
-        result = clamp(sum, min(min(c, min(l, r)), min(t, b)),
-            max(max(c, max(l, r)), max(t, b)));
+        let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
+            (w0.y * side.y) + b * (w3.y * side.y);
+        result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), max(t, b)));
     }
     else
     {
-        result = BokehFetchGrid(LayerSamp, LayerSampSampler, place, halves);
+        result = BokehFetchGrid(LayerSamp, place, halves, BokehLinearClamp);
     }
     return result;
 }
@@ -980,22 +822,18 @@ fn BokehRingRadius(ring: i32, radius: f32, power: f32) -> f32
 
 // Layers: the last pass: a gather over what is in no layer, and all of it together
 //   Each sample counts by its own CoC, spread over the area that it covers; from behind this
-//   pixel's surface by this pixel's CoC. What is in a layer is left out, and the layers are put
-//   over it and behind it.
-//   MapSamp       from BokehSignedCoCMap
-//   TilesSamp     reach of BokehKernelColumns
-//   NearSamp, FarSamp     from BokehLayerSecond
-//   MiddleSamp, BackSamp  what BokehHoleFill wrote
+//   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
+//   and behind it. The table at the top says what it reads.
 //   returns       rgb = the picture, a = signed CoC of this pixel
-fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: texture_2d<f32>,
-    NearSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, MiddleSamp: texture_2d<f32>,
-    BackSamp: texture_2d<f32>, uv: vec2f, layers: BokehLayers) -> vec4f
+fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
+    FarSamp: texture_2d<f32>, MiddleSamp: texture_2d<f32>, BackSamp: texture_2d<f32>,
+    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    let full: BokehGrid = layers.full;
-    let center: vec2f = uv * full.size;
-    let centerPixel: vec4f = BokehFetchNearest(MapSamp, uv);
-    let tile: vec4f = BokehFetchGrid(TilesSamp, MapSampSampler, center / 8.0,
-        BokehReducedGrid(full, 8.0));
+    let full: BokehGrid = BokehFullGrid(layers);
+    let center: vec2f = layers.uv * full.size;
+    let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
+    let tile: vec4f = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp);
     var result: vec3f = centerPixel.rgb;
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
@@ -1008,15 +846,15 @@ fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: 
         let farShare: f32 = BokehLayerShare(s, farSlope);
         // at a near pixel the far layer is added too: it lies beyond it
         let addFar: f32 = max(farShare, nearShare);
-        let near: vec4f = BokehFetchLayer(NearSamp, MapSampSampler, 0.5 * center,
-            BokehReducedGrid(full, 2.0));
-        let far: vec4f = BokehFetchLayer(FarSamp, MapSampSampler, 0.5 * center,
-            BokehReducedGrid(full, 2.0));
+        let near: vec4f = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(layers, 2.0),
+            BokehLinearClamp);
+        let far: vec4f = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(layers, 2.0),
+            BokehLinearClamp);
 
         // the gather reaches as far as what is in no layer
         let ownRadius: f32 = BokehSpreadRadius(s);
-        let restRadius: f32 = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) *
-            (1.0 - nearShare);
+        let restRadius: f32 = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 -
+            nearShare);
         var radius: f32 = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
         if (near.a > 0.998)
         {
@@ -1033,11 +871,12 @@ fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: 
         var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * weight;
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
-        let steepness: f32 = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 *
-            clamp((tile.r - 16.0) / 16.0, 0.0, 1.0);
-        let stretch: vec2f = vec2f(layers.polygon.squeeze, 1.0);
-        let cornerStep: vec2f = BokehCornerStep(layers.polygon);
-        var corner: vec2f = BokehFirstCorner(layers.polygon);
+        let steepness: f32 = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 * clamp((tile.r -
+            16.0) / 16.0, 0.0, 1.0);
+        let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
+        var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
+        var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
+        let turn: vec2f = BokehTurn(1.0, polygon);
         for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS; ring++)
         {
             //   ring        1     2     3
@@ -1054,30 +893,30 @@ fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: 
             {
                 break;
             }
-            let onEdge: i32 = BokehOnEdge(ring, layers.polygon);
-            let cell: f32 = (outer * outer - inner * inner) / f32(onEdge * layers.polygon.sides);
+            let onEdge: i32 = BokehOnEdge(ring, polygon);
+            // of its edges each gets what lies in the triangle from the middle to it
+            let cell: f32 = (outer * outer - inner * inner) / (8.0 * polygon.area * f32(onEdge));
             let slope: f32 = 1.0 / (outer - inner);
             let start: f32 = inner * slope;
             let phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
             let scale: vec2f = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
-            for (var edge: i32 = 0; edge < layers.polygon.sides / 2; edge++)
+            for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
             {
-                let nextCorner: vec2f = BokehNextCorner(corner, edge, cornerStep,
-                    layers.polygon);
-                let edgeCell: f32 = cell * BokehEdgeShare(corner, nextCorner, layers.polygon);
-                let along: vec2f = (nextCorner - corner) * scale / f32(onEdge);
+                let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
+                let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
+                let along: vec2f = alongEdge * scale / f32(onEdge);
                 let first: vec2f = corner * scale + along * phase;
                 for (var i: i32 = 0; i < onEdge; i++)
                 {
-                    var offset: vec2f = first + along * f32(i);
-                    let texel: vec2f = floor(offset);
-                    offset = texel + clamp((offset - texel) * (steepness + 1.0) - 0.5 * steepness,
-                        vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+                    let place: vec2f = first + along * f32(i);
+                    let texel: vec2f = floor(place);
+                    var offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
+                        steepness, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
                     for (var side: i32 = 0; side < 2; side++)
                     {
-                        let pixel: vec4f = BokehFetchAround(MapSamp, MapSampSampler, uv, offset,
-                            full);
+                        let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
+                            BokehLinearClamp);
                         let isBehind: f32 = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
                             (1.0 - nearShare);
                         var spread: f32 = abs(pixel.a) * (0.5 * height) - 0.5;
@@ -1090,7 +929,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: 
                         offset = -offset;
                     }
                 }
-                corner = nextCorner;
+                corner += alongEdge;
+                direction = BokehRotated(direction, turn);
             }
             before = current;
             current = next;
@@ -1105,9 +945,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, MapSampSampler: sampler, TilesSamp: 
         {
             // in depth order: the gather, then what fills its holes, then the far layer, and what
             // fills that
-            let quarters: BokehGrid = BokehReducedGrid(full, 4.0);
-            let middle: vec4f = BokehFetchGrid(MiddleSamp, MapSampSampler, 0.25 * center, quarters);
-            let back: vec4f = BokehFetchGrid(BackSamp, MapSampSampler, 0.25 * center, quarters);
+            let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
+            let middle: vec4f = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters,
+                BokehLinearClamp);
+            let back: vec4f = BokehFetchGrid(BackSamp, 0.25 * center, quarters, BokehLinearClamp);
             let empty: f32 = clamp(1.0 - sum.a, 0.0, 1.0);
             let cover: f32 = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
             let farAlpha: f32 = min(far.a, 1.0);

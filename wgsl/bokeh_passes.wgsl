@@ -1,70 +1,54 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes on bokeh.wgsl, WGSL. Version 0.2.0.
-// Put this file after bokeh.wgsl and bokeh_layers.wgsl; the three are one module.
+// Ready-made passes, WGSL. Version 0.2.0.
+// A module is bokeh.wgsl, bokeh_paper.wgsl, bokeh_layers.wgsl, bokeh_lens.wgsl and this file.
 //
 //   pass                        reads                             writes
-//   BokehLinearDepth_PS         DepthSamp (any convention)        depth in metres, to R32F
-//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC: paper, naive
-//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC: exact
+//   BokehLinearDepth_PS         DepthSamp                         depth in metres, to R32F
+//   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC
 //   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehSquareFirst_PS         ColorSamp                         1 target
+//   BokehSquareSecond_PS        ColorSamp                         the picture, from that target
+//   BokehHexagonFirst_PS        ColorSamp                         2 targets
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the picture, from those
+//   BokehOctagonFirst_PS        ColorSamp                         3 targets
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the picture
+//   BokehDecagonFirst_PS        ColorSamp                         4 targets
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the picture
+//   BokehExactEdge_PS           ColorSamp                         one target of these first passes
+//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
+//   BokehFullScreen_VS          -                                 one triangle
+//
+//   With bokeh_paper; DepthSamp has metres:
+//   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC
 //   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
 //   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
 //   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
 //   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
 //   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
-//   BokehSquareFirst_PS         ColorSamp                         exact, first pass: 1 target
-//   BokehSquareSecond_PS        ColorSamp                         exact, second pass: finished
-//   BokehHexagonFirst_PS        ColorSamp                         2 targets
-//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the targets in their order
-//   BokehOctagonFirst_PS        ColorSamp                         3 targets
-//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C
-//   BokehDecagonFirst_PS        ColorSamp                         4 targets
-//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D
-//   BokehExactEdge_PS           ColorSamp                         one target of the first pass
+//
+//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
-//   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
-//   BokehFullScreen_VS          -                                 one triangle
 //
-//   Layers, with bokeh_layers.wgsl: its table says what each reads, in the order of the slots; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far.
-//   BokehTileMax_PS             ColorSamp                         largest CoC of 8 x 8 pixels
-//   BokehTileDilate_PS          ColorSamp                         twice: BokehAxis 0, 1
-//   BokehPrefilter_PS           ColorSamp, ColorSampB             4 targets
-//   BokehKernelReduce_PS        ColorSamp, ColorSampB             2 targets
-//   BokehKernelRows_PS          ColorSamp, ColorSampB .. C        2 targets
-//   BokehKernelColumns_PS       ColorSamp, ColorSampB .. C        2 targets
-//   BokehHoleDownsample_PS      ColorSamp, ColorSampB             3 targets
-//   BokehHoleFill_PS            ColorSamp, ColorSampB .. D        2 targets
-//   BokehSquareLayerFirst_PS    ColorSamp, ColorSampB             1 target, as SquareFirst
-//   BokehSquareLayerSecond_PS   ColorSamp, ColorSampE             a layer, finished
-//   BokehHexagonLayerFirst_PS   ColorSamp, ColorSampB             2 targets
-//   BokehHexagonLayerSecond_PS  ColorSamp, ColorSampB, E
-//   BokehOctagonLayerFirst_PS   ColorSamp, ColorSampB             3 targets
-//   BokehOctagonLayerSecond_PS  ColorSamp, ColorSampB .. C, E
-//   BokehDecagonLayerFirst_PS   ColorSamp, ColorSampB             4 targets
-//   BokehDecagonLayerSecond_PS  ColorSamp, ColorSampB .. E
-//   BokehComposite_PS           ColorSamp, ColorSampB .. F        the picture
-//   BokehPrefilterOne_PS        ColorSamp, ColorSampB             one target of Prefilter
-//   BokehKernelReduceOne_PS     ColorSamp, ColorSampB             of KernelReduce
-//   BokehKernelRowsOne_PS       ColorSamp, ColorSampB .. C        of KernelRows
-//   BokehKernelColumnsOne_PS    ColorSamp, ColorSampB .. C        of KernelColumns
-//   BokehHoleDownsampleOne_PS   ColorSamp, ColorSampB             of HoleDownsample
-//   BokehHoleFillOne_PS         ColorSamp, ColorSampB .. D        of HoleFill
-//   BokehLayerEdge_PS           ColorSamp, ColorSampB             of the first pass over a layer
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
+//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
+//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
 //
-//   Parameters: number i of the struct below is at byte offset 4 i; bind 160 bytes
+//   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
 //   (docs/parameters.md has the table with units, and the struct for C++, C#, Rust and JavaScript).
 //   Unused slots: the layout 'auto' has only what a pass reads. With one layout for all passes,
 //   bind any texture to the rest; DepthSamp and KernelSamp may be unfilterable-float there.
 
 // -------------------------------------------------------------------------------------------------
 // bindings
-// -------------------------------------------------------------------------------------------------
 
-// ...One and ...Edge: the target that is written, 0 ..
+// the target that ..One and ..Edge write, 0 ..; whether BokehJitter acts, the aperture
+// has the shape of a lens, the CoC map takes all parameters
 override BOKEH_TARGET_INDEX: i32 = 0;
+override BOKEH_JITTER: i32 = 0;
+override BOKEH_LENS_SHAPE: i32 = 0;
+override BOKEH_FOCUS_CONTROLS: i32 = 0;
 
 struct BokehParameters
 {
@@ -105,13 +89,21 @@ struct BokehParameters
     BokehCatsEye: f32,
     BokehRoundness: f32,
     BokehLateral: f32,
-    BokehAxialRed: f32,
-    BokehAxialBlue: f32,
+    BokehFrontRange: f32,
+    BokehBackRange: f32,
+    BokehNearScale: f32,
+    BokehFarScale: f32,
+    BokehNearMaxCoC: f32,
+    BokehFarMaxCoC: f32,
+    BokehDepthX: f32,
+    BokehDepthY: f32,
+    BokehDepthWidth: f32,
+    BokehDepthHeight: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
 @group(0) @binding(1) var BokehColorSamp: texture_2d<f32>;
-@group(0) @binding(2) var BokehDepthSamp: texture_2d<f32>;
+@group(0) @binding(2) var BokehDepthSamp: BokehDepthTexture;
 @group(0) @binding(3) var BokehColorSampB: texture_2d<f32>;
 @group(0) @binding(4) var BokehColorSampC: texture_2d<f32>;
 @group(0) @binding(5) var BokehColorSampD: texture_2d<f32>;
@@ -120,9 +112,29 @@ struct BokehParameters
 @group(0) @binding(8) var BokehColorSampE: texture_2d<f32>;
 @group(0) @binding(9) var BokehColorSampF: texture_2d<f32>;
 
+struct BokehTargets2
+{
+    @location(0) target0: vec4f,
+    @location(1) target1: vec4f,
+}
+
+struct BokehTargets3
+{
+    @location(0) target0: vec4f,
+    @location(1) target1: vec4f,
+    @location(2) target2: vec4f,
+}
+
+struct BokehTargets4
+{
+    @location(0) target0: vec4f,
+    @location(1) target1: vec4f,
+    @location(2) target2: vec4f,
+    @location(3) target3: vec4f,
+}
+
 // -------------------------------------------------------------------------------------------------
 // vertex shader
-// -------------------------------------------------------------------------------------------------
 
 struct BokehVertex
 {
@@ -140,7 +152,6 @@ struct BokehVertex
 
 // -------------------------------------------------------------------------------------------------
 // fragment shaders
-// -------------------------------------------------------------------------------------------------
 
 // what a pass without a filter begins with
 fn BokehUseViewport()
@@ -151,80 +162,105 @@ fn BokehUseViewport()
         bokehParameters.BokehTextureHeight));
 }
 
+// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
+//   passIndex     0, 1 ..: a pass that reads another one needs another index
+fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
+{
+    let number: f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+    let seed: f32 = dot(floor(uv * imageSize), vec2f(0.06711056, 0.00583715));
+    let value: f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
+    return value - floor(value) - 0.5;
+}
+
+// noise times its amount, with BOKEH_JITTER 1
+fn BokehPassJitter(uv: vec2f, imageSize: vec2f, passIndex: f32) -> f32
+{
+    var jitter: f32 = 0.0;
+    if (BOKEH_JITTER > 0)
+    {
+        jitter = bokehParameters.BokehJitter * BokehNoise(uv, imageSize, bokehParameters.BokehFrame,
+            passIndex);
+    }
+    return jitter;
+}
+
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
 fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehFilter
 {
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
-    let noise: f32 = BokehNoise(uv, imageSize, bokehParameters.BokehFrame, passIndex);
     var settings: BokehFilter;
     settings.aspectRatio = bokehParameters.BokehAspectRatio;
     settings.imageHeight = bokehParameters.BokehImageHeight;
     settings.spacing = bokehParameters.BokehSpacing;
-    settings.jitter = bokehParameters.BokehJitter * noise * f32(BOKEH_ADAPTIVE_SAMPLES);
+    if (bokehParameters.BokehSpacing <= 0.0)
+    {
+        settings.spacing = BOKEH_SPACING;
+    }
+    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
     settings.bleedingBias = bokehParameters.BokehBleedingBias;
     settings.bleedingMult = bokehParameters.BokehBleedingMult;
     return settings;
 }
 
-// one line of the filter, adaptive
-fn BokehAdaptiveLine(uv: vec2f) -> vec4f
+// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
 {
-    let settings: BokehFilter = BokehBegin(uv, bokehParameters.BokehPassIndex);
-    let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX,
-        bokehParameters.BokehLineCenterY);
-    let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength,
-        lineCenter, bokehParameters.BokehSqueeze);
-    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, uv, segment,
-        settings, bokehParameters.BokehBlurCoC > 0.5);
+    var polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
+        bokehParameters.BokehSqueeze);
+    if (BOKEH_LENS_SHAPE > 0)
+    {
+        polygon = BokehWithRoundness(polygon, bokehParameters.BokehRoundness);
+        polygon = BokehWithCatsEye(polygon, uv, vec2f(bokehParameters.BokehImageWidth,
+            bokehParameters.BokehImageHeight), bokehParameters.BokehCatsEye);
+    }
+    return polygon;
 }
 
-// BokehSides; a parameter that nobody has set is a hexagon
-fn BokehSidesOrSix() -> i32
+// the aperture where BokehSides says it; a parameter that nobody has set is a hexagon
+fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
 {
     var sides: i32 = i32(bokehParameters.BokehSides + 0.5);
     if (sides == 0)
     {
         sides = 6;
     }
-    return sides;
+    return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the aperture; with BOKEH_CHARACTER 1 as the lens shows it at this pixel
-fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
+// the lens
+fn BokehPassLens() -> BokehLens
 {
-    var polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
-        bokehParameters.BokehSqueeze);
-    if (BOKEH_CHARACTER > 0)
+    var lens: BokehLens = BokehMakeLens(bokehParameters.BokehApertureDiameter,
+        bokehParameters.BokehFocalLength, bokehParameters.BokehFocusDistance);
+    lens.sensorHeight = bokehParameters.BokehSensorHeight;
+    lens.maxCoC = bokehParameters.BokehMaxCoC;
+    return lens;
+}
+
+// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+fn BokehPassCoC(depth: f32) -> f32
+{
+    var CoC: f32 = BokehSignedCoC(depth, BokehPassLens());
+    if (BOKEH_FOCUS_CONTROLS > 0)
     {
-        let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth,
-            bokehParameters.BokehImageHeight);
-        polygon.roundness = bokehParameters.BokehRoundness;
-        let cut: BokehPolygon = BokehWithCatsEye(polygon, uv, imageSize,
-            bokehParameters.BokehCatsEye);
-        polygon.lengths = cut.lengths;
-        polygon.fifth = cut.fifth;
-        polygon.axial = vec2f(bokehParameters.BokehAxialRed, bokehParameters.BokehAxialBlue);
+        var focus: BokehFocus;
+        focus.sharpRange = vec2f(bokehParameters.BokehFrontRange, bokehParameters.BokehBackRange);
+        focus.sideScale = vec2f(bokehParameters.BokehNearScale, bokehParameters.BokehFarScale);
+        focus.sideMaxCoC = vec2f(bokehParameters.BokehNearMaxCoC, bokehParameters.BokehFarMaxCoC);
+        CoC = BokehFocusedCoC(depth, BokehPassLens(), focus);
     }
-    return polygon;
+    return CoC;
 }
 
-// exact, first pass
-fn BokehFirst(uv: vec2f, sides: i32) -> BokehTargets
+// depth of this pixel in metres
+fn BokehPassDepth(depthUV: vec2f) -> f32
 {
-    let settings: BokehFilter = BokehBegin(uv, 0.0);
-    let polygon: BokehPolygon = BokehAperture(uv, sides);
-    return BokehExactFirst(BokehColorSamp, BokehLinearClamp, uv, polygon, settings);
-}
-
-// exact, second pass
-fn BokehSecond(Edge2Samp: texture_2d<f32>, Edge2SampSampler: sampler, Edge3Samp: texture_2d<f32>,
-    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, sides: i32) -> vec4f
-{
-    let settings: BokehFilter = BokehBegin(uv, 1.0);
-    let polygon: BokehPolygon = BokehAperture(uv, sides);
-    return BokehExactSecond(Edge2Samp, Edge2SampSampler, Edge3Samp, Edge4Samp, Edge5Samp, uv,
-        polygon, settings);
+    let stored: f32 = BokehFetchDepth(BokehDepthSamp, depthUV);
+    return BokehLinearDepth(stored, i32(bokehParameters.BokehDepthKind + 0.5),
+        bokehParameters.BokehNear, bokehParameters.BokehFar);
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
@@ -246,89 +282,207 @@ fn BokehPickTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> 
     return picked;
 }
 
+// one line of the filter, adaptive
+fn BokehAdaptiveLine(uv: vec2f) -> vec4f
+{
+    let settings: BokehFilter = BokehBegin(uv, bokehParameters.BokehPassIndex);
+    let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX,
+        bokehParameters.BokehLineCenterY);
+    let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength,
+        lineCenter, bokehParameters.BokehSqueeze);
+    return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
+        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
+}
+
 // what a pass of the layers begins with: the viewport set, and its settings
-//   sides         4, 6, 8 or 10
 //   scale         of its target
-fn BokehBeginLayers(uv: vec2f, sides: i32, scale: f32, passIndex: f32) -> BokehLayers
+fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayers
 {
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
-    let polygon: BokehPolygon = BokehAperture(uv, clamp(sides, 4, 10));
-    var layers: BokehLayers = BokehMakeLayers(imageSize, polygon, bokehParameters.BokehMaxCoC);
-    layers.full = BokehMakeGrid(vec4f(bokehParameters.BokehViewportX,
-        bokehParameters.BokehViewportY, imageSize), vec2f(bokehParameters.BokehTextureWidth,
-        bokehParameters.BokehTextureHeight));
-    let noise: f32 = BokehNoise(uv, ceil(imageSize / scale), bokehParameters.BokehFrame, passIndex);
-    layers.jitter = bokehParameters.BokehJitter * noise * f32(BOKEH_ADAPTIVE_SAMPLES);
+    var layers: BokehLayers = BokehMakeLayers(uv, imageSize, bokehParameters.BokehMaxCoC);
+    if (BOKEH_VIEWPORT > 0)
+    {
+        layers.origin = vec2f(bokehParameters.BokehViewportX, bokehParameters.BokehViewportY);
+        layers.texel = 1.0 / vec2f(bokehParameters.BokehTextureWidth,
+            bokehParameters.BokehTextureHeight);
+    }
+    layers.jitter = BokehPassJitter(uv, ceil(imageSize / scale), passIndex);
     return layers;
 }
 
 // the same for a pass without samples of its own
 fn BokehBeginTiles(uv: vec2f) -> BokehLayers
 {
-    return BokehBeginLayers(uv, 6, 1.0, 0.0);
+    return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
 // the polygon of a layer, first pass
-fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
+//   last          as in BokehExactFirst
+fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
-    let layers: BokehLayers = BokehBeginLayers(uv, sides, 2.0, 0.0);
-    return BokehLayerFirst(BokehColorSamp, BokehLinearClamp, BokehColorSampB, uv,
-        bokehParameters.BokehLayer > 0.5, layers);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, bokehParameters.BokehLayer > 0.5, last,
+        polygon, BokehBeginLayers(uv, 2.0, 0.0), BokehLinearClamp);
+}
+
+// the polygon of a layer, second pass
+fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>,
+    Edge5Samp: texture_2d<f32>, sides: i32) -> vec4f
+{
+    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
+        bokehParameters.BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0),
+        BokehLinearClamp);
 }
 
 @fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
-    let depth: f32 = BokehFetchNearest(BokehDepthSamp, input.uv).r;
-    let S2: f32 = BokehLinearDepth(depth, i32(bokehParameters.BokehDepthKind + 0.5),
-        bokehParameters.BokehNear, bokehParameters.BokehFar);
-    return vec4f(S2, S2, S2, 1.0);
-}
-
-@fragment fn BokehCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    BokehUseViewport();
-    return BokehCoCMap(BokehColorSamp, BokehDepthSamp, input.uv,
-        bokehParameters.BokehApertureDiameter, bokehParameters.BokehFocalLength,
-        bokehParameters.BokehFocusDistance, bokehParameters.BokehSensorHeight,
-        bokehParameters.BokehMaxCoC);
+    let depth: f32 = BokehPassDepth(BokehToTexture(input.uv));
+    return vec4f(depth, depth, depth, 1.0);
 }
 
 @fragment fn BokehSignedCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
-    return BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, input.uv,
-        bokehParameters.BokehApertureDiameter, bokehParameters.BokehFocalLength,
-        bokehParameters.BokehFocusDistance, bokehParameters.BokehSensorHeight,
-        bokehParameters.BokehMaxCoC);
+    var depthUV: vec2f = BokehToTexture(input.uv);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = vec2f(bokehParameters.BokehDepthX, bokehParameters.BokehDepthY) + input.uv *
+            vec2f(bokehParameters.BokehDepthWidth, bokehParameters.BokehDepthHeight);
+    }
+    let color: vec4f = BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv));
+    return BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
 }
 
 @fragment fn BokehConstantCoC_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
-    let color: vec4f = BokehFetchNearest(BokehColorSamp, input.uv);
+    let color: vec4f = BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv));
     return BokehPackCoC(color, clamp(bokehParameters.BokehConstantCoC, 0.0,
         bokehParameters.BokehMaxCoC));
+}
+
+@fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    return BokehSquareFirst(BokehColorSamp, input.uv, BokehAperture(input.uv, 4), settings,
+        BokehLinearClamp).edge2;
+}
+
+@fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
+    return BokehSquareSecond(BokehColorSamp, input.uv, BokehAperture(input.uv, 4), settings,
+        BokehLinearClamp);
+}
+
+@fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    let targets: BokehTargets = BokehHexagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
+        6), settings, BokehLinearClamp);
+    return BokehTargets2(targets.edge2, targets.edge3);
+}
+
+@fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
+    return BokehHexagonSecond(BokehColorSamp, BokehColorSampB, input.uv, BokehAperture(input.uv, 6),
+        settings, BokehLinearClamp);
+}
+
+@fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    let targets: BokehTargets = BokehOctagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
+        8), settings, BokehLinearClamp);
+    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
+}
+
+@fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
+    return BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, input.uv,
+        BokehAperture(input.uv, 8), settings, BokehLinearClamp);
+}
+
+@fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    let targets: BokehTargets = BokehDecagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
+        10), settings, BokehLinearClamp);
+    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+@fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
+    return BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        input.uv, BokehAperture(input.uv, 10), settings, BokehLinearClamp);
+}
+
+@fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    let targets: BokehTargets = BokehExactFirst(BokehColorSamp, input.uv, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(input.uv), settings, BokehLinearClamp);
+    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+// BokehDebugMode: 0 colour
+//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+//                 2 CoC as grey: black in focus, white at BokehMaxCoC
+//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+@fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    BokehUseViewport();
+    var result: vec4f = BokehFetch(BokehColorSamp, input.uv, BokehLinearClamp);
+    let depth: f32 = BokehPassDepth(BokehToTexture(input.uv));
+    var grey: f32 = clamp(abs(result.a) / max(bokehParameters.BokehMaxCoC, BOKEH_MIN_DEPTH), 0.0,
+        1.0);
+    var weights: vec3f = vec3f(1.0, 1.0, 1.0);
+    if (bokehParameters.BokehDebugMode > 2.5)
+    {
+        weights = vec3f(0.1, 0.4, 1.0);
+        if (depth < bokehParameters.BokehFocusDistance)
+        {
+            weights = vec3f(1.0, 0.5, 0.0);
+        }
+    }
+    else if (bokehParameters.BokehDebugMode < 1.5)
+    {
+        grey = depth / (depth + bokehParameters.BokehFocusDistance);
+    }
+    if (bokehParameters.BokehDebugMode > 0.5)
+    {
+        result = vec4f(weights * grey, 1.0);
+    }
+    return result;
+}
+
+@fragment fn BokehCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    BokehUseViewport();
+    return BokehCoCMap(BokehColorSamp, BokehDepthSamp, input.uv, BokehPassLens());
 }
 
 @fragment fn BokehDepthOfField_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle,
-        bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
-    return BokehDepthOfField(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, input.uv, lineEnd,
-        settings, bokehParameters.BokehBlurCoC > 0.5);
+    let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
+        bokehParameters.BokehSqueeze);
+    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, input.uv, lineEnd, settings,
+        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
 @fragment fn BokehDepthOfFieldFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle,
-        bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
-    return BokehDepthOfFieldFinal(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehColorSampB,
-        input.uv, lineEnd, settings, bokehParameters.BokehBlurCoC > 0.5,
-        bokehParameters.BokehUseMax > 0.5);
+    let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
+        bokehParameters.BokehSqueeze);
+    return BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, input.uv,
+        lineEnd, settings, bokehParameters.BokehBlurCoC > 0.5, bokehParameters.BokehUseMax > 0.5,
+        BokehLinearClamp);
 }
 
 @fragment fn BokehAdaptive_PS(input: BokehVertex) -> @location(0) vec4f
@@ -339,7 +493,7 @@ fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
 @fragment fn BokehAdaptiveFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let a: vec4f = BokehAdaptiveLine(input.uv);
-    return BokehCombine(a, BokehFetch(BokehColorSampB, BokehLinearClamp, input.uv),
+    return BokehCombine(a, BokehFetch(BokehColorSampB, input.uv, BokehLinearClamp),
         bokehParameters.BokehUseMax > 0.5);
 }
 
@@ -347,8 +501,8 @@ fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
 {
     var settings: BokehFilter = BokehBegin(input.uv, 0.0);
     settings.aspectRatio = bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze;
-    return BokehNaiveGather(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, BokehKernelSamp,
-        input.uv, settings, bokehParameters.BokehBlurCoC > 0.5);
+    return BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, input.uv, settings,
+        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
 @fragment fn BokehNaiveGrid_PS(input: BokehVertex) -> @location(0) vec4f
@@ -358,277 +512,170 @@ fn BokehLayerPolygon(uv: vec2f, sides: i32) -> BokehTargets
         bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
     let lineEndV: vec2f = BokehLineEnd(bokehParameters.BokehAngleB,
         bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
-    return BokehNaiveGrid(BokehColorSamp, BokehLinearClamp, BokehDepthSamp, input.uv, lineEndU,
-        lineEndV, settings, bokehParameters.BokehBlurCoC > 0.5);
-}
-
-@fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    return BokehFirst(input.uv, 4).edge2;
-}
-
-@fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    return BokehSecond(BokehColorSamp, BokehLinearClamp, BokehColorSamp, BokehColorSamp,
-        BokehColorSamp, input.uv, 4);
-}
-
-struct BokehTargets2
-{
-    @location(0) target0: vec4f,
-    @location(1) target1: vec4f,
-}
-
-@fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
-{
-    let targets: BokehTargets = BokehFirst(input.uv, 6);
-    return BokehTargets2(targets.edge2, targets.edge3);
-}
-
-@fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    return BokehSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampB,
-        BokehColorSampB, input.uv, 6);
-}
-
-struct BokehTargets3
-{
-    @location(0) target0: vec4f,
-    @location(1) target1: vec4f,
-    @location(2) target2: vec4f,
-}
-
-@fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
-{
-    let targets: BokehTargets = BokehFirst(input.uv, 8);
-    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
-}
-
-@fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    return BokehSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampC, input.uv, 8);
-}
-
-struct BokehTargets4
-{
-    @location(0) target0: vec4f,
-    @location(1) target1: vec4f,
-    @location(2) target2: vec4f,
-    @location(3) target3: vec4f,
-}
-
-@fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
-{
-    let targets: BokehTargets = BokehFirst(input.uv, 10);
-    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
-}
-
-@fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    return BokehSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, input.uv, 10);
-}
-
-@fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    let polygon: BokehPolygon = BokehAperture(input.uv, BokehSidesOrSix());
-    return BokehExactEdge(BokehColorSamp, BokehLinearClamp, input.uv,
-        BOKEH_TARGET_INDEX + 2, polygon, settings);
+    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, input.uv, lineEndU, lineEndV, settings,
+        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
 // the last pass
 @fragment fn BokehLateralColor_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
-    return BokehLateralColor(BokehColorSamp, BokehLinearClamp, input.uv,
-        bokehParameters.BokehLateral);
-}
-
-// BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
-@fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
-{
-    BokehUseViewport();
-    var result: vec4f = BokehFetch(BokehColorSamp, BokehLinearClamp, input.uv);
-    let S2: f32 = BokehSafeDepth(BokehFetchNearest(BokehDepthSamp, input.uv).r);
-    if (bokehParameters.BokehDebugMode > 2.5)
-    {
-        result = BokehDebugFocus(S2, bokehParameters.BokehFocusDistance, result.a,
-            bokehParameters.BokehMaxCoC);
-    }
-    else if (bokehParameters.BokehDebugMode > 1.5)
-    {
-        result = BokehDebugCoC(result.a, bokehParameters.BokehMaxCoC);
-    }
-    else if (bokehParameters.BokehDebugMode > 0.5)
-    {
-        result = BokehDebugDepth(S2, bokehParameters.BokehFocusDistance);
-    }
-    return result;
+    return BokehLateralColor(BokehColorSamp, input.uv, bokehParameters.BokehLateral,
+        BokehLinearClamp);
 }
 
 @fragment fn BokehTileMax_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehTileMax(BokehColorSamp, BokehLinearClamp, input.uv, BokehBeginTiles(input.uv));
+    return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv), BokehLinearClamp);
 }
 
 @fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-    return BokehTileDilate(BokehColorSamp, BokehLinearClamp, input.uv, axis,
-        BokehBeginTiles(input.uv));
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
 }
 
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehLinearClamp,
-        BokehColorSampB, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets4(targets.nearLayer, targets.farLayer, targets.kernelSums,
         targets.leftovers);
 }
 
 @fragment fn BokehKernelReduce_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets2(targets.leftovers, targets.sums);
 }
 
 @fragment fn BokehKernelRows_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets2(targets.leftovers, targets.sums);
 }
 
 @fragment fn BokehKernelColumns_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets2(targets.reach, targets.sizes);
 }
 
 @fragment fn BokehHoleDownsample_PS(input: BokehVertex) -> BokehTargets3
 {
-    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets3(targets.middle, targets.far, targets.shares);
 }
 
 @fragment fn BokehHoleFill_PS(input: BokehVertex) -> BokehTargets2
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 4.0, 0.0);
-    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, BokehColorSampD, input.uv, layers);
+    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0),
+        BokehLinearClamp);
     return BokehTargets2(targets.middle, targets.back);
 }
 
 @fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerPolygon(input.uv, 4).edge2;
+    return BokehLayerPolygon(input.uv, 2, BokehAperture(input.uv, 4)).edge2;
 }
 
 @fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, 4, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSamp, BokehColorSamp,
-        BokehColorSamp, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+    return BokehLayerResult(input.uv, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
 }
 
 @fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 6);
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 3, BokehAperture(input.uv, 6));
     return BokehTargets2(targets.edge2, targets.edge3);
 }
 
 @fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, 6, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampB,
-        BokehColorSampB, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
 }
 
 @fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 8);
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 4, BokehAperture(input.uv, 8));
     return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
 }
 
 @fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, 8, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampC, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
 }
 
 @fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 10);
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, 5, BokehAperture(input.uv, 10));
     return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 @fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, 10, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, input.uv, bokehParameters.BokehLayer > 0.5, layers);
+    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
 }
 
 @fragment fn BokehComposite_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 1.0, 2.0);
-    return BokehComposite(BokehColorSamp, BokehLinearClamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, BokehColorSampF, input.uv, layers);
+    return BokehComposite(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehColorSampE, BokehColorSampF, BokehAnyAperture(input.uv), BokehBeginLayers(input.uv,
+        1.0, 2.0), BokehLinearClamp);
 }
 
 @fragment fn BokehPrefilterOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehLinearClamp,
-        BokehColorSampB, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
         targets.leftovers);
 }
 
 @fragment fn BokehKernelReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
 @fragment fn BokehKernelRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
 }
 
 @fragment fn BokehKernelColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
 @fragment fn BokehHoleDownsampleOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        input.uv, BokehBeginTiles(input.uv));
+    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
 }
 
 @fragment fn BokehHoleFillOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 4.0, 0.0);
-    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehLinearClamp, BokehColorSampB,
-        BokehColorSampC, BokehColorSampD, input.uv, layers);
+    let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0),
+        BokehLinearClamp);
     return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
 @fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(input.uv, BokehSidesOrSix(), 2.0, 0.0);
-    return BokehLayerEdge(BokehColorSamp, BokehLinearClamp, BokehColorSampB, input.uv,
-        bokehParameters.BokehLayer > 0.5, BOKEH_TARGET_INDEX + 2, layers);
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(input.uv));
+    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }

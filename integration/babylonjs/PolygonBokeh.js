@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for Babylon.js: a PostProcess, made of the functions of bokeh.* and bokeh_layers.*, in GLSL for
-// WebGL 2 and in WGSL for WebGPU. It is the first of its camera's post processes, before bloom and image processing.
+// Polygonal bokeh for Babylon.js: a PostProcess, made of the functions of the library, in GLSL for WebGL 2 and in
+// WGSL for WebGPU. It is the first of its camera's post processes, before bloom and image processing.
 
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { EffectRenderer, EffectWrapper } from '@babylonjs/core/Materials/effectRenderer.js';
@@ -12,25 +12,13 @@ import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
-import { cocMap, exact, layered, stored } from './frames.js';
+import { declared, frame, inWgsl, stored, views, withPreset } from './frames.js';
 
-const FRAMES = { layered, exact };
-
-// Rows of a frame, see frames.js; `depth` is the scene's.
-// In a right-handed scene the depth along the view axis is below 0.
-const METRES = [['metres'], 1, 'vec4(-BokehFetchNearest(depth, uv).r)'];
-const MAP = cocMap('SignedCoCMap');
-
-// In place of the result
-const VIEWS = {
-  depth: 'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
-  coc: 'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
-  focus: 'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
-};
+// What the depth renderer writes, as BokehLinearDepth reads it: metres, in a right-handed scene times -1
+const DEPTH = { leftHanded: '0, 0.0, 0.0', rightHanded: '7, 0.0, -1.0' };
 
 // `#version 300 es` keeps Babylon.js from rewriting what follows.
-const glsl = (library, uniforms, { writes, reads, call, returned, opaque }, { sides, samples, preset }) => `#version 300 es
-#define BOKEH_NUM_SAMPLES ${samples}
+const glsl = (library, uniforms, { writes, reads, call, returned, opaque }, { sides, preset }) => `#version 300 es
 #define BOKEH_PRESET_${preset}
 ${library}
 ${reads.map((name) => `uniform sampler2D ${name};`).join('\n')}
@@ -42,36 +30,21 @@ ${writes.map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n
 void main()
 {
     vec2 uv = vUV;
-    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
-    BokehFilter settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
+    ${declared(call, sides)}
     ${stored(call, returned, (i) => `written${i}`)}
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
-// of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
-const PRESETS = { LOW: [2, 8, 0], MEDIUM: [3, 12, 1], HIGH: [3, 16, 1], ULTRA: [4, 16, 1] };
-
-// The overrides of the library get their values here: Babylon.js hands no pipeline constants on.
-function configured(library, { samples, preset }) {
-  const [BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC] = PRESETS[preset];
-  const values = { BOKEH_NUM_SAMPLES: samples, BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC };
-  return library.replace(/(?<=override (\w+): \w+ = )[\d.]+/g, (value, name) => values[name] ?? value);
-}
-
-// In WGSL the sampler comes after the first texture, and vectors have other names. Babylon.js binds what is called
-// cocSampler with coc, and makes the struct around main of what it finds here.
-const wgslCall = (call) =>
-  call.replace(/^(Bokeh(?!Debug|\w*CoCMap)\w+)\((\w+)/, '$1($2, $2Sampler').replace(/\b(vec[24])\(/g, '$1f(');
-
+// Babylon.js binds what is called cocSampler with coc, makes the struct around main of what it finds here, and hands no
+// pipeline constants on.
+const output = (i, count) => `fragmentOutputs.${count > 1 ? `fragData${i}` : 'color'}`;
 const wgsl = (library, uniforms, { writes, reads, call, returned, opaque }, options) => `
 varying vUV: vec2f;
 ${uniforms.map((name) => `uniform ${name}: f32;`).join('\n')}
 uniform imageSize: vec2f;
 ${reads.map((name) => `var ${name}: texture_2d<f32>;`).join('\n')}
-${wgslCall(call).includes('Sampler') ? `var ${reads[0]}Sampler: sampler;` : ''}
-${configured(library, options)}
+${inWgsl(call, 'SAMPLER').includes('SAMPLER') ? `var ${reads[0]}Sampler: sampler;` : ''}
+${withPreset(library, options.preset)}
 
 @fragment
 fn main(input: FragmentInputs) -> FragmentOutputs
@@ -79,34 +52,25 @@ fn main(input: FragmentInputs) -> FragmentOutputs
     let uv = input.vUV;
     let imageSize = uniforms.imageSize;
     ${uniforms.map((name) => `let ${name} = uniforms.${name};`).join('\n    ')}
-    let polygon = BokehMakePolygon(${options.sides}, rotation, squeeze);
-    let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
-    var settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
-    ${stored(wgslCall(call), returned, (i) => `fragmentOutputs.${writes.length > 1 ? `fragData${i}` : 'color'}`, 'let')}
+    ${declared(call, options.sides, true)}
+    ${stored(inWgsl(call, `${reads[0]}Sampler`), returned, (i) => output(i, writes.length), true)}
     ${opaque ? 'fragmentOutputs.color.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokeh extends PostProcess {
-  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order; for WebGPU those in WGSL
+  // library  the text of bokeh.glsl, and after it bokeh_layers.glsl for layered; for WebGPU those in WGSL
   // camera   the camera whose picture is blurred
   // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
   //          confusion, fewer passes
   // sides    4, 6, 8 or 10
-  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  // samples  of exact: at most so many on an edge
+  // preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
   // opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
   // view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
-  constructor(
-    library,
-    camera,
-    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true, view } = {},
-  ) {
+  constructor(library, camera, { method = 'layered', sides = 6, preset = 'MEDIUM', opaque = true, view } = {}) {
     const scene = camera.getScene();
     const engine = scene.getEngine();
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
-    // (pixels between samples of exact).
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
     const uniforms = {
       apertureDiameter: 0.05,
       focalLength: 0.05,
@@ -115,22 +79,22 @@ export class PolygonBokeh extends PostProcess {
       maxCoC: 0.1,
       rotation: 0,
       squeeze: 1,
-      spacing: 1,
     };
 
     const rightHanded = scene.useRightHandedSystem;
-    const inputs = rightHanded ? [METRES, MAP] : [MAP];
-    const frame = inputs.concat(view ? [[['result'], 1, VIEWS[view]]] : FRAMES[method](sides));
+    const held = rightHanded ? DEPTH.rightHanded : DEPTH.leftHanded;
+    const [map, ...others] = frame(method, sides, held);
+    const rows = [map, ...(view ? [views(method, held)[['depth', 'coc', 'focus'].indexOf(view)]] : others)];
     const [language, shader] = engine.isWebGPU ? [ShaderLanguage.WGSL, wgsl] : [ShaderLanguage.GLSL, glsl];
-    const names = [...new Set(['color', 'depth', 'metres', ...frame.flatMap(([writes]) => writes)])];
-    const passes = frame.map(([writes, scale, call, returned]) => {
+    const names = [...new Set(['color', 'depth', ...rows.flatMap(([writes]) => writes)])];
+    const passes = rows.map(([writes, scale, call, returned]) => {
       // in the order of the call
       const reads = [...new Set(call.match(/\w+/g))].filter((name) => names.includes(name));
       const pass = { writes, reads, scale, call, returned, opaque: opaque && writes[0] === 'result' };
       pass.wrapper = new EffectWrapper({
         engine,
         name: `bokeh ${writes[0]}`,
-        fragmentShader: shader(library, Object.keys(uniforms), pass, { sides, samples, preset }),
+        fragmentShader: shader(library, Object.keys(uniforms), pass, { sides, preset }),
         shaderLanguage: language,
         uniforms: [...Object.keys(uniforms), 'imageSize'],
         samplers: [...reads],
@@ -157,10 +121,10 @@ export class PolygonBokeh extends PostProcess {
     this.depth.clearColor = new Color4(rightHanded ? -camera.maxZ : camera.maxZ, 0, 0, 1);
     const depth = this.depth.getDepthMap();
     camera.customRenderTargets.push(depth); // those of the scene are drawn with the meshes that the last frame showed
-    this.textures = { depth, metres: depth };
+    this.textures = { depth };
 
     for (const pass of passes.slice(0, -1)) {
-      const options = { defaultType: pass.writes[0] === 'metres' ? float : textureType, generateDepthBuffer: false };
+      const options = { defaultType: textureType, generateDepthBuffer: false };
       pass.target = new MultiRenderTarget(pass.writes[0], 1, pass.writes.length, scene, options);
       pass.target.textures.forEach((texture, i) => {
         texture.wrapU = texture.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE;

@@ -51,10 +51,16 @@ async function pixels(engine, texture, channels) {
   return stride === channels ? read : read.filter((_, i) => i % stride < channels);
 }
 
-async function readFrame({ engine, bokeh, tone }) {
+async function metres({ engine, scene, bokeh }) {
+  const depth = await pixels(engine, bokeh.textures.depth.getInternalTexture(), 1);
+  return scene.useRightHandedSystem ? depth.map((z) => -z) : depth;
+}
+
+async function readFrame(sample) {
+  const { engine, bokeh, tone } = sample;
   return {
     color: await pixels(engine, bokeh.inputTexture.texture, 4),
-    depth: await pixels(engine, bokeh.textures.metres.getInternalTexture(), 1),
+    depth: await metres(sample),
     result: await pixels(engine, tone.inputTexture.texture, 4),
   };
 }
@@ -81,7 +87,7 @@ export async function capture(kind) {
       const name = `${method}-${aperture}`;
       const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
       await draw(sample, { method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, samples: 33, ...settings(sample.bokeh.uniforms) };
+      const shot = { name, method, aperture, width, height, ...settings(sample.bokeh.uniforms) };
       for (const [what, array] of Object.entries(await readFrame(sample))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);
@@ -116,7 +122,6 @@ function pulled(sample) {
 function settings(uniforms) {
   const value = (name) => Math.fround(uniforms[name]);
   return {
-    spacing: value('spacing'),
     camera: {
       aperture_diameter: value('apertureDiameter'),
       focal_length: value('focalLength'),
@@ -128,7 +133,8 @@ function settings(uniforms) {
 }
 
 // Depth in metres as the passes read it, and as a ray finds it, at some pixels, with both kinds of cameras, and in a
-// right-handed scene: [{ name, drawn: [...], met: [...] }]. The wall is gone: where no ray meets anything, it is maxZ.
+// right-handed scene, and whether the CoC map has them nearer than the focus: [{ name, drawn: [...], met: [...],
+// nearer: [...], focus }]. The wall is gone: where no ray meets anything, it is maxZ.
 export async function depths(kind) {
   const sample = await stopped(kind);
   const { scene, camera } = sample;
@@ -146,17 +152,21 @@ export async function depths(kind) {
   return found;
 }
 
-async function probed({ engine, scene, camera, bokeh }) {
-  const depth = await pixels(engine, bokeh.textures.metres.getInternalTexture(), 1);
-  const [drawn, met] = [[], []];
+async function probed(sample) {
+  const { engine, scene, camera, bokeh } = sample;
+  const depth = await metres(sample);
+  const map = await pixels(engine, bokeh.textures.coc.getInternalTexture(), 4);
+  const [drawn, met, nearer] = [[], [], []];
   for (let y = 5; y < HEIGHT; y += 10) {
     for (let x = 5; x < WIDTH; x += 10) {
+      const place = (HEIGHT - 1 - y) * WIDTH + x;
       const { hit, pickedPoint } = scene.pick(x + 0.5, y + 0.5);
-      drawn.push(depth[(HEIGHT - 1 - y) * WIDTH + x]);
+      drawn.push(depth[place]);
+      nearer.push(map[4 * place + 3] > 0x8000); // half floats below 0
       met.push(hit ? Math.abs(Vector3.TransformCoordinates(pickedPoint, camera.getViewMatrix()).z) : camera.maxZ);
     }
   }
-  return { drawn, met };
+  return { drawn, met, nearer, focus: bokeh.uniforms.focusDistance };
 }
 
 // The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }

@@ -4,5 +4,6 @@
 
 #define BOKEH_HLSL_SM 5
 #include "../../hlsl/bokeh.hlsl"
+#include "../../hlsl/bokeh_paper.hlsl"
 #include "../../hlsl/bokeh_layers.hlsl"
 #include "../../hlsl/bokeh_passes.hlsl"

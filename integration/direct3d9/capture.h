@@ -64,8 +64,9 @@ static void write_bmp(const char *folder, const char *name, const void *bytes, i
     free(whole);
 }
 
-static void write_capture(const char *folder, const char *engine, const char *adapter, const CapturedShot *shots,
-                          int num_shots, const CapturedPull *pull)
+/* stored: what depth.f32 holds for exact and layered, as JSON; NULL: metres */
+static void write_capture(const char *folder, const char *engine, const char *adapter, const char *stored,
+                          const CapturedShot *shots, int num_shots, const CapturedPull *pull)
 {
     FILE *file = open_file(folder, "capture.json");
     fprintf(file, "{\"engine\": \"%s\", \"device\": \"%s\", \"width\": %d, \"height\": %d,\n", engine, adapter, WIDTH,
@@ -75,8 +76,10 @@ static void write_capture(const char *folder, const char *engine, const char *ad
         const CapturedShot *shot = &shots[i];
         fprintf(file, "%s\n  {\"name\": \"%s\", \"result\": \"%s.f16\", \"method\": \"%s\", \"aperture\": \"%s\",",
                 i ? "," : "", shot->name, shot->name, shot->method, shot->aperture);
-        if (!strcmp(shot->method, "exact"))
-            fprintf(file, " \"spacing\": 1, \"samples\": 33,");
+        if (stored && !strcmp(shot->method, "paper"))
+            fprintf(file, " \"depth\": \"metres.f32\",");
+        else if (stored)
+            fprintf(file, " \"stored\": %s,", stored);
         if (!strcmp(shot->method, "layered"))
             fprintf(file, " \"written\": \"%s.written\",", shot->name);
         fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"

@@ -43,23 +43,22 @@ typedef enum {
     NUM_SHADERS
 } Shader;
 
-/* The file, the entry, and BOKEH_NUM_SAMPLES: the most on an edge of an exact polygon, all on a line of the paper's. */
 static const struct {
     const wchar_t *file;
-    const char *entry, *samples;
+    const char *entry;
 } SHADERS[NUM_SHADERS] = {
-    [SCENE_COLOR] = {L"scene.hlsl", "SceneColor_PS", "13"},
-    [SCENE_DEPTH] = {L"scene.hlsl", "SceneDepth_PS", "13"},
-    [DISPLAY] = {L"scene.hlsl", "Display_PS", "13"},
-    [SIGNED_COC_MAP] = {L"dof.hlsl", "BokehSignedCoCMap_PS", "13"},
-    [COC_MAP] = {L"dof.hlsl", "BokehCoCMap_PS", "13"},
-    [DEBUG_VIEW] = {L"dof.hlsl", "BokehDebug_PS", "13"},
-    [HEXAGON_FIRST] = {L"dof.hlsl", "BokehHexagonFirst_PS", "33"},
-    [HEXAGON_SECOND] = {L"dof.hlsl", "BokehHexagonSecond_PS", "33"},
-    [OCTAGON_FIRST] = {L"dof.hlsl", "BokehOctagonFirst_PS", "33"},
-    [OCTAGON_SECOND] = {L"dof.hlsl", "BokehOctagonSecond_PS", "33"},
-    [LINE] = {L"dof.hlsl", "BokehDepthOfField_PS", "13"},
-    [LINE_FINAL] = {L"dof.hlsl", "BokehDepthOfFieldFinal_PS", "13"},
+    [SCENE_COLOR] = {L"scene.hlsl", "SceneColor_PS"},
+    [SCENE_DEPTH] = {L"scene.hlsl", "SceneDepth_PS"},
+    [DISPLAY] = {L"scene.hlsl", "Display_PS"},
+    [SIGNED_COC_MAP] = {L"dof.hlsl", "BokehSignedCoCMap_PS"},
+    [COC_MAP] = {L"dof.hlsl", "BokehCoCMap_PS"},
+    [DEBUG_VIEW] = {L"dof.hlsl", "BokehDebug_PS"},
+    [HEXAGON_FIRST] = {L"dof.hlsl", "BokehHexagonFirst_PS"},
+    [HEXAGON_SECOND] = {L"dof.hlsl", "BokehHexagonSecond_PS"},
+    [OCTAGON_FIRST] = {L"dof.hlsl", "BokehOctagonFirst_PS"},
+    [OCTAGON_SECOND] = {L"dof.hlsl", "BokehOctagonSecond_PS"},
+    [LINE] = {L"dof.hlsl", "BokehDepthOfField_PS"},
+    [LINE_FINAL] = {L"dof.hlsl", "BokehDepthOfFieldFinal_PS"},
 };
 
 /* One full-screen pass. */
@@ -112,7 +111,6 @@ static struct BokehParameters parameters = {
     .BlurCoC = 1.0f,
     .LineLength = 1.0f,
     .Squeeze = 1.0f,
-    .Spacing = 1.0f,
     .AspectRatio = (float)WIDTH / HEIGHT,
     .ImageWidth = WIDTH,
     .ImageHeight = HEIGHT,
@@ -158,11 +156,10 @@ static void make_targets(void)
                                                      &z_buffer, NULL));
 }
 
-static const DWORD *compile(const wchar_t *file, const char *entry, const char *profile, const char *samples)
+static const DWORD *compile(const wchar_t *file, const char *entry, const char *profile)
 {
-    const D3D_SHADER_MACRO defines[] = {{"BOKEH_NUM_SAMPLES", samples}, {NULL, NULL}};
     ID3DBlob *code = NULL, *messages = NULL;
-    HRESULT status = D3DCompileFromFile(file, defines, D3D_COMPILE_STANDARD_FILE_INCLUDE, entry, profile, 0, 0, &code,
+    HRESULT status = D3DCompileFromFile(file, NULL, D3D_COMPILE_STANDARD_FILE_INCLUDE, entry, profile, 0, 0, &code,
                                         &messages);
     if (FAILED(status)) {
         fprintf(stderr, "%s: %s\n", entry, messages ? (char *)ID3D10Blob_GetBufferPointer(messages) : "no such file?");
@@ -173,13 +170,13 @@ static const DWORD *compile(const wchar_t *file, const char *entry, const char *
 
 static void make_shaders(void)
 {
-    CHECK(IDirect3DDevice9_CreateVertexShader(device, compile(L"scene.hlsl", "Scene_VS", "vs_3_0", "13"),
+    CHECK(IDirect3DDevice9_CreateVertexShader(device, compile(L"scene.hlsl", "Scene_VS", "vs_3_0"),
                                               &scene_vertex_shader));
-    CHECK(IDirect3DDevice9_CreateVertexShader(device, compile(L"dof.hlsl", "BokehFullScreen_VS", "vs_3_0", "13"),
+    CHECK(IDirect3DDevice9_CreateVertexShader(device, compile(L"dof.hlsl", "BokehFullScreen_VS", "vs_3_0"),
                                               &quad_vertex_shader));
     for (int i = 0; i < NUM_SHADERS; i++)
-        CHECK(IDirect3DDevice9_CreatePixelShader(
-            device, compile(SHADERS[i].file, SHADERS[i].entry, "ps_3_0", SHADERS[i].samples), &shaders[i]));
+        CHECK(IDirect3DDevice9_CreatePixelShader(device, compile(SHADERS[i].file, SHADERS[i].entry, "ps_3_0"),
+                                                 &shaders[i]));
 }
 
 static void make_device(void)
@@ -459,7 +456,7 @@ static void capture(const char *folder)
         pull_focus(pulled.frame);
         pulled.distances[i] = parameters.FocusDistance;
     }
-    write_capture(folder, "Direct3D 9", adapter.Description, shots, NUM_SHOTS, &pulled);
+    write_capture(folder, "Direct3D 9", adapter.Description, NULL, shots, NUM_SHOTS, &pulled);
 }
 
 int main(int argc, char **argv)

@@ -13,6 +13,8 @@ const SHAPES := {
 	exact = { square = 4, hexagon = 6, octagon = 8, decagon = 10 },
 	paper = { hexagon = 6, octagon = 8 },
 }
+# so that Godot's preprocessor meets every preset; all others have MEDIUM
+const PRESETS := { square = "LOW", octagon = "HIGH", decagon = "ULTRA" }
 # Godot's image of a viewport has 8 bits a channel, so floats go out as their bytes.
 const READ := """shader_type canvas_item;
 render_mode unshaded, blend_disabled;
@@ -66,13 +68,15 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int) -> D
 	var bokeh: Sample.PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = method
 	bokeh.sides = sides
-	bokeh.preset = "MEDIUM" if method == "layered" else "ULTRA"
+	bokeh.preset = PRESETS.get(aperture, "MEDIUM") if method != "paper" else "MEDIUM"
 	await _drawn()
 	var title := "%s-%s" % [method, aperture]
 	var shot := {
 		name = title, method = method, aperture = aperture, width = size.x, height = size.y,
-		spacing = 1.0, samples = 33, targets = false,
+		targets = false, preset = bokeh.preset.to_lower(),
 	}
+	if method == "paper":
+		shot.merge({ samples = 9, spacing = 1.5 }) # what the preset stands for
 	var textures := bokeh.textures
 	var jobs := _halves(textures.coc) + _halves(textures.result) + _halves(textures.focus)
 	if "metres" in textures:

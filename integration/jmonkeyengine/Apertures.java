@@ -41,6 +41,7 @@ class Apertures {
     };
 
     public static final BokehFilter.Step[] PAPER_HEXAGON = {
+        new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "metres", 1, Map.of()),
         new BokehFilter.Step(BokehPass.COC_MAP, "scene", "coc", 1, Map.of()),
         new BokehFilter.Step(BokehPass.ADAPTIVE, "coc", "line1", 1, Map.of("Angle", 90f * FastMath.DEG_TO_RAD)),
         new BokehFilter.Step(BokehPass.ADAPTIVE, "line1", "line2", 1, Map.of("Angle", 30f * FastMath.DEG_TO_RAD)),
@@ -48,6 +49,7 @@ class Apertures {
     };
 
     public static final BokehFilter.Step[] PAPER_OCTAGON = {
+        new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "metres", 1, Map.of()),
         new BokehFilter.Step(BokehPass.COC_MAP, "scene", "coc", 1, Map.of()),
         new BokehFilter.Step(BokehPass.ADAPTIVE, "coc", "line1", 1, Map.of("Angle", 0f * FastMath.DEG_TO_RAD)),
         new BokehFilter.Step(BokehPass.ADAPTIVE, "line1", "line2", 1, Map.of("Angle", 90f * FastMath.DEG_TO_RAD)),

@@ -159,10 +159,8 @@ public class BokehFilter extends Filter {
         camera = view.getCamera();
         textures.clear();
         postRenderPasses = new ArrayList<>();
-        Step depth = new Step(BokehPass.LINEAR_DEPTH, "", "metres", 1, Map.of());
-        postRenderPasses.add(new StepPass(assets, depth, Format.R32F, width, height));
         for (Step step : table) {
-            postRenderPasses.add(new StepPass(assets, step, Format.RGBA16F, width, height));
+            postRenderPasses.add(new StepPass(assets, step, width, height));
         }
         material = new Material(assets, "Bokeh/Show.j3md");
     }
@@ -177,7 +175,7 @@ public class BokehFilter extends Filter {
         private final Step step;
         private final ArrayList<Texture2D> targets = new ArrayList<>();
 
-        StepPass(AssetManager assets, Step step, Format format, int width, int height) {
+        StepPass(AssetManager assets, Step step, int width, int height) {
             this.step = step;
             passMaterial = new Material(assets, "Bokeh/Bokeh.j3md");
             passMaterial.setInt("Pass", step.pass.number);
@@ -186,7 +184,6 @@ public class BokehFilter extends Filter {
             passMaterial.setFloat("ImageHeight", height);
             // 0 near .. 1 far
             passMaterial.setFloat("DepthKind", 1f);
-            passMaterial.setFloat("Spacing", 1f);
             step.sets.forEach(passMaterial::setFloat);
             String[] reads = step.reads.split(" ");
             for (int slot = 0; slot < reads.length; slot++) {
@@ -194,9 +191,10 @@ public class BokehFilter extends Filter {
                     passMaterial.setTexture(SLOTS[slot], textures.get(reads[slot]));
                 }
             }
-            if (!requiresDepthAsTexture()) {
+            if (textures.containsKey("metres")) {
                 passMaterial.setTexture("DepthTexture", textures.get("metres"));
             }
+            Format format = step.pass == BokehPass.LINEAR_DEPTH ? Format.R32F : Format.RGBA16F;
             int columns = (width + step.scale - 1) / step.scale;
             int rows = (height + step.scale - 1) / step.scale;
             // not Pass.init: its frame buffer has one target
@@ -221,7 +219,8 @@ public class BokehFilter extends Filter {
 
         @Override
         public boolean requiresDepthAsTexture() {
-            return step.pass == BokehPass.LINEAR_DEPTH;
+            // the paper's tables make metres of it, first of all
+            return !textures.containsKey("metres") || step.writes.equals("metres");
         }
 
         @Override
@@ -237,7 +236,7 @@ public class BokehFilter extends Filter {
         return material;
     }
 
-    // getMaterial has the result, and depth is the first pass's
+    // getMaterial has the result, and the passes have depth
     @Override
     protected boolean isRequiresSceneTexture() {
         return false;

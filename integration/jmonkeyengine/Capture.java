@@ -8,23 +8,30 @@ import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.file.Files;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.Collections;
 import java.util.List;
 import java.util.Locale;
+import java.util.Map;
 import java.util.StringJoiner;
+import java.util.stream.Stream;
 import org.lwjgl.opengl.GL11;
 
 /**
  * For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
  *
- * <p>color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0
- * first; capture.json says what they are, and how the autofocus went.
+ * <p>color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows,
+ * v = 0 first; capture.json says what they are, and how the autofocus went.
  */
 public class Capture extends Sample {
+    // the depth buffer as it is: said to be metres already
+    private static final BokehFilter.Step[] STORED = Stream.concat(Arrays.stream(Apertures.EXACT_HEXAGON), Stream.of(
+            new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "stored", 1, Map.of("DepthKind", 0f))))
+            .toArray(BokehFilter.Step[]::new);
     private static final List<Shot> SHOTS = List.of(
             shot("layered-hexagon", BokehFilter.HEXAGON),
             shot("layered-octagon", Apertures.OCTAGON),
-            shot("exact-hexagon", Apertures.EXACT_HEXAGON),
+            shot("exact-hexagon", STORED),
             shot("exact-octagon", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon", Apertures.PAPER_HEXAGON),
             shot("paper-octagon", Apertures.PAPER_OCTAGON));
@@ -80,6 +87,14 @@ public class Capture extends Sample {
             write(name + ".written", written(shot.table()));
             more = ", \"written\": \"" + name + ".written\"";
         }
+        if (name.startsWith("paper")) {
+            // what the preset MEDIUM stands for
+            more = ", \"depth\": \"metres.f32\", \"stored\": null, \"spacing\": 1.5, \"samples\": 9";
+            write("metres.f32", texture("metres"), Format.R32F);
+        }
+        if (shot.table() == STORED) {
+            write("depth.f32", texture("stored"), Format.R32F);
+        }
         String[] words = name.split("-");
         told.add(String.format("{\"name\": \"%s\", \"method\": \"%s\", \"aperture\": \"%s\", \"result\": \"%s.f16\"%s}",
                 name, words[0], words[1], name, more));
@@ -99,19 +114,18 @@ public class Capture extends Sample {
     @Override
     void finish(File output) throws IOException {
         write("color.f16", texture("scene"), Format.RGBA16F);
-        write("depth.f32", texture("metres"), Format.R32F);
         float focalLength = 0.5f * 0.024f * cam.getProjectionMatrix().m11;
         String capture = String.format(Locale.ROOT, """
                 {"engine": "%s, OpenGL %s", "device": "%s",
                  "width": %d, "height": %d, "color": "color.f16", "depth": "depth.f32",
+                 "stored": {"kind": 1, "near": %.9g, "far": %.9g},
                  "camera": {"aperture_diameter": %.9g, "focal_length": %.9g, "focus_distance": %.9g,
                   "sensor_height": 0.024, "max_coc": 0.1},
-                 "spacing": 1.0, "samples": 33,
                  "pull": {"frame": %.9g, "seconds": %.9g, "from": %.9g, "points": [%s, %s], "distances": [%s]},
                  "shots": [
                   %s]}
                 """, JmeVersion.FULL_NAME, GL11.glGetString(GL11.GL_VERSION), GL11.glGetString(GL11.GL_RENDERER),
-                WIDTH, HEIGHT, focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
+                WIDTH, HEIGHT, cam.getFrustumNear(), cam.getFrustumFar(), focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
                 focusDistance, point(Scene.TOWER), point(Scene.BALL), pulled, told);
         write("capture.json", capture.getBytes());
     }

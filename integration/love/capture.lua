@@ -9,7 +9,7 @@ local Scene = require("scene")
 -- a size that 2, 4 and 8 do not divide
 local WIDTH, HEIGHT = 285, 189
 local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
-  { "exact", "octagon", 8 }, { "exact", "square", 4 }, { "exact", "decagon", 10 } }
+  { "exact", "octagon", 8 }, { "exact", "square", 4, "LOW" }, { "exact", "decagon", 10, "ULTRA" } }
 
 -- Text of a value as JSON; numbers are rounded to what a shader gets
 local function json(value)
@@ -41,8 +41,8 @@ end
 
 local function canvases(bokeh)
   local found = {}
-  for i = 2, #bokeh.passes do
-    for _, canvas in ipairs(bokeh.passes[i].targets) do
+  for _, pass in ipairs(bokeh.passes) do
+    for _, canvas in ipairs(pass.targets) do
       found[#found + 1] = canvas
     end
   end
@@ -69,10 +69,11 @@ return function(folder, addBokeh)
   scene:draw()
   local shots, bokeh = {}, nil
   for i, shot in ipairs(SHOTS) do
-    local method, aperture, sides = unpack(shot)
+    local method, aperture, sides, preset = unpack(shot)
     local name = method .. "-" .. aperture
-    bokeh = addBokeh(scene, { method = method, sides = sides })
-    shots[i] = { name = name, method = method, aperture = aperture, result = name .. ".f16" }
+    bokeh = addBokeh(scene, { method = method, sides = sides, preset = preset })
+    shots[i] = { name = name, method = method, aperture = aperture, result = name .. ".f16",
+      preset = (preset or "MEDIUM"):lower() }
     write(folder .. "/" .. name .. ".f16", bokeh:draw(scene.color, scene.depth))
     if method == "layered" then
       shots[i].written = name .. ".written"
@@ -80,7 +81,9 @@ return function(folder, addBokeh)
     end
   end
   write(folder .. "/color.f16", scene.color)
-  write(folder .. "/depth.f32", bokeh.textures.metres)
+  local stored = bokeh:newPass({ { "metres" }, 1, "vec4(BokehFetchDepth(depth, uv))" })
+  bokeh:drawPasses({ stored })
+  write(folder .. "/depth.f32", stored.targets[1])
   local uniforms = bokeh.uniforms
   local capture = {
     engine = ("LOVE %d.%d"):format(love.getVersion()),
@@ -89,6 +92,7 @@ return function(folder, addBokeh)
     height = HEIGHT,
     color = "color.f16",
     depth = "depth.f32",
+    stored = { kind = 1, near = scene.near, far = scene.far },
     camera = {
       aperture_diameter = uniforms.apertureDiameter,
       focal_length = uniforms.focalLength,
@@ -96,8 +100,6 @@ return function(folder, addBokeh)
       sensor_height = uniforms.sensorHeight,
       max_coc = uniforms.maxCoC,
     },
-    spacing = uniforms.spacing,
-    samples = 33,
     shots = shots,
     pull = pulled(bokeh),
   }

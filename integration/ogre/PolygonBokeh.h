@@ -132,15 +132,13 @@ public:
 
     // Parameters of all passes. Those that are left out are 0.
     Uniforms uniforms = {
-        {"BokehDepthKind", 1.0f}, {"BokehSensorHeight", 0.024f}, {"BokehMaxCoC", 0.1f}, {"BokehSpacing", 1.0f},
-        {"BokehSqueeze", 1.0f}, {"BokehBleedingBias", 0.02f}, {"BokehBleedingMult", 30.0f},
-        {"BokehFocusDistance", 5.0f},
+        {"BokehDepthKind", 1.0f}, {"BokehSensorHeight", 0.024f}, {"BokehMaxCoC", 0.1f}, {"BokehSqueeze", 1.0f},
+        {"BokehBleedingBias", 0.02f}, {"BokehBleedingMult", 30.0f}, {"BokehFocusDistance", 5.0f},
     };
 
     // library: the texts of bokeh.glsl, bokeh_layers.glsl and bokeh_passes.glsl, in this order
     PolygonBokeh(Ogre::Viewport* viewport, const std::string& library, const Frame& frame)
-        : mViewport(viewport),
-          mFrame({{"LINEAR_DEPTH", "", "metres", 1, {}}, {"SIGNED_COC_MAP", "color", "coc", 1, {}}})
+        : mViewport(viewport), mFrame({{"SIGNED_COC_MAP", "color", "coc", 1, {}}})
     {
         static int made = 0;
         mName = "PolygonBokeh" + std::to_string(made++);
@@ -193,10 +191,11 @@ public:
     // Depth of a pixel of the last frame, metres. It waits for the GPU: do it on a click, not each frame.
     float depthAt(unsigned x, unsigned y)
     {
-        float metres = 0.0f;
-        const Ogre::PixelBox texel(1, 1, 1, Ogre::PF_FLOAT32_R, &metres);
-        texture("metres")->getBuffer()->blitToMemory(Ogre::Box(x, y, x + 1, y + 1), texel);
-        return metres;
+        float stored = 0.0f;
+        const Ogre::PixelBox texel(1, 1, 1, Ogre::PF_DEPTH32F, &stored);
+        texture("depth")->getBuffer()->blitToMemory(Ogre::Box(x, y, x + 1, y + 1), texel);
+        const float near = uniforms["BokehNear"], far = uniforms["BokehFar"];
+        return near * far / (far - stored * (far - near));
     }
 
     // Focus smoothly on the nearest of several depths: call it each frame. tau is the time constant; seconds.
@@ -313,8 +312,7 @@ private:
         if (index + 1 < mFrame.size())
         {
             const std::string texture = "pass" + std::to_string(index);
-            const auto format = row.writes == "metres" ? Ogre::PF_FLOAT32_R : Ogre::PF_FLOAT16_RGBA;
-            addTexture(texture, row.writes, row.scale, format);
+            addTexture(texture, row.writes, row.scale, Ogre::PF_FLOAT16_RGBA);
             mTechnique->getTextureDefinition(texture)->depthBufferId = 0; // none
             target = mTechnique->createTargetPass();
             target->setOutputName(texture);
@@ -342,7 +340,7 @@ private:
             parameters->setNamedConstant(slot, unit);
             pass->setInput(unit++, mPlaces.at(name).texture, mPlaces.at(name).index);
         };
-        bind("BokehDepthSamp", row.entry == "LINEAR_DEPTH" ? "depth" : "metres");
+        bind("BokehDepthSamp", "depth");
         const std::vector<std::string> reads = words(row.reads);
         for (size_t i = 0; i < reads.size(); ++i)
         {
@@ -362,8 +360,7 @@ private:
         if (!programs.getByName(name, GROUP))
         {
             auto program = programs.createProgram(name, GROUP, "glsl", Ogre::GPT_FRAGMENT_PROGRAM);
-            const std::string defines = "#define BOKEH_PASS BOKEH_" + entry + "\n#define BOKEH_NUM_SAMPLES 33\n";
-            program->setSource("#version 330\n" + defines + library);
+            program->setSource("#version 330\n#define BOKEH_PASS BOKEH_" + entry + "\n" + library);
         }
         return name;
     }

@@ -67,7 +67,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
     const std::function<std::unique_ptr<PolygonBokeh>(const PolygonBokeh::Frame&)>& make,
     Ogre::CompositorInstance* tone)
 {
-    std::string shots, camera, pull;
+    std::string shots, camera, stored, pull;
     for (const auto& [method, aperture, sides] : std::vector<std::tuple<std::string, std::string, int>>{
              {"layered", "hexagon", 6}, {"layered", "octagon", 8}, {"exact", "hexagon", 6}, {"exact", "octagon", 8},
              {"exact", "square", 4}, {"exact", "decagon", 10}})
@@ -84,7 +84,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         {
             std::string written;
             const auto& frame = bokeh->frame();
-            for (size_t i = 1; i + 1 < frame.size(); ++i)
+            for (size_t i = 0; i + 1 < frame.size(); ++i)
             {
                 for (const std::string& target : PolygonBokeh::words(frame[i].writes))
                 {
@@ -96,13 +96,14 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         }
         shots += "}";
         write(folder + "/color.f16", bytesOf(bokeh->texture("color")));
-        write(folder + "/depth.f32", bytesOf(bokeh->texture("metres")));
+        write(folder + "/depth.f32", bytesOf(bokeh->texture("depth")));
         auto& uniforms = bokeh->uniforms;
         camera = "\"aperture_diameter\": " + number(uniforms["BokehApertureDiameter"]) +
             ", \"focal_length\": " + number(uniforms["BokehFocalLength"]) +
             ", \"focus_distance\": " + number(uniforms["BokehFocusDistance"]) +
             ", \"sensor_height\": " + number(uniforms["BokehSensorHeight"]) +
             ", \"max_coc\": " + number(uniforms["BokehMaxCoC"]);
+        stored = "\"kind\": 1, \"near\": " + number(uniforms["BokehNear"]) + ", \"far\": " + number(uniforms["BokehFar"]);
         pull = pulled(*bokeh, viewport);
     }
     const auto& device = *Ogre::Root::getSingleton().getRenderSystem()->getCapabilities();
@@ -111,6 +112,6 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
             std::to_string(OGRE_VERSION_PATCH) + ", " + device.getRenderSystemName() + "\", \"device\": \"" +
             device.getDeviceName() + "\", \"width\": " + std::to_string(viewport->getActualWidth()) +
             ", \"height\": " + std::to_string(viewport->getActualHeight()) +
-            ", \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"spacing\": 1.0, \"samples\": 33" +
-            ", \"camera\": {" + camera + "}, \"shots\": [" + shots + "], \"pull\": {" + pull + "}}");
+            ", \"color\": \"color.f16\", \"depth\": \"depth.f32\", \"stored\": {" + stored + "}, \"camera\": {" + camera +
+            "}, \"shots\": [" + shots + "], \"pull\": {" + pull + "}}");
 }

@@ -39,6 +39,7 @@ EXACT_OCTAGON = [
 ]
 
 PAPER_HEXAGON = [
+    ("LINEAR_DEPTH", "", "metres", 1, {}),
     ("COC_MAP", "color", "coc", 1, {}),
     ("ADAPTIVE", "coc", "line_1", 1, {"BokehAngle": radians(90)}),
     ("ADAPTIVE", "line_1", "line_2", 1, {"BokehAngle": radians(30)}),
@@ -46,6 +47,7 @@ PAPER_HEXAGON = [
 ]
 
 PAPER_OCTAGON = [
+    ("LINEAR_DEPTH", "", "metres", 1, {}),
     ("COC_MAP", "color", "coc", 1, {}),
     ("ADAPTIVE", "coc", "line_1", 1, {"BokehAngle": radians(0)}),
     ("ADAPTIVE", "line_1", "line_2", 1, {"BokehAngle": radians(90)}),

@@ -1,7 +1,7 @@
 """For validation/run engines, not for your renderer: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
-capture.json says what they are.
+color.f16, depth.f32 (the buffer), metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw
+rows, v = 0 first; capture.json says what they are.
 """
 
 import json
@@ -11,7 +11,7 @@ from pathlib import Path
 import moderngl
 from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
 from depth_of_field import HEXAGON, depth_of_field
-from renderer import BALL, SIZE, Renderer
+from renderer import BALL, FAR, NEAR, SIZE, Renderer
 from sample import BLUR, DEPTH, IMAGE, LENS, PAPER, focus_at, focus_on, pull_focus, start
 
 SHOTS = {
@@ -52,11 +52,15 @@ def main(folder):
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
         if method == "layered":
             shot["written"] = f"{name}.written"
-            targets = [target for step in passes[1:] for target in step.framebuffer.color_attachments]
+            targets = [target for step in passes for target in step.framebuffer.color_attachments]
             (folder / shot["written"]).write_bytes(b"".join(target.read() for target in targets))
+        if method == "paper":
+            # what the preset MEDIUM stands for
+            shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
     (folder / "color.f16").write_bytes(renderer.color.read())
-    (folder / "depth.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
+    (folder / "depth.f32").write_bytes(renderer.framebuffer.read(components=1, attachment=-1, dtype="f4"))
+    (folder / "metres.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
     capture = {
         "engine": f"OpenGL {context.info['GL_VERSION']}, moderngl {moderngl.__version__}",
         "device": context.info["GL_RENDERER"],
@@ -64,6 +68,7 @@ def main(folder):
         "height": SIZE[1],
         "color": "color.f16",
         "depth": "depth.f32",
+        "stored": {"kind": 1, "near": NEAR, "far": FAR},
         "camera": {
             "aperture_diameter": LENS["BokehApertureDiameter"],
             "focal_length": LENS["BokehFocalLength"],
@@ -71,9 +76,7 @@ def main(folder):
             "sensor_height": LENS["BokehSensorHeight"],
             "max_coc": BLUR["BokehMaxCoC"],
         },
-        "spacing": BLUR["BokehSpacing"],
-        "samples": 33,
-        "pull": pull(focus, {(x, y): focus_at(passes, x, y) for x, y in POINTS}),
+        "pull": pull(focus, {(x, y): focus_at(renderer, x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -1,13 +1,14 @@
-"""Depth of field for an OpenGL 3.3 renderer: a hexagon in layers. Three files of shaders are the rest."""
+"""Depth of field for an OpenGL 3.3 renderer: a hexagon in layers. The shaders of glsl/ are the rest."""
 
 from functools import partial
 from pathlib import Path
 
 from renderer import FullScreenPass, texture
 
-# the folder with the three files
+# the folder with the files; bokeh_paper is for the tables PAPER_.. of apertures.py only
 GLSL = Path(__file__).resolve().parents[2] / "glsl"
-FILES = "".join((GLSL / name).read_text() for name in ("bokeh.glsl", "bokeh_layers.glsl", "bokeh_passes.glsl"))
+NAMES = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
+FILES = "".join((GLSL / f"{name}.glsl").read_text() for name in NAMES)
 SLOTS = ["BokehColorSamp", *(f"BokehColorSamp{letter}" for letter in "BCDEF")]
 
 # Each pass: its entry, textures for the slots ("-": not this one), its targets, their size (1 / n of the image, rounded
@@ -35,20 +36,20 @@ HEXAGON = [
 
 def shader(name):
     """Text of a shader; `name` without BOKEH_ is one of the table in bokeh_passes.glsl."""
-    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n#define BOKEH_NUM_SAMPLES 33\n{FILES}"
+    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n{FILES}"
 
 
 def depth_of_field(context, color, depth, table=HEXAGON):
     """The passes, to be drawn in their order each frame, and the texture that the last one writes."""
     full_screen = partial(FullScreenPass, context, shader("FULL_SCREEN"))
-    metres = texture(context, color.size, "R32F")
-    passes = [full_screen(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [metres])]
-    textures = {"color": color}
+    passes, textures = [], {"color": color}
     for entry, reads, writes, scale, parameters in table:
         size = [-(-side // scale) for side in color.size]
-        targets = {name: texture(context, size, "RGBA16F") for name in writes.split()}
+        kind = "R32F" if entry == "LINEAR_DEPTH" else "RGBA16F"
+        targets = {name: texture(context, size, kind) for name in writes.split()}
         read = {slot: textures[name] for slot, name in zip(SLOTS, reads.split(), strict=False) if name != "-"}
-        read["BokehDepthSamp"] = metres
+        # only the paper's tables make metres
+        read["BokehDepthSamp"] = textures.get("metres", depth)
         passes.append(full_screen(shader(entry), read, [*targets.values()], **parameters))
         textures |= targets
     return passes, textures["result"]

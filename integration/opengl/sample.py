@@ -15,8 +15,8 @@ FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * FIELD_OF_VIEW))
 LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=0.024)
 IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1])
 DEPTH = dict(BokehDepthKind=1.0, BokehNear=NEAR, BokehFar=FAR)
-BLUR = dict(BokehMaxCoC=0.12, BokehSpacing=1.0, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
-# exact has the last two and BokehSpacing, the paper's method all of it
+BLUR = dict(BokehMaxCoC=0.12, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
+# the paper's method has these as well
 PAPER = dict(BokehBlurCoC=1.0, BokehLineLength=1.0)
 
 
@@ -25,10 +25,10 @@ def focus_on(world):
     return -(view() @ [*world, 1.0])[2]
 
 
-def focus_at(passes, x, y):
-    """Focus distance for a pixel, counted from the lower left: one texel of what the first pass wrote, metres."""
-    texel = passes[0].framebuffer.read((x, y, 1, 1), components=1, dtype="f4")
-    return float(np.frombuffer(texel, "f4")[0])
+def focus_at(renderer, x, y):
+    """Focus distance for a pixel, counted from the lower left: one texel of the depth buffer, in metres."""
+    texel = renderer.framebuffer.read((x, y, 1, 1), components=1, attachment=-1, dtype="f4")
+    return NEAR * FAR / (FAR - float(np.frombuffer(texel, "f4")[0]) * (FAR - NEAR))
 
 
 def pull_focus(distance, depths, seconds, tau=0.2):
@@ -54,7 +54,7 @@ def main(path):
     hexagon = renderer.picture(result)
 
     # several points, and no pull: where it ends
-    picked = pull_focus(focus_on(BALL), [focus_at(passes, 304, 82), focus_at(passes, 190, 200)], inf)
+    picked = pull_focus(focus_on(BALL), [focus_at(renderer, 304, 82), focus_at(renderer, 190, 200)], inf)
     passes, result = depth_of_field(context, renderer.color, renderer.depth, OCTAGON)
     for step in passes:
         step.draw(BokehFocusDistance=picked, **LENS, **IMAGE, **DEPTH, **BLUR)

@@ -1,6 +1,6 @@
 """For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32 and a .f16 for each shot are raw rows, v = 0 first; capture.json says what they are.
+color.f16, depth.f32, metres.f32 and a .f16 for each shot are raw rows, v = 0 first; capture.json says what they are.
 """
 
 import json
@@ -66,9 +66,14 @@ def main(folder):
     for name, effect in effects.items():
         save(base, effect.textures["result"], folder / f"{name}.f16", "e")
         method, aperture = name.split("-")
-        shots.append({"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"})
+        shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if method == "paper":
+            # what the preset MEDIUM stands for
+            shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
+        shots.append(shot)
     save(base, frame.color, folder / "color.f16", "e")
-    save(base, effect.textures["metres"], folder / "depth.f32", "f")
+    save(base, frame.depth, folder / "depth.f32", "f")
+    save(base, effect.textures["metres"], folder / "metres.f32", "f")
     capture = {
         "engine": f"Panda3D {PandaSystem.getVersionString()}",
         "device": base.win.getGsg().getDriverRenderer(),
@@ -76,6 +81,7 @@ def main(folder):
         "height": scene.SIZE[1],
         "color": "color.f16",
         "depth": "depth.f32",
+        "stored": {"kind": 1, "near": scene.NEAR, "far": scene.FAR},
         "camera": {
             "aperture_diameter": PARAMETERS["BokehApertureDiameter"],
             "focal_length": PARAMETERS["BokehFocalLength"],
@@ -83,9 +89,7 @@ def main(folder):
             "sensor_height": PARAMETERS["BokehSensorHeight"],
             "max_coc": PARAMETERS["BokehMaxCoC"],
         },
-        "spacing": PARAMETERS["BokehSpacing"],
-        "samples": 33,
-        "pull": pull(focus, {(x, y): focus_at(base, effect.textures["metres"], x, y) for x, y in POINTS}),
+        "pull": pull(focus, {(x, y): focus_at(base, frame.depth, x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -30,10 +30,8 @@ PARAMETERS = {
     "BokehLineLength": 1.0,
     "BokehLineCenterX": 0.0,
     "BokehLineCenterY": 0.0,
-    "BokehSpacing": 1.0,
-    "BokehJitter": 0.0,
-    "BokehFrame": 0.0,
-    "BokehPassIndex": 0.0,
+    # the preset's
+    "BokehSpacing": 0.0,
     "BokehDebugMode": 3.0,
 }
 
@@ -79,7 +77,9 @@ class Frame:
         self.color = texture("color")
         self.depth = texture("depth")
         hdr = float_target(16, 16, 16, 16)
-        hdr.setDepthBits(24)
+        # else it has 16 bits where it is read back
+        hdr.setFloatDepth(True)
+        hdr.setDepthBits(32)
         self.quad = self.manager.renderSceneInto(colortex=self.color, depthtex=self.depth, fbprops=hdr)
         self.quad.setShader(Shader.make(Shader.SL_GLSL, TONE_MAPPING_VERTEX, TONE_MAPPING))
         self.quad.setShaderInput("image", self.color)
@@ -99,12 +99,12 @@ def focus_on(base, node):
     return node.getPos(base.cam).y
 
 
-def focus_at(base, metres, x, y):
-    """Focus distance for a pixel, counted from the lower left: one texel of the depth in metres."""
-    base.graphicsEngine.extractTextureData(metres, base.win.getGsg())
+def focus_at(base, depth, x, y):
+    """Focus distance for a pixel, counted from the lower left: one texel of the depth buffer, in metres."""
+    base.graphicsEngine.extractTextureData(depth, base.win.getGsg())
     found = LVecBase4f()
-    metres.peek().fetchPixel(found, x, y)
-    return found.x
+    depth.peek().fetchPixel(found, x, y)
+    return scene.NEAR * scene.FAR / (scene.FAR - found.x * (scene.FAR - scene.NEAR))
 
 
 def pull_focus(distance, depths, seconds, tau=0.2):
@@ -129,9 +129,8 @@ def main(path):
     octagon = DepthOfField(frame.manager, frame.color, frame.depth, EXACT_OCTAGON)
     octagon.set(BokehFocusDistance=focus, **PARAMETERS)
     base.graphicsEngine.renderFrame()
-    metres = octagon.textures["metres"]
     # several points, and no pull: where it ends
-    picked = pull_focus(focus, [focus_at(base, metres, 304, 82), focus_at(base, metres, 5, 250)], inf)
+    picked = pull_focus(focus, [focus_at(base, frame.depth, 304, 82), focus_at(base, frame.depth, 5, 250)], inf)
     octagon.set(BokehFocusDistance=picked)
 
     width, height = scene.SIZE

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for PlayCanvas: a CameraFrame whose depth of field is made of the functions of bokeh.glsl and
-// bokeh_layers.glsl. It stands after TAA, before bloom and tone mapping.
+// Polygonal bokeh for PlayCanvas: a CameraFrame whose depth of field is made of the functions of the
+// library. It stands after TAA, before bloom and tone mapping.
 
 import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, RenderTarget } from 'playcanvas';
 import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
 import { PROJECTION_PERSPECTIVE, ShaderUtils, Texture } from 'playcanvas';
-import { cocMap, exact, layered, paper, stored } from './frames.js';
+import { declared, frame, inWgsl, stored, views, withPreset } from './frames.js';
 
-const FRAMES = { layered, exact, paper };
+// What CameraFrame draws as depth, as BokehLinearDepth reads it: metres
+const DEPTH = '0, 0.0, 0.0';
 
-// What debugMode 1, 2 and 3 show: depth, circle of confusion, near and far field
-const VIEWS = [
-  'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
-  'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
-  'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
-];
-
-// To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing (pixels
-// between samples of exact and paper).
+// To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
 const UNIFORMS = {
   apertureDiameter: 0.05,
   focalLength: 0.05,
@@ -27,16 +20,12 @@ const UNIFORMS = {
   maxCoC: 0.1,
   rotation: 0,
   squeeze: 1,
-  spacing: 1,
 };
-
-// of layered: BOKEH_LAYER_RINGS, _CELLS, _CUBIC
-const PRESETS = { LOW: [2, 8, 0], MEDIUM: [3, 12, 1], HIGH: [3, 16, 1], ULTRA: [4, 16, 1] };
 
 // The names of uniforms and textures are common to all shaders of PlayCanvas: these get a prefix.
 const own = (name) => `bokeh_${name}`;
 
-// The two languages. values: of the library's constants; code: what a pass does, as (call) => text
+// The two languages
 const GLSL = {
   vertex: `
 attribute vec2 aPosition;
@@ -48,11 +37,10 @@ void main()
 }`,
 
   // PlayCanvas evaluates #if by itself. It does not know GL_ES, by which the library sets the precision, and compares
-  // numbers as text, in which 13 < 2; behind a second name it leaves them alone.
-  library(text, values) {
-    const define = ([name, value]) => `#define ${name}_HERE ${value}\n#define ${name} ${name}_HERE\n`;
+  // numbers as text, in which 13 < 2: the errors of a wrong configuration go.
+  library(text, preset) {
     const precision = ['float', 'int', 'sampler2D'].map((type) => `precision highp ${type};\n`);
-    return [...precision, ...Object.entries(values).map(define), text].join('');
+    return [...precision, `#define BOKEH_PRESET_${preset}\n`, text.replace(/^#error.*$/gm, '')].join('');
   },
 
   declarations: (textures, uniforms) => `
@@ -63,19 +51,18 @@ varying vec2 bokehUv;
 `,
   uniform: own,
   call: (text) => text,
-  main: (sides, call, returned, opaque) => `
+  main: (sides, named, call, returned, opaque) => `
 void main()
 {
     vec2 uv = bokehUv;
-    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
-    BokehFilter settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
+    ${declared(named, sides)}
     ${stored(call, returned, (i) => `pcFragColor${i}`)}
     ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
 }`,
 };
 
+// 32-bit floats
+const FLOAT = ['depth', 'metres'];
 const filtered = (name) => `var ${name}: texture_2d<f32>;\nvar ${name}Sampler: sampler;\n`;
 const WGSL = {
   vertex: `
@@ -89,31 +76,25 @@ varying bokehUv: vec2f;
     return output;
 }`,
 
-  // PlayCanvas hands no pipeline constants on to WebGPU, so the overrides get their values here.
-  library: (text, values) =>
-    text.replace(/(?<=override (\w+): \w+ = )[\d.]+/g, (value, name) => values[name] ?? value),
+  // PlayCanvas hands no pipeline constants on to WebGPU.
+  library: withPreset,
 
   // each on a line of its own; 'uff': a 32-bit float texture, which not every device filters
   declarations: (textures, uniforms) => `
-${textures.map((name) => (name === 'metres' ? `var ${own(name)}: texture_2d<uff>;\n` : filtered(own(name)))).join('')}
+${textures.map((name) => (FLOAT.includes(name) ? `var ${own(name)}: texture_2d<uff>;\n` : filtered(own(name)))).join('')}
 ${uniforms.map((name) => `uniform ${own(name)}: f32;\n`).join('')}
 uniform bokeh_imageSize: vec2f;
 varying bokehUv: vec2f;
 `,
   uniform: (name) => `uniform.${own(name)}`,
-  // a sampler comes after the first texture, but where a texel is fetched
-  call: (text) =>
-    text.replace(/(Bokeh(?!FetchNearest|\w*CoCMap)\w+\((bokeh_\w+))/g, '$1, $2Sampler').replaceAll('vec2(', 'vec2f('),
-  main: (sides, call, returned, opaque) => `
+  call: (text, sampled) => inWgsl(text, `${own(sampled)}Sampler`),
+  main: (sides, named, call, returned, opaque) => `
 @fragment fn fragmentMain(input: FragmentInput) -> FragmentOutput
 {
     var output: FragmentOutput;
     let uv = input.bokehUv;
-    let polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    let layers = BokehMakeLayers(imageSize, polygon, maxCoC);
-    var settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
-    ${stored(call, returned, (i) => `output.color${i || ''}`, 'let')}
+    ${declared(named, sides, true)}
+    ${stored(call, returned, (i) => `output.color${i || ''}`, true)}
     ${opaque ? 'output.color.a = 1.0;' : ''}
     return output;
 }`,
@@ -126,7 +107,8 @@ function replaced(text, names, by) {
 // What comes after the library in a pass that reads the textures `reads`
 function fragment(language, reads, [, , call, returned], sides, opaque) {
   const uniforms = Object.keys(UNIFORMS);
-  const main = language.main(sides, language.call(replaced(call, reads, own)), returned, opaque);
+  const sampled = reads.find((name) => !FLOAT.includes(name));
+  const main = language.main(sides, call, language.call(replaced(call, reads, own), sampled), returned, opaque);
   return language.declarations(reads, uniforms) + replaced(main, [...uniforms, 'imageSize'], language.uniform);
 }
 
@@ -160,18 +142,16 @@ class BokehPass extends RenderPassShaderQuad {
   }
 }
 
-// All passes from colour and metres to the result: textures.color and .metres are set before each frame
+// All passes from colour and depth to the result: textures.color, .depth and .metres are set before each frame
 class PolygonBokeh extends FramePass {
-  constructor(device, library, uniforms, { method, sides, preset, samples, opaque }) {
+  constructor(device, library, uniforms, { method, sides, preset, opaque }) {
     super(device);
     this.uniforms = uniforms;
-    this.textures = { color: null, metres: null };
-    const [BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC] = PRESETS[preset];
-    const values = { BOKEH_NUM_SAMPLES: samples, BOKEH_LAYER_RINGS, BOKEH_LAYER_CELLS, BOKEH_LAYER_CUBIC };
+    this.textures = { color: null, depth: null, metres: null };
     const language = device.isWebGPU ? WGSL : GLSL;
-    const text = language.library(library, values);
-    const frame = [cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap'), ...FRAMES[method](sides)];
-    this.targets = frame.map(([writes]) => {
+    const text = language.library(library, preset);
+    const rows = frame(method, sides, DEPTH);
+    this.targets = rows.map(([writes]) => {
       const colorBuffers = writes.map((name) => (this.textures[name] = this.texture(name)));
       return new RenderTarget({ name: writes[0], colorBuffers, depth: false });
     });
@@ -181,7 +161,7 @@ class PolygonBokeh extends FramePass {
       const last = opaque && target === this.targets.at(-1);
       const reads = Object.keys(this.textures).filter((name) => new RegExp(`\\b${name}\\b`).test(call));
       const shader = ShaderUtils.createShader(device, {
-        uniqueName: ['bokeh', method, sides, preset, samples, last, place].join('-'),
+        uniqueName: ['bokeh', method, sides, preset, last, place].join('-'),
         attributes: { aPosition: SEMANTIC_POSITION },
         vertexGLSL: GLSL.vertex,
         vertexWGSL: WGSL.vertex,
@@ -189,8 +169,8 @@ class PolygonBokeh extends FramePass {
       });
       return new BokehPass(this, shader, scale, reads, target);
     };
-    this.passes = frame.map((row, i) => pass(row, i, this.targets[i]));
-    this.views = VIEWS.map((view, i) => pass([['result'], 1, view], `view${i}`, this.targets.at(-1)));
+    this.passes = rows.map((row, i) => pass(row, i, this.targets[i]));
+    this.views = views(method, DEPTH).map((row, i) => pass(row, `view${i}`, this.targets.at(-1)));
     this.beforePasses.push(...this.passes, ...this.views);
   }
 
@@ -243,33 +223,32 @@ class BokehCameraFrame extends FramePassCameraFrame {
     const { textures } = this.bokeh;
     this.bokeh.debugMode = this.cameraFrame.debugMode;
     textures.color = this.composePass.sceneTexture;
-    textures.metres = this.prePass.linearDepthTexture;
+    textures.depth = textures.metres = this.prePass.linearDepthTexture;
     this.composePass.sceneTexture = textures.result;
     this.scenePassHalf?.setSourceTexture(textures.result);
   }
 }
 
 export class PolygonBokehFrame extends CameraFrame {
-  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order
+  // library  the text of bokeh.*, and after it bokeh_layers.* for layered, bokeh_paper.* for paper
   // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
   //          confusion, fewer passes; 'paper': lines and min, a target less
   // sides    6 or 8; layered and exact have 4 and 10 as well
-  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  // samples  of exact and paper: at most so many on an edge or a line
+  // preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
   // opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
   //          transparency.
   constructor(
     app,
     cameraComponent,
     library,
-    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true } = {},
+    { method = 'layered', sides = 6, preset = 'MEDIUM', opaque = true } = {},
   ) {
     if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
     super(app, cameraComponent);
     this.library = library;
     this.uniforms = { ...UNIFORMS };
     this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
-    this.bokehOptions = { method, sides, preset, samples, opaque };
+    this.bokehOptions = { method, sides, preset, opaque };
     this.rendering.renderFormats = [PIXELFORMAT_RGBA16F];
     this.rendering.sceneDepthMap = true; // a first pass for depth, in metres
     this.update();

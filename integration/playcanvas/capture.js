@@ -68,7 +68,7 @@ export async function capture() {
       const name = `${method}-${aperture}`;
       const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
       const frame = await draw({ method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, samples: 33, ...settings(frame.uniforms) };
+      const shot = { name, method, aperture, width, height, ...settings(method, frame.uniforms) };
       for (const [what, array] of Object.entries(await read(frame))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);
@@ -101,10 +101,11 @@ const adapter = ({ adapterInfo: { vendor, architecture, description } }) =>
   [vendor, architecture, description].filter(Boolean).join(' ');
 
 // What the shaders got, which is float32.
-function settings(uniforms) {
+function settings(method, uniforms) {
   const value = (name) => Math.fround(uniforms[name]);
   return {
-    spacing: value('spacing'),
+    // paper's lines with the preset's samples; the others have it themselves
+    ...(method === 'paper' && { samples: 9, spacing: 1.5 }),
     camera: {
       aperture_diameter: value('apertureDiameter'),
       focal_length: value('focalLength'),

@@ -1,7 +1,7 @@
 """For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
-capture.json says what they are.
+color.f16, depth.f32 (the buffer), metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw
+rows, v = 0 first; capture.json says what they are.
 """
 
 import json
@@ -13,7 +13,7 @@ from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPE
 from depth_of_field import HEXAGON, depth_of_field
 from raylib import ffi
 from sample import PAPER, PARAMETERS, focus_at, focus_on, pull_focus, read, start
-from scene import DRUM, SIZE, Scene
+from scene import DRUM, FAR, NEAR, SIZE, Scene
 
 SHOTS = {
     "layered-hexagon": HEXAGON,
@@ -60,11 +60,19 @@ def main(folder):
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
         if method == "layered":
             shot["written"] = f"{name}.written"
-            targets = [target for step in passes[1:] for target in step.targets]
+            targets = [target for step in passes for target in step.targets]
             (folder / shot["written"]).write_bytes(b"".join(read(target, 8) for target in targets))
+        if method == "paper":
+            # what the preset MEDIUM stands for
+            shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
     (folder / "color.f16").write_bytes(read(scene.color, 8))
-    (folder / "depth.f32").write_bytes(read(passes[0].targets[0], 4))
+    metres = passes[0].targets[0]
+    (folder / "metres.f32").write_bytes(read(metres, 4))
+    found = {(x, y): focus_at(metres, x, y) for x, y in POINTS}
+    # the same pass leaves the buffer's own values as they are, if they are said to be metres
+    passes[0].draw(**PARAMETERS | {"BokehDepthKind": 0.0})
+    (folder / "depth.f32").write_bytes(read(metres, 4))
     capture = {
         "engine": f"raylib {rl.RAYLIB_VERSION}, OpenGL {gl_string(GL_VERSION)}",
         "device": gl_string(RENDERER),
@@ -72,6 +80,7 @@ def main(folder):
         "height": SIZE[1],
         "color": "color.f16",
         "depth": "depth.f32",
+        "stored": {"kind": 1, "near": NEAR, "far": FAR},
         "camera": {
             "aperture_diameter": PARAMETERS["BokehApertureDiameter"],
             "focal_length": PARAMETERS["BokehFocalLength"],
@@ -79,9 +88,7 @@ def main(folder):
             "sensor_height": PARAMETERS["BokehSensorHeight"],
             "max_coc": PARAMETERS["BokehMaxCoC"],
         },
-        "spacing": PARAMETERS["BokehSpacing"],
-        "samples": 33,
-        "pull": pull(focus, {(x, y): focus_at(passes[0].targets[0], x, y) for x, y in POINTS}),
+        "pull": pull(focus, found),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -1,13 +1,14 @@
-"""Depth of field for raylib: full-screen passes by rlgl. The three files of shaders are the rest."""
+"""Depth of field for raylib: full-screen passes by rlgl. The shaders of glsl/ are the rest."""
 
 from pathlib import Path
 
 import raylib as rl
 from raylib import ffi
 
-# the folder with the three files
+# the folder with the files; bokeh_paper is for the tables PAPER_.. of apertures.py only
 GLSL = Path(__file__).resolve().parents[2] / "glsl"
-FILES = "".join((GLSL / name).read_text() for name in ("bokeh.glsl", "bokeh_layers.glsl", "bokeh_passes.glsl"))
+NAMES = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
+FILES = "".join((GLSL / f"{name}.glsl").read_text() for name in NAMES)
 SLOTS = ["BokehColorSamp", *(f"BokehColorSamp{letter}" for letter in "BCDEF")]
 HALF, FLOAT = rl.PIXELFORMAT_UNCOMPRESSED_R16G16B16A16, rl.PIXELFORMAT_UNCOMPRESSED_R32
 
@@ -45,7 +46,7 @@ def texture(width, height, pixels):
 
 def shader(name):
     """Text of a shader; `name` without BOKEH_ is one of the table in bokeh_passes.glsl."""
-    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n#define BOKEH_NUM_SAMPLES 33\n{FILES}"
+    return f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n{FILES}"
 
 
 class FullScreenPass:
@@ -99,14 +100,14 @@ class FullScreenPass:
 
 def depth_of_field(color, depth, table=HEXAGON):
     """The passes, to be drawn in their order each frame, and the texture that the last one writes."""
-    metres = texture(color.width, color.height, FLOAT)
-    passes = [FullScreenPass(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [metres], {})]
-    textures = {"color": color}
+    passes, textures = [], {"color": color}
     for entry, reads, writes, scale, parameters in table:
         size = [-(-side // scale) for side in (color.width, color.height)]
-        targets = {name: texture(*size, HALF) for name in writes.split()}
+        kind = FLOAT if entry == "LINEAR_DEPTH" else HALF
+        targets = {name: texture(*size, kind) for name in writes.split()}
         read = {slot: textures[name] for slot, name in zip(SLOTS, reads.split(), strict=False) if name != "-"}
-        read["BokehDepthSamp"] = metres
+        # only the paper's tables make metres
+        read["BokehDepthSamp"] = textures.get("metres", depth)
         passes.append(FullScreenPass(shader(entry), read, [*targets.values()], parameters))
         textures |= targets
     return passes, textures["result"]

@@ -6,7 +6,7 @@ from struct import unpack_from
 
 import raylib as rl
 from apertures import DEBUG, OCTAGON
-from depth_of_field import FullScreenPass, depth_of_field, texture
+from depth_of_field import FLOAT, FullScreenPass, depth_of_field, shader, texture
 from raylib import ffi
 from scene import DRUM, EYE, FAR, FIELD_OF_VIEW, NEAR, SIZE, TARGET, Scene
 
@@ -23,7 +23,6 @@ PARAMETERS = {
     "BokehAspectRatio": SIZE[0] / SIZE[1],
     "BokehImageWidth": SIZE[0],
     "BokehImageHeight": SIZE[1],
-    "BokehSpacing": 1.0,
     "BokehSqueeze": 1.0,
     "BokehBleedingBias": 0.02,
     "BokehBleedingMult": 30.0,
@@ -66,8 +65,15 @@ def read(image, texel):
     return found
 
 
+def metres_of(depth):
+    """The depth buffer in metres, by a pass of its own: raylib cannot read the buffer itself."""
+    step = FullScreenPass(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [texture(*SIZE, FLOAT)], {})
+    step.draw(**PARAMETERS)
+    return step.targets[0]
+
+
 def focus_at(metres, x, y):
-    """Focus distance for a pixel, counted from the lower left: one texel of what the first pass wrote, metres."""
+    """Focus distance for a pixel, counted from the lower left: one texel of metres_of()."""
     return unpack_from("f", read(metres, 4), 4 * (y * metres.width + x))[0]
 
 
@@ -99,7 +105,7 @@ def main(path):
     for step in fields:
         step.draw(BokehFocusDistance=focus_on(DRUM), BokehDebugMode=3.0, **PARAMETERS)
 
-    metres = passes[0].targets[0]
+    metres = metres_of(scene.depth)
     # several points, and no pull: where it ends
     picked = pull_focus(focus_on(DRUM), [focus_at(metres, 150, 215), focus_at(metres, 5, 250)], inf)
     octagon, other = depth_of_field(scene.color, scene.depth, OCTAGON)

@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of bokeh.glsl and
-// bokeh_layers.glsl. It stands directly after the RenderPass, before bloom and before OutputPass.
+// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of the GLSL
+// library. It stands directly after the RenderPass, before bloom and before OutputPass.
 
 import { FloatType, GLSL3, HalfFloatType, MathUtils, NearestFilter, NoBlending, RedFormat } from 'three';
 import { ShaderMaterial, Vector2, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
-import { cocMap, exact, layered, paper, stored } from './frames.js';
+import { declared, frame, stored, views } from './frames.js';
 
-const FRAMES = { layered, exact, paper };
-
-// A row of a frame, see frames.js; `depth` is the scene's.
-const METRES = [
-  ['metres'],
-  1,
-  'vec4(BokehLinearDepth(BokehFetchNearest(depth, uv).r, depthKind, cameraNear, cameraFar))',
-];
-
-const VIEWS = [
-  'BokehDebugDepth(BokehFetchNearest(metres, uv).r, focusDistance)',
-  'BokehDebugCoC(BokehFetchNearest(coc, uv).a, maxCoC)',
-  'BokehDebugFocus(BokehFetchNearest(metres, uv).r, focusDistance, BokehFetchNearest(coc, uv).a, maxCoC)',
-];
-const DEBUG = [['result'], 1, `debugMode == 1 ? ${VIEWS[0]} : debugMode == 2 ? ${VIEWS[1]} : ${VIEWS[2]}`];
+// For paper: depth in metres, in a texture of its own
+const METRES = [['metres'], 1, 'vec4(BokehLinearDepth(BokehFetchDepth(depth, uv), depthKind, nearPlane, farPlane))'];
 
 const VERTEX = `
 out vec2 bokehUv;
@@ -34,45 +21,36 @@ void main()
 
 const fragment = (textures, [writes, , call, returned], sides, opaque) => `
 uniform sampler2D ${textures.join(', ')};
-uniform float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, rotation, squeeze, spacing;
-uniform float cameraNear, cameraFar;
+uniform float apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC, rotation, squeeze;
+uniform float nearPlane, farPlane;
 uniform vec2 imageSize;
-uniform int depthKind, debugMode;
+uniform int depthKind;
 in vec2 bokehUv;
 ${writes.map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n')}
 
 void main()
 {
     vec2 uv = bokehUv;
-    BokehPolygon polygon = BokehMakePolygon(${sides}, rotation, squeeze);
-    BokehLayers layers = BokehMakeLayers(imageSize, polygon, maxCoC);
-    BokehFilter settings = BokehDefaultFilter(imageSize);
-    settings.spacing = spacing;
+    ${declared(call, sides)}
     ${stored(call, returned, (i) => `written${i}`)}
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokehPass extends Pass {
-  // library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order
+  // library  the text of bokeh.glsl, and after it bokeh_layers.glsl for layered, bokeh_paper.glsl for paper
   // camera   the camera that the scene is drawn with
   // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
   //          confusion, fewer passes; 'paper': lines and min, a target less
   // sides    6 or 8; layered and exact have 4 and 10 as well
-  // preset   of layered: 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  // samples  of exact and paper: at most so many on an edge or a line
+  // preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
   // opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
   //          transparency.
-  constructor(
-    library,
-    camera,
-    { method = 'layered', sides = 6, preset = 'MEDIUM', samples = 33, opaque = true } = {},
-  ) {
+  constructor(library, camera, { method = 'layered', sides = 6, preset = 'MEDIUM', opaque = true } = {}) {
     super();
     this.camera = camera;
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height), rotation (radians) and spacing
-    // (pixels between samples of exact and paper). debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far
-    // field.
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
     this.uniforms = {
       apertureDiameter: { value: 0.05 },
       focalLength: { value: 0.05 },
@@ -81,20 +59,19 @@ export class PolygonBokehPass extends Pass {
       maxCoC: { value: 0.1 },
       rotation: { value: 0 },
       squeeze: { value: 1 },
-      spacing: { value: 1 },
       debugMode: { value: 0 },
       depthKind: { value: 1 },
-      cameraNear: { value: 0 },
-      cameraFar: { value: 0 },
+      nearPlane: { value: 0 },
+      farPlane: { value: 0 },
       imageSize: { value: new Vector2(1, 1) },
     };
 
-    const map = cocMap(method === 'paper' ? 'CoCMap' : 'SignedCoCMap');
-    const frame = [METRES, map, ...FRAMES[method](sides)];
+    const inputs = method === 'paper' ? [METRES] : [];
+    const rows = [...inputs, ...frame(method, sides)];
     // WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
     const float = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
     this.textures = { color: { value: null }, depth: { value: null } };
-    const made = frame.slice(0, -1).map(([writes, scale]) => {
+    const made = rows.slice(0, -1).map(([writes, scale]) => {
       const type = writes[0] === 'metres' ? float : { type: HalfFloatType };
       const target = new WebGLRenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });
       writes.forEach((name, i) => (this.textures[name] = { value: target.textures[i] }));
@@ -103,7 +80,7 @@ export class PolygonBokehPass extends Pass {
     const material = (row) =>
       new ShaderMaterial({
         glslVersion: GLSL3,
-        defines: { BOKEH_NUM_SAMPLES: samples, [`BOKEH_PRESET_${preset}`]: 1 },
+        defines: { [`BOKEH_PRESET_${preset}`]: 1 },
         uniforms: { ...this.uniforms, ...this.textures }, // the same ones in every pass
         vertexShader: VERTEX,
         fragmentShader: library + fragment(Object.keys(this.textures), row, sides, opaque && row[0][0] === 'result'),
@@ -111,8 +88,9 @@ export class PolygonBokehPass extends Pass {
         depthTest: false,
         depthWrite: false,
       });
-    this.passes = frame.map((row, i) => ({ ...made[i], material: material(row) }));
-    this.debug = [...this.passes.slice(0, 2), { material: material(DEBUG) }];
+    this.passes = rows.map((row, i) => ({ ...made[i], material: material(row) }));
+    this.views = views(method).map((row) => ({ material: material(row) }));
+    this.beforeView = this.passes.slice(0, inputs.length + 1);
     this.quad = new FullScreenQuad();
   }
 
@@ -147,12 +125,13 @@ export class PolygonBokehPass extends Pass {
 
   render(renderer, writeBuffer, readBuffer) {
     this.uniforms.depthKind.value = this.depthKind(renderer);
-    this.uniforms.cameraNear.value = this.camera.near;
-    this.uniforms.cameraFar.value = this.camera.far;
+    this.uniforms.nearPlane.value = this.camera.near;
+    this.uniforms.farPlane.value = this.camera.far;
     this.textures.color.value = readBuffer.texture;
     this.textures.depth.value = readBuffer.depthTexture;
     const output = this.renderToScreen ? null : writeBuffer;
-    for (const { material, target = output } of this.uniforms.debugMode.value > 0 ? this.debug : this.passes) {
+    const view = this.views[this.uniforms.debugMode.value - 1];
+    for (const { material, target = output } of view ? [...this.beforeView, view] : this.passes) {
       this.quad.material = material;
       renderer.setRenderTarget(target);
       this.quad.render(renderer);
@@ -169,7 +148,7 @@ export class PolygonBokehPass extends Pass {
   }
 
   dispose() {
-    for (const { target, material } of [...this.passes, ...this.debug]) {
+    for (const { target, material } of [...this.passes, ...this.views]) {
       target?.dispose();
       material.dispose();
     }

@@ -17,13 +17,15 @@ const SHAPES = {
 
 // How each sample is asked.
 //   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
-//   read(frame)                   its pixels, first row in memory first: { color, depth, result }
+//   read(frame)                   its pixels, first row in memory first: { color, depth, result }; depth is what the
+//                                 engine's buffer holds, of paper metres
 //   readPasses(frame)             what every pass wrote, in the order of docs/passes.md
 //   picture(frame)                what a canvas shows, a PNG
 //   other(options)                another renderer, with another kind of depth buffer
 const samples = {
   async webgl() {
-    const { WebGLRenderer } = await import('three');
+    const { FloatType, RedFormat, ShaderMaterial, WebGLRenderer, WebGLRenderTarget } = await import('three');
+    const { FullScreenQuad } = await import('three/addons/postprocessing/Pass.js');
     const sample = await import('./webgl.js');
     const gl = sample.renderer.getContext();
     const names = gl.getExtension('WEBGL_debug_renderer_info');
@@ -32,6 +34,16 @@ const samples = {
       const into = new Type(width * height * channels);
       renderer.readRenderTargetPixels(target, 0, 0, width, height, into, undefined, index);
       return into;
+    };
+    // a depth buffer cannot be read back
+    const COPY = 'uniform sampler2D depth; void main() { gl_FragColor = texelFetch(depth, ivec2(gl_FragCoord), 0); }';
+    const copied = (renderer, depth) => {
+      const { width, height } = depth.image;
+      const target = new WebGLRenderTarget(width, height, { type: FloatType, format: RedFormat, depthBuffer: false });
+      renderer.setRenderTarget(target);
+      const material = new ShaderMaterial({ uniforms: { depth: { value: depth } }, fragmentShader: COPY });
+      new FullScreenQuad(material).render(renderer);
+      return pixels(renderer, target, Float32Array, 1);
     };
     return {
       ...sample,
@@ -49,7 +61,10 @@ const samples = {
         // the buffers were swapped twice: after the bokeh and after the output
         const color = pixels(renderer, composer.readBuffer, Uint16Array, 4);
         const result = pixels(renderer, composer.writeBuffer, Uint16Array, 4);
-        return { color, depth: pixels(renderer, bokeh.passes[0].target, Float32Array, 1), result };
+        const { metres, depth } = bokeh.textures;
+        const target = metres && bokeh.passes[0].target;
+        const held = target ? pixels(renderer, target, Float32Array, 1) : copied(renderer, depth.value);
+        return { color, depth: held, result };
       },
       readPasses({ composer, bokeh, renderer }) {
         const passes = bokeh.passes.map(({ target = composer.writeBuffer }) => ({ target }));
@@ -61,11 +76,22 @@ const samples = {
   },
 
   async webgpu() {
+    const { FloatType, NodeMaterial, QuadMesh, RedFormat } = await import('three/webgpu');
     const { RenderTarget, WebGPURenderer } = await import('three/webgpu');
+    const { vec4 } = await import('three/tsl');
     const sample = await import('./webgpu.js');
     const { vendor, architecture, description } = sample.renderer.backend.device.adapterInfo;
     const pixels = (renderer, target, index) => {
       return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height, index);
+    };
+    const copied = (renderer, { scenePass }) => {
+      const { width, height } = scenePass.renderTarget;
+      const target = new RenderTarget(width, height, { type: FloatType, format: RedFormat, depthBuffer: false });
+      const fragmentNode = vec4(scenePass.getTextureNode('depth').r);
+      renderer.setRenderTarget(target);
+      new QuadMesh(Object.assign(new NodeMaterial(), { fragmentNode })).render(renderer);
+      renderer.setRenderTarget(null);
+      return pixels(renderer, target);
     };
     return {
       ...sample,
@@ -85,7 +111,9 @@ const samples = {
       async read({ bokeh, renderer }) {
         const color = await pixels(renderer, bokeh.scenePass.renderTarget);
         const result = await pixels(renderer, bokeh.passes.at(-1).target);
-        return { color, depth: await pixels(renderer, bokeh.passes[0].target), result };
+        const [{ writes, target }] = bokeh.passes;
+        const depth = await (writes[0] === 'metres' ? pixels(renderer, target) : copied(renderer, bokeh));
+        return { color, depth, result };
       },
       readPasses: ({ bokeh, renderer }) => written(bokeh, (target, i) => pixels(renderer, target, i)),
       async picture({ renderer, target }) {
@@ -103,10 +131,10 @@ const samples = {
   },
 };
 
-// All that the passes after the metres wrote, one after the other
+// All that the passes wrote, one after the other
 async function written({ passes }, pixels) {
   const found = [];
-  for (const { target } of passes.slice(1)) {
+  for (const { target } of passes) {
     for (const i of target.textures.keys()) found.push(new Uint8Array((await pixels(target, i)).buffer));
   }
   return new Uint8Array(await new Blob(found).arrayBuffer());
@@ -126,7 +154,7 @@ export async function capture(kind) {
       const name = `${method}-${aperture}`;
       const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
       const frame = sample.draw({ method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, samples: 33, ...settings(frame.bokeh.uniforms) };
+      const shot = { name, method, aperture, width, height, ...settings(method, frame.bokeh.uniforms) };
       for (const [what, array] of Object.entries(await sample.read(frame))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);
@@ -157,10 +185,12 @@ function pulled(bokeh, { scene, camera }, bottomUp) {
 }
 
 // What the shaders got, which is float32.
-function settings(uniforms) {
+function settings(method, uniforms) {
   const value = (name) => Math.fround(uniforms[name].value);
+  const stored = { kind: value('depthKind'), near: value('nearPlane'), far: value('farPlane') };
   return {
-    spacing: value('spacing'),
+    // paper's lines with the preset's samples; the others have it themselves
+    ...(method === 'paper' ? { samples: 9, spacing: 1.5 } : { stored }),
     camera: {
       aperture_diameter: value('apertureDiameter'),
       focal_length: value('focalLength'),
@@ -173,8 +203,8 @@ function settings(uniforms) {
 
 const BUFFERS = { reversed: { reversedDepthBuffer: true }, logarithmic: { logarithmicDepthBuffer: true } };
 
-// Depth in metres as the passes read it, and as a ray finds it, at some pixels, by every kind of camera and buffer but
-// the one that is refused: [{ name, drawn: [...], met: [...] }]
+// Depth in metres as the passes of paper read it, and as a ray finds it, at some pixels, by every kind of camera and
+// buffer but the one that is refused: [{ name, drawn: [...], met: [...] }]
 export async function depths(kind) {
   const sample = await samples[kind]();
   const orthographic = new OrthographicCamera(-3.2, 3.2, 2.4, -2.4, 0.1, 100);
@@ -187,7 +217,7 @@ export async function depths(kind) {
     const cameras = { perspective: sample.camera.clone(), orthographic: orthographic.clone() };
     if (kind === 'webgpu' && buffer === 'logarithmic') delete cameras.perspective;
     for (const [view, camera] of Object.entries(cameras)) {
-      const { depth } = await sample.read(sample.draw({}, [WIDTH, HEIGHT], { camera, renderer }));
+      const { depth } = await sample.read(sample.draw({ method: 'paper' }, [WIDTH, HEIGHT], { camera, renderer }));
       found.push({ name: `${view}, ${buffer}`, ...probed(sample, camera, depth, kind === 'webgl') });
     }
   }
@@ -222,12 +252,13 @@ export async function logarithmic(kind) {
 // The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
 export async function views(kind) {
   const sample = await samples[kind]();
-  const found = { views: {} };
+  const { depth } = await sample.read(sample.draw({ method: 'paper' }, [WIDTH, HEIGHT]));
+  const found = { depth: base64(depth), views: {} };
   for (const mode of [0, 1, 2, 3]) {
     const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { mode });
-    const { depth, result } = await sample.read(frame);
+    const { result } = await sample.read(frame);
     const { focusDistance, maxCoC } = frame.bokeh.uniforms;
-    Object.assign(found, { focus: focusDistance.value, maxCoC: maxCoC.value, depth: base64(depth) });
+    Object.assign(found, { focus: focusDistance.value, maxCoC: maxCoC.value });
     if (mode === 0) found.coc = base64(result);
     else found.views[mode] = base64(result);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The passes of BokehRendererFeature.cs, Unity 6 (6000.0), URP 17. Needs bokeh.hlsl of the package beside it.
+// The passes of BokehRendererFeature.cs, Unity 6 (6000.0), URP 17. Needs bokeh.hlsl and bokeh_paper.hlsl beside it.
 
 Shader "Hidden/BokehDepthOfField"
 {
@@ -14,11 +14,12 @@ Shader "Hidden/BokehDepthOfField"
 
     // textures and samplers as Direct3D 11 has them; Unity translates that for all of its platforms
     #define BOKEH_HLSL_SM 5
-    // samples on a line, at most
-    #define BOKEH_NUM_SAMPLES 33
+    // the preset is MEDIUM; for another: #define BOKEH_PRESET_HIGH
     #include "bokeh.hlsl"
+    #include "bokeh_paper.hlsl"
 
-    // _BlitTexture, of Blit.hlsl, is what a pass reads first: depth, colour, or what the pass before made
+    // _BlitTexture, of Blit.hlsl, is what a pass reads first: colour, or what the pass before made
+    // _BokehDepth: the camera's depth texture; in Line, LineFinal and CoCMap metres, which Depth has made
     TEXTURE2D(_BokehDepth);
     TEXTURE2D(_BokehColorB);
     TEXTURE2D(_BokehColorC);
@@ -30,35 +31,40 @@ Shader "Hidden/BokehDepthOfField"
     float _BokehSqueeze;
     // pixels
     float2 _BokehImageSize;
-    float _BokehSpacing;
     // radians: rotation of the polygon (exact), direction of the line (paper)
     float _BokehAngle;
     float _BokehDebugMode;
 
-    // Depth: whatever the platform has, reversed or not, to metres along the view axis
+    // Whatever the platform has, reversed or not, to metres along the view axis
+    float BokehMetres(float2 uv)
+    {
+        float depth = LinearEyeDepth(BokehFetchDepth(_BokehDepth, uv), _ZBufferParams);
+        return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+    }
+
     float DepthFragment(Varyings input) : SV_Target
     {
-        return LinearEyeDepth(BokehFetchNearest(_BlitTexture, input.texcoord).r, _ZBufferParams);
+        return BokehMetres(input.texcoord);
+    }
+
+    BokehLens BokehGivenLens()
+    {
+        BokehLens lens = BokehMakeLens(_BokehApertureDiameter, _BokehFocalLength, _BokehFocusDistance);
+        lens.sensorHeight = _BokehSensorHeight;
+        lens.maxCoC = _BokehMaxCoC;
+        return lens;
     }
 
     float4 SignedCoCMapFragment(Varyings input) : SV_Target
     {
-        return BokehSignedCoCMap(_BlitTexture, _BokehDepth, input.texcoord, _BokehApertureDiameter, _BokehFocalLength,
-            _BokehFocusDistance, _BokehSensorHeight, _BokehMaxCoC);
+        float4 color = BokehFetchTexel(_BlitTexture, input.texcoord);
+        return BokehPackCoC(color, BokehSignedCoC(BokehMetres(input.texcoord), BokehGivenLens()));
     }
 
     // The paper's way: a CoC without a sign
     float4 CoCMapFragment(Varyings input) : SV_Target
     {
-        return BokehCoCMap(_BlitTexture, _BokehDepth, input.texcoord, _BokehApertureDiameter, _BokehFocalLength,
-            _BokehFocusDistance, _BokehSensorHeight, _BokehMaxCoC);
-    }
-
-    BokehFilter BokehSettings()
-    {
-        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
-        settings.spacing = _BokehSpacing;
-        return settings;
+        return BokehCoCMap(_BlitTexture, _BokehDepth, input.texcoord, BokehGivenLens());
     }
 
     BokehPolygon BokehAperture(int sides)
@@ -68,24 +74,27 @@ Shader "Hidden/BokehDepthOfField"
 
     void HexagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
     {
-        BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
-            BokehAperture(6), BokehSettings());
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
+        BokehTargets targets = BokehHexagonFirst(_BlitTexture, input.texcoord, BokehAperture(6),
+            settings, sampler_LinearClamp);
         target0 = targets.edge2;
         target1 = targets.edge3;
     }
 
     float4 HexagonSecondFragment(Varyings input) : SV_Target
     {
-        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, _BokehColorB, _BokehColorB,
-            input.texcoord, BokehAperture(6), BokehSettings());
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
+        float4 color = BokehHexagonSecond(_BlitTexture, _BokehColorB, input.texcoord, BokehAperture(6),
+            settings, sampler_LinearClamp);
         return float4(color.rgb, 1.0);
     }
 
     void OctagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1,
         out float4 target2 : SV_Target2)
     {
-        BokehTargets targets = BokehExactFirst(_BlitTexture, sampler_LinearClamp, input.texcoord,
-            BokehAperture(8), BokehSettings());
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
+        BokehTargets targets = BokehOctagonFirst(_BlitTexture, input.texcoord, BokehAperture(8),
+            settings, sampler_LinearClamp);
         target0 = targets.edge2;
         target1 = targets.edge3;
         target2 = targets.edge4;
@@ -93,44 +102,51 @@ Shader "Hidden/BokehDepthOfField"
 
     float4 OctagonSecondFragment(Varyings input) : SV_Target
     {
-        float4 color = BokehExactSecond(_BlitTexture, sampler_LinearClamp, _BokehColorB, _BokehColorC, _BokehColorC,
-            input.texcoord, BokehAperture(8), BokehSettings());
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
+        float4 color = BokehOctagonSecond(_BlitTexture, _BokehColorB, _BokehColorC, input.texcoord, BokehAperture(8),
+            settings, sampler_LinearClamp);
         return float4(color.rgb, 1.0);
     }
 
     // The paper's way: one line a pass, parallelograms combined by min
     float4 LineFragment(Varyings input) : SV_Target
     {
-        BokehFilter settings = BokehSettings();
+        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
         float4 segment = BokehSegment(_BokehAngle, 1.0, float2(0.0, 0.0), _BokehSqueeze);
-        return BokehDepthOfFieldAdaptive(_BlitTexture, sampler_LinearClamp, _BokehDepth, input.texcoord, segment,
-            settings, true);
+        return BokehDepthOfFieldAdaptive(_BlitTexture, _BokehDepth, input.texcoord, segment,
+            settings, true, sampler_LinearClamp);
     }
 
     float4 LineFinalFragment(Varyings input) : SV_Target
     {
         float4 color = LineFragment(input);
-        color = BokehCombine(color, BokehFetch(_BokehColorB, sampler_LinearClamp, input.texcoord), false);
+        color = BokehCombine(color, BokehFetch(_BokehColorB, input.texcoord, sampler_LinearClamp), false);
         return float4(color.rgb, 1.0);
     }
 
     // _BokehDebugMode: 0 colour, 1 depth, 2 CoC, 3 near and far field
     float4 DebugFragment(Varyings input) : SV_Target
     {
-        float4 color = BokehFetch(_BlitTexture, sampler_LinearClamp, input.texcoord);
-        float depth = BokehSafeDepth(BokehFetchNearest(_BokehDepth, input.texcoord).r);
+        float4 color = BokehFetch(_BlitTexture, input.texcoord, sampler_LinearClamp);
         float4 result = float4(color.rgb, 1.0);
+        float depth = BokehMetres(input.texcoord);
+        float grey = clamp(abs(color.a) / max(_BokehMaxCoC, BOKEH_MIN_DEPTH), 0.0, 1.0);
+        float3 weights = float3(1.0, 1.0, 1.0);
         if (_BokehDebugMode > 2.5)
         {
-            result = BokehDebugFocus(depth, _BokehFocusDistance, color.a, _BokehMaxCoC);
+            weights = float3(0.1, 0.4, 1.0);
+            if (depth < _BokehFocusDistance)
+            {
+                weights = float3(1.0, 0.5, 0.0);
+            }
         }
-        else if (_BokehDebugMode > 1.5)
+        else if (_BokehDebugMode < 1.5)
         {
-            result = BokehDebugCoC(color.a, _BokehMaxCoC);
+            grey = depth / (depth + _BokehFocusDistance);
         }
-        else if (_BokehDebugMode > 0.5)
+        if (_BokehDebugMode > 0.5)
         {
-            result = BokehDebugDepth(depth, _BokehFocusDistance);
+            result = float4(weights * grey, 1.0);
         }
         return result;
     }

@@ -40,8 +40,6 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         public float rotation;
         [Range(0.25f, 1.0f), Tooltip("Width over height: 0.5 is anamorphic")]
         public float squeeze = 1.0f;
-        [Range(0.5f, 4.0f), Tooltip("Pixels between samples")]
-        public float spacing = 1.0f;
 
         public Settings Copy()
         {
@@ -145,7 +143,6 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
         static readonly int MaxCoC = Shader.PropertyToID("_BokehMaxCoC");
         static readonly int ImageSize = Shader.PropertyToID("_BokehImageSize");
         static readonly int Squeeze = Shader.PropertyToID("_BokehSqueeze");
-        static readonly int Spacing = Shader.PropertyToID("_BokehSpacing");
         static readonly int Angle = Shader.PropertyToID("_BokehAngle");
         static readonly int DebugMode = Shader.PropertyToID("_BokehDebugMode");
 
@@ -184,10 +181,15 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             description.filterMode = FilterMode.Bilinear;
             description.wrapMode = TextureWrapMode.Clamp;
 
-            TextureHandle depth = Target(graph, "_BokehDepth", GraphicsFormat.R32_SFloat);
-            Draw(graph, ShaderPass.Depth, new Inputs { source = resources.cameraDepthTexture }, depth);
-            // the exact passes read a signed CoC, the paper's read depth as well
-            bool exact = settings.method == Method.Exact;
+            TextureHandle depth = resources.cameraDepthTexture;
+            // the exact passes read a signed CoC, the paper's unsigned and depth in metres
+            bool exact = settings.method == Method.Exact || settings.view != View.Result;
+            if (!exact)
+            {
+                TextureHandle metres = Target(graph, "_BokehMetres", GraphicsFormat.R32_SFloat);
+                Draw(graph, ShaderPass.Depth, new Inputs { source = color, depth = depth }, metres);
+                depth = metres;
+            }
             TextureHandle coc = Target(graph, "_BokehCoC");
             Draw(graph, exact ? ShaderPass.SignedCoCMap : ShaderPass.CoCMap,
                 new Inputs { source = color, depth = depth }, coc);
@@ -307,7 +309,6 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             Properties.SetFloat(MaxCoC, settings.maxCoC);
             Properties.SetVector(ImageSize, new Vector4(data.width, data.height, 0.0f, 0.0f));
             Properties.SetFloat(Squeeze, settings.squeeze);
-            Properties.SetFloat(Spacing, settings.spacing);
             Properties.SetFloat(Angle, Mathf.Deg2Rad * (data.inputs.degrees + settings.rotation));
             Properties.SetFloat(DebugMode, (int)settings.view - (int)View.Colour);
             context.cmd.DrawProcedural(Matrix4x4.identity, data.material, (int)data.pass, MeshTopology.Triangles, 3, 1,

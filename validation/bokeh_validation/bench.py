@@ -17,7 +17,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from bokeh_validation import __version__, doctor, paths, shaders, terminal
+from bokeh_validation import __version__, doctor, shaders, terminal
 from bokeh_validation.drivers.base import TimedDriver, Timing, software_device
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.reference.lines import lines
@@ -38,7 +38,7 @@ def floor(item: Pass) -> Pass:
     # the paper's samples are from end to end of a line, the others in the middle of equal parts
     parts, offset = (count - 1, 0.0) if item.spec.role == LINE else (count, 0.5)
     to_uv = np.array([1.0 / item.values()["BokehAspectRatio"], 1.0])
-    deep = "; depth += BokehFetchNearest(BokehDepthSamp, {}).r" if "DepthSamp" in item.inputs else ""
+    deep = "; depth += BokehFetchDepth(BokehDepthSamp, BokehToTexture({}))" if "DepthSamp" in item.inputs else ""
     body = "vec4 center = BokehFetch(BokehColorSamp, uv); vec4 sum = center; float depth = 0.0; float coc = center.a"
     body += deep.format("uv")
     if item.spec.role == LINE and "ColorSampB" in item.inputs:
@@ -61,7 +61,7 @@ def _vector(value: np.ndarray) -> str:
 
 def _glsl(body: str, targets: int) -> str:
     # the library alone: its passes would bring a main() of their own
-    head = f"{shaders.GLSL_VERSIONS['330']}\n" + paths.library("glsl").read_text(encoding="ascii")
+    head = f"{shaders.GLSL_VERSIONS['330']}\n" + shaders.file_text("glsl")
     head += "".join(f"uniform sampler2D Bokeh{slot};\n" for slot in SLOTS) + "in vec2 BokehUV;\n"
     head += "".join(f"layout(location = {i}) out vec4 floor{i};\n" for i in range(targets))
     stores = "".join(f"; floor{i} = vec4(mean, center.a)" for i in range(targets))
@@ -69,7 +69,7 @@ def _glsl(body: str, targets: int) -> str:
 
 
 def _hlsl(body: str, targets: int) -> str:
-    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(BOKEH_SHARED(\1, BokehColorSamp)", body)
+    body = re.sub(r"(BokehFetch\((?:[^()]|\([^()]*\))*)\)", r"\1 BOKEH_LINEAR)", body)
     body = re.sub(r"\bvec([234])\b", r"float\1", body).replace("for (", "BOKEH_LOOP for (")
     outputs = ", ".join(f"out float4 floor{i} : BOKEH_TARGET({i})" for i in range(targets))
     stores = "".join(f"; floor{i} = float4(mean, center.a)" for i in range(targets))
@@ -77,7 +77,7 @@ def _hlsl(body: str, targets: int) -> str:
 
 
 def _wgsl(body: str, targets: int) -> str:
-    body = re.sub(r"BokehFetch\((\w+)", r"BokehFetch(\1, BokehLinearClamp", body)
+    body = re.sub(r"(BokehFetch\((?:[^()]|\([^()]*\))*)\)", r"\1, BokehLinearClamp)", body)
     body = re.sub(r"\b(vec[234]|float|int) (\w+) =", r"var \2: \1 =", body)
     for pattern, name in ((r"\b(vec[234])\b", r"\1f"), (r"\bfloat\b", "f32"), (r"\bint\b", "i32")):
         body = re.sub(pattern, name, body)

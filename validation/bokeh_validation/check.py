@@ -72,7 +72,7 @@ def check() -> None:
     """What an edit of a shader can have broken: parity, rules, a compiler and a driver a language, within seconds."""
     texts, entries, changed, problems, skipped, used = {}, {}, set(), [], [], {}
     for language in paths.LANGUAGES:
-        keys = [files[language] for files in (parity.LIBRARY, parity.LAYERS, parity.PASSES)]
+        keys = [files[language] for files in parity.FILES.values()]
         before, after = "".join(map(_committed, keys)), shaders.text(language)
         if before != after:
             texts[language] = before, after

@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from typer import Argument, Option
 
-from bokeh_validation import exr, metrics, options, paths, render, shaders, terminal
+from bokeh_validation import exr, metrics, options, render, terminal
 from bokeh_validation.drivers.base import STORAGE, Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.exr import Scene
@@ -74,14 +74,13 @@ def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
     """Layered has presets of its own; in exact and paper they are a number of samples and their spacing."""
-    constants = shaders.presets(paths.library("glsl").read_text(encoding="ascii"))
     for name in methods.PRESETS if settings.method != "naive" else ():
-        samples, spacing = (constants[name.upper()][f"BOKEH_PRESET_{word}"] for word in ("SAMPLES", "SPACING"))
-        other, given = replace(settings, samples=int(samples), spacing=float(spacing)), f"--samples {samples} --spacing"
-        if settings.method == "layered":
-            other, given, spacing = replace(settings, preset=name), "--preset", name
+        samples, spacing = methods.EXACT_PRESETS[name]
+        other, given = replace(settings, samples=samples, spacing=spacing), f"--samples {samples} --spacing {spacing}"
+        if settings.method != "paper":
+            other, given = replace(settings, preset=name, samples=None, spacing=None), f"--preset {name}"
         if other != settings:
-            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given} {spacing}.", other)
+            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given}.", other)
 
 
 def _depths(settings: Settings, near: float, far: float) -> Iterator[Mistake]:

@@ -78,13 +78,16 @@ class Option:
 
 ANY, POSITIVE, NOT_NEGATIVE = (-INF, INF, "any finite number"), (TINY, INF, "more than 0"), (0, INF, "0 or more")
 UNIT, HEIGHTS = (0, 1, "0 to 1"), (0, 1, "0 to 1, a fraction of the image height")
-SIGNED_HEIGHTS = (-1, 1, "-1 to 1, a fraction of the image height")
 LENS: Needs = (lambda s: s.coc is None, "with --coc, which is the CoC everywhere", "Leave one of them out")
 NOISE: Needs = (
-    lambda s: s.method != "paper" or s.spacing > 0 or s.aperture in apertures.POLYGONS,
+    lambda s: s.method != "paper" or s.spacing or s.aperture in apertures.POLYGONS,
     "on paper's fixed number of samples", "Give --spacing as well, or leave it out",
 )  # fmt: skip
 PRESET: Needs = (lambda s: s.method != "layered", "on layered, whose samples come from a preset", "Give --preset")
+EITHER: Needs = (
+    lambda s: s.method == "layered" or s.has_preset, "with --samples or --spacing, which a preset sets",
+    "Leave it or them out",
+)  # fmt: skip
 OCTAGON: Needs = (lambda s: s.aperture == "octagon", "on other polygons", "Give --aperture octagon, or leave it out")
 POLYGON_METHODS = ("exact", "layered")
 APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
@@ -92,8 +95,9 @@ APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, st
 TABLE = (
     Option("method", "method", str, "exact, layered (near objects spread as well), paper or naive.", apertures.METHODS),
     Option("aperture", "aperture", str, APERTURES, apertures.NAMES),
-    Option("preset", "preset", str, "layered: low, medium, high or ultra.", tuple(methods.PRESETS), ("layered",)),
-    Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: as close together.",
+    Option("preset", "preset", str, "exact, layered: low, medium, high or ultra.", tuple(methods.PRESETS),
+           ("exact", "layered"), needs=EITHER),
+    Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: its preset.",
            (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=PRESET),
     Option("spacing", "spacing", float, "Pixels between samples, as many as the CoC needs. 0: a fixed number.",
            (0, INF, "0 (a fixed number of samples) or more"), methods=("exact", "paper")),
@@ -106,10 +110,6 @@ TABLE = (
            (0, 0.9, "0 to 0.9, a share of the bokeh's width"), POLYGON_METHODS),
     Option("roundness", "roundness", float, "exact, layered, octagon: 0 makes a square, 1 a regular octagon.",
            (0, 1, "0 (a square) to 1 (an octagon)"), POLYGON_METHODS, needs=OCTAGON),
-    Option("axial-red", "axial.0", float, "exact, axial colour: how much more signed CoC red has.", SIGNED_HEIGHTS,
-           ("exact",)),
-    Option("axial-blue", "axial.1", float, "The same of blue, a fraction of the image height.", SIGNED_HEIGHTS,
-           ("exact",)),
     Option("lateral", "lateral", float, "Lateral colour: red larger, blue smaller, a share of the image.",
            (-0.1, 0.1, "-0.1 to 0.1, a share of the image")),
     Option("mrt", "targets", bool, "exact, layered: write several targets in a pass.", methods=POLYGON_METHODS),

@@ -38,16 +38,10 @@ def shaders() -> Path:
     return folder
 
 
-def library(language: str) -> Path:
-    """`bokeh.*` of a language."""
-    return shaders() / language / f"bokeh.{language}"
+# The files of a language in the order in which they are put together
+STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 
 
-def layers(language: str) -> Path:
-    """`bokeh_layers.*` of a language."""
-    return shaders() / language / f"bokeh_layers.{language}"
-
-
-def passes(language: str) -> Path:
-    """`bokeh_passes.*` of a language."""
-    return shaders() / language / f"bokeh_passes.{language}"
+def shader(language: str, stem: str = "bokeh") -> Path:
+    """A file of a language, by one of STEMS."""
+    return shaders() / language / f"{stem}.{language}"

@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, paths, terminal
+from bokeh_validation import __version__, paths, shaders, terminal
 from bokeh_validation.errors import UserError
 
 INTEGRATION = paths.ROOT / "integration"
@@ -65,7 +65,8 @@ def archives() -> dict[str, Files]:
         files = _with_guide(root, engine) | {root: INTEGRATION / engine / root}
         if engine == "unreal":
             # it includes only files that end in .ush or .usf
-            files[f"{root}/Shaders/bokeh.ush"] = paths.library("hlsl")
+            for stem in ("bokeh", "bokeh_paper"):
+                files[f"{root}/Shaders/{stem}.ush"] = paths.shader("hlsl", stem)
         made[f"{engine}-{Path(root).name}-{__version__}.zip"] = files
     return made | dict([unity(), npm("threejs"), npm("babylonjs"), npm("playcanvas")])
 
@@ -90,7 +91,8 @@ def unity() -> tuple[str, Files]:
     places = {".cs": "Runtime/", ".asmdef": "Runtime/", ".shader": "Shaders/", ".json": ""}
     own = [path for path in folder.iterdir() if path.suffix in places]
     files = _with_guide("package", "unity") | {f"package/{places[path.suffix]}{path.name}": path for path in own}
-    files["package/Shaders/bokeh.hlsl"] = paths.library("hlsl")
+    for stem in ("bokeh", "bokeh_paper"):
+        files[f"package/Shaders/{stem}.hlsl"] = paths.shader("hlsl", stem)
     for path in ("package/Runtime", "package/Shaders", *list(files)):
         # by name and place, so that it is the same in the next version: scenes and profiles refer to it
         guid = hashlib.md5(path.replace("package", name, 1).encode()).hexdigest()
@@ -106,5 +108,5 @@ def _with_guide(root: str, engine: str) -> Files:
 
 def _module(language: str) -> str:
     """The library as an ES module."""
-    text = paths.library(language).read_text("ascii") + paths.layers(language).read_text("ascii")
+    text = "".join(shaders.file_text(language, stem) for stem in ("bokeh", "bokeh_paper", "bokeh_layers"))
     return f"// SPDX-License-Identifier: MIT\nexport const library = {json.dumps(text)};\n"

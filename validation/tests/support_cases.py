@@ -48,8 +48,9 @@ def float_result(driver: drivers.Driver, case: Case) -> np.ndarray:
 
 
 def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str, np.ndarray]:
-    """All textures that a case's passes write, with some parameters changed in every pass."""
-    passes = [replace(item, parameters={**item.parameters, **changes}) for item in case.plan.passes]
+    """All textures that a case's passes write, with some parameters changed in every pass, not the programs."""
+    passes = case.plan.passes
+    passes = [replace(one, parameters={**one.parameters, **changes}, defines=one.constants) for one in passes]
     names = [name for item in passes for name in item.outputs]
     return driver.run(passes, case.textures(), case.size, keep=names)
 
@@ -63,11 +64,11 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     return found.outputs["result"], found.comparisons["result"]
 
 
-def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
-    """The checks of a probe rendered with other settings than its own."""
+def judged(probe: patterns.Probe, shift: float = 1.0, **changes) -> list[patterns.Check]:
+    """The checks of a probe rendered with other settings than its own; `shift` is a factor of the cases'."""
     outputs, driver = {}, load("egl")
     for case in probe.cases:
-        other = replace(case, settings=replace(case.settings, **changes))
+        other = replace(case, shift=shift * case.shift, settings=replace(case.settings, **changes))
         found = driver.run(other.plan.passes, other.textures(), other.size, keep=case.keep)
         outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in found.items()}
     return probe.judge(outputs)

@@ -25,7 +25,7 @@ def assert_pulled(said: dict) -> None:
 
 
 def assert_debug_views(said: dict, linear: Callable = lambda shown: shown) -> None:
-    """Depth, circle of confusion, near and far field of `views` of capture.js, as section [9] has them.
+    """Depth, circle of confusion, near and far field of `views` of capture.js, as BOKEH_DEBUG has them.
 
     linear   of what is shown, where that is encoded
     """

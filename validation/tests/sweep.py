@@ -47,7 +47,7 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
 
 def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
     """The sum in the module's text, for one line."""
-    (height, width), spacing = before.shape[:2], item.values()["BokehSpacing"]
+    (height, width), spacing = before.shape[:2], item.spacing
     used = [filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
     reach = np.abs(line.middle) + np.abs(line.half)

@@ -21,23 +21,32 @@ use bevy::{
     },
 };
 
-const LIBRARY: &str = include_str!("../../../wgsl/bokeh.wgsl");
-const LAYERS: &str = include_str!("../../../wgsl/bokeh_layers.wgsl");
-const PASSES: &str = include_str!("../../../wgsl/bokeh_passes.wgsl");
+const SHADERS: &str = concat!(
+    include_str!("../../../wgsl/bokeh.wgsl"),
+    include_str!("../../../wgsl/bokeh_paper.wgsl"),
+    include_str!("../../../wgsl/bokeh_layers.wgsl"),
+    include_str!("../../../wgsl/bokeh_lens.wgsl"),
+    include_str!("../../../wgsl/bokeh_passes.wgsl"),
+);
 
-/// The line of `bokeh.wgsl` that says how many samples a line has at most.
-const SAMPLES: &str = "override BOKEH_NUM_SAMPLES: i32 = 13;";
+/// The lines of `bokeh.wgsl` that a preset sets.
+const SAMPLES: &str = "override BOKEH_NUM_SAMPLES: i32 = 9;";
+const SPACING: &str = "override BOKEH_SPACING: f32 = 1.5;";
 
-/// Depth of field for every camera that has a [`Bokeh`]. Add it after `DefaultPlugins`.
-pub struct BokehPlugin {
-    /// Samples on a line at most.
-    pub samples: u32,
+/// How finely lines are sampled: `bokeh.wgsl` has the numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BokehPreset {
+    Low,
+    #[default]
+    Medium,
+    High,
+    Ultra,
 }
 
-impl Default for BokehPlugin {
-    fn default() -> Self {
-        Self { samples: 33 }
-    }
+/// Depth of field for every camera that has a [`Bokeh`]. Add it after `DefaultPlugins`.
+#[derive(Default)]
+pub struct BokehPlugin {
+    pub preset: BokehPreset,
 }
 
 /// How the polygon is made: docs/apertures.md.
@@ -87,8 +96,6 @@ pub struct Bokeh {
     pub shape: BokehShape,
     /// Of the polygon, radians.
     pub rotation: f32,
-    /// Pixels between samples.
-    pub spacing: f32,
     pub debug: Option<BokehDebug>,
 }
 
@@ -103,7 +110,6 @@ impl Default for Bokeh {
             method: BokehMethod::Exact,
             shape: BokehShape::Hexagon,
             rotation: 0.0,
-            spacing: 1.0,
             debug: None,
         }
     }
@@ -139,7 +145,7 @@ pub struct BokehSystems;
 /// A view's textures, in the render world.
 #[derive(Component)]
 pub struct BokehTextures {
-    /// Metres along the view axis, R32Float; may be copied from.
+    /// Metres along the view axis, R32Float, written by [`BokehMethod::Paper`] only; may be copied from.
     pub depth: CachedTexture,
     coc: CachedTexture,
     a: CachedTexture,
@@ -149,11 +155,18 @@ pub struct BokehTextures {
 
 impl Plugin for BokehPlugin {
     fn build(&self, app: &mut App) {
-        // Bevy hands no pipeline constants on to wgpu, so the override gets its value here
-        assert!(LIBRARY.contains(SAMPLES), "bokeh.wgsl has no line {SAMPLES}");
-        let samples = format!("override BOKEH_NUM_SAMPLES: i32 = {};", self.samples);
-        let library = LIBRARY.replace(SAMPLES, &samples);
-        let shader = Shader::from_wgsl(format!("{library}{LAYERS}{PASSES}"), "bokeh_passes.wgsl");
+        let (samples, spacing) = match self.preset {
+            BokehPreset::Low => (5, 2.0),
+            BokehPreset::Medium => (9, 1.5),
+            BokehPreset::High => (17, 1.0),
+            BokehPreset::Ultra => (33, 1.0),
+        };
+        // Bevy hands no pipeline constants on to wgpu, so the overrides get their values here
+        assert!(SHADERS.contains(SAMPLES) && SHADERS.contains(SPACING), "bokeh.wgsl has no {SAMPLES} {SPACING}");
+        let source = SHADERS
+            .replace(SAMPLES, &format!("override BOKEH_NUM_SAMPLES: i32 = {samples};"))
+            .replace(SPACING, &format!("override BOKEH_SPACING: f32 = {spacing:?};"));
+        let shader = Shader::from_wgsl(source, "bokeh_passes.wgsl");
         let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(shader);
         app.add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -185,7 +198,7 @@ fn let_depth_be_read(mut cameras: Query<(&mut Camera3d, &mut Msaa), Added<Bokeh>
 enum Target {
     /// The camera's depth buffer.
     DeviceDepth,
-    /// The same in metres.
+    /// The same in metres, for the paper's method.
     Depth,
     /// The camera's image, as it comes.
     Scene,
@@ -208,8 +221,6 @@ impl Target {
 struct Pass {
     /// Of `bokeh_passes.wgsl`.
     entry: &'static str,
-    /// Bound to BokehDepthSamp.
-    depth: Target,
     /// Bound to BokehColorSamp, BokehColorSampB and BokehColorSampC.
     reads: &'static [Target],
     writes: &'static [Target],
@@ -218,10 +229,10 @@ struct Pass {
 }
 
 const fn pass(entry: &'static str, reads: &'static [Target], writes: &'static [Target], angle: f32) -> Pass {
-    Pass { entry, depth: Depth, reads, writes, angle }
+    Pass { entry, reads, writes, angle }
 }
 
-const LINEAR_DEPTH: &[Pass] = &[Pass { depth: DeviceDepth, ..pass("BokehLinearDepth_PS", &[Scene], &[Depth], 0.0) }];
+const LINEAR_DEPTH: &[Pass] = &[pass("BokehLinearDepth_PS", &[Scene], &[Depth], 0.0)];
 // generated by validation/run port from frame/methods.py: begin
 const EXACT_HEXAGON: &[Pass] = &[
     pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0),
@@ -267,7 +278,8 @@ impl Bokeh {
             (None, BokehMethod::Paper, BokehShape::Hexagon) => PAPER_HEXAGON,
             (None, BokehMethod::Paper, BokehShape::Octagon) => PAPER_OCTAGON,
         };
-        LINEAR_DEPTH.iter().chain(filter)
+        let metres = self.debug.is_none() && self.method == BokehMethod::Paper;
+        if metres { LINEAR_DEPTH } else { &[] }.iter().chain(filter)
     }
 
     fn parameters(&self, size: UVec2, near: f32, pass: &Pass) -> BokehParameters {
@@ -286,7 +298,6 @@ impl Bokeh {
             debug_mode: self.debug.map_or(0.0, |mode| mode as u32 as f32),
             line_length: 1.0,
             squeeze: 1.0,
-            spacing: self.spacing,
             image_width: size.x,
             image_height: size.y,
             depth_kind: REVERSED_INFINITE,
@@ -337,8 +348,16 @@ struct BokehParameters {
     cats_eye: f32,
     roundness: f32,
     lateral: f32,
-    axial_red: f32,
-    axial_blue: f32,
+    front_range: f32,
+    back_range: f32,
+    near_scale: f32,
+    far_scale: f32,
+    near_max_coc: f32,
+    far_max_coc: f32,
+    depth_x: f32,
+    depth_y: f32,
+    depth_width: f32,
+    depth_height: f32,
     // generated by validation/run port from shaders/parameters.py: end
 }
 
@@ -488,6 +507,7 @@ fn bokeh(
         Out => image.destination,
     };
     let layout = cache.get_bind_group_layout(&pipelines.layout);
+    let mut depth = DeviceDepth;
     for ((pass, offset), pipeline) in passes.0.iter().zip(ready) {
         // A slot that the pass does not read needs a texture all the same
         let read = |slot: usize| view_of(*pass.reads.get(slot).unwrap_or(&pass.reads[0]));
@@ -497,7 +517,7 @@ fn bokeh(
             &BindGroupEntries::sequential((
                 parameters.clone(),
                 read(0),
-                view_of(pass.depth),
+                view_of(depth),
                 read(1),
                 read(2),
                 read(0),
@@ -528,5 +548,9 @@ fn bokeh(
         render_pass.set_pipeline(pipeline);
         render_pass.set_bind_group(0, &bindings, &[*offset]);
         render_pass.draw(0..3, 0..1);
+        drop(render_pass);
+        if matches!(pass.writes, [Depth]) {
+            depth = Depth;
+        }
     }
 }

@@ -4,11 +4,9 @@ from pathlib import Path
 
 from panda3d.core import FrameBufferProperties, SamplerState, Shader, Texture
 
-# the two files are in a folder beside this file, or above it
+# the files are in a folder beside this file, or above it; bokeh_paper is for the lists PAPER_.. of apertures.py only
 GLSL = next(path / "glsl" for path in Path(__file__).resolve().parents if (path / "glsl/bokeh_passes.glsl").exists())
-LIBRARY = (GLSL / "bokeh.glsl").read_text()
-PASSES = (GLSL / "bokeh_passes.glsl").read_text()
-HEAD = "#version 330\n#define BOKEH_NUM_SAMPLES 33\n"
+FILES = "".join((GLSL / f"{name}.glsl").read_text() for name in ("bokeh", "bokeh_paper", "bokeh_passes"))
 # FilterManager's quad has corners at -1 and 1 in x and z
 VERTEX = """
 #version 330
@@ -55,8 +53,7 @@ class DepthOfField:
 
     def __init__(self, manager, color, depth, passes=EXACT_HEXAGON):
         self.textures = {"color": color, "depth": depth}
-        self.quads = [self.add(manager, "LINEAR_DEPTH", "", "metres", 1, {})]
-        self.quads += [self.add(manager, *step) for step in passes]
+        self.quads = [self.add(manager, *step) for step in passes]
 
     def add(self, manager, name, reads, writes, scale, parameters):
         """One pass as a quad of the manager; in these methods all targets have the full size, `scale` is 1."""
@@ -64,11 +61,11 @@ class DepthOfField:
         targets = [texture(target) for target in writes.split()]
         slots = dict(zip(("colortex", "auxtex0", "auxtex1"), targets, strict=False))
         quad = manager.renderQuadInto(name, fbprops=float_target(*bits, targets=len(targets)), **slots)
-        fragment = f"{HEAD}#define BOKEH_PASS BOKEH_{name}\n{LIBRARY}{PASSES}"
+        fragment = f"#version 330\n#define BOKEH_PASS BOKEH_{name}\n{FILES}"
         quad.setShader(Shader.make(Shader.SL_GLSL, VERTEX, fragment))
         for slot, read in zip(SLOTS, reads.split(), strict=False):
             quad.setShaderInput(slot, self.textures[read])
-        # only the passes that read depth take it
+        # only the paper's lists make metres
         quad.setShaderInput("BokehDepthSamp", self.textures.get("metres", self.textures["depth"]))
         # the polygon's rotation, where it is no line's angle
         quad.setShaderInputs(**{"BokehAngle": 0.0, **parameters})

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 
 from rich.table import Table
 
-from bokeh_validation import jobs, paths, terminal
+from bokeh_validation import jobs, paths, shaders, terminal
 from bokeh_validation.compilers.registry import COMPILERS
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.variants import Program, load
@@ -126,12 +126,12 @@ _PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag)|0|bokeh\.hlsl|wgsl):(\d
 def located(message: str, source: str, language: str) -> str:
     """Places in the complete program as places in the package's files, such as bokeh.glsl:251.
 
-    source  the program: lines of its own (version, defines), whose places are left as they are, then the three files
+    source  the program: lines of its own (version, defines), whose places are left as they are, then all files
     """
     if not message:
         return ""
-    files = [paths.library(language), paths.layers(language), paths.passes(language)]
-    names = [f"{file.name}:{n}" for file in files for n in range(1, len(file.read_text("ascii").splitlines()) + 1)]
+    counts = {stem: len(shaders.file_text(language, stem).splitlines()) for stem in paths.STEMS}
+    names = [f"{stem}.{language}:{n}" for stem, count in counts.items() for n in range(1, count + 1)]
     head = len(source.splitlines()) - len(names)
 
     def place(match: re.Match) -> str:

@@ -46,7 +46,7 @@ def spirv_options(source: str) -> list[str]:
 
     DXC refuses to bind registers of a text that leaves one to it.
     """
-    if "register(t6)" not in source:
+    if "register(b0)" not in source:
         return ["-spirv"]
     bound = (("-fvk-bind-register", name, "0", str(binding), "0") for name, binding in spirv.REGISTERS.items())
     return ["-spirv", *(word for words in bound for word in words)]

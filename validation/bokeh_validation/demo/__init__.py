@@ -51,15 +51,11 @@ HOST = "127.0.0.1"
 
 def settings() -> dict[str, methods.Settings]:
     """'method aperture preset' -> settings of every frame that the page can draw; paper has no preset."""
-    of_exact = shaders.presets(paths.library("glsl").read_text(encoding="ascii"))
     frames = {f"paper {aperture}": methods.Settings("paper", aperture) for aperture in EXACT}
     for aperture in EXACT:
         for preset in methods.PRESETS:
-            chosen = of_exact[preset.upper()]
-            spacing, samples = float(chosen["BOKEH_PRESET_SPACING"]), int(chosen["BOKEH_PRESET_SAMPLES"])
-            exact = methods.Settings("exact", aperture, spacing=spacing, samples=samples)
-            frames[f"exact {aperture} {preset}"] = exact
-            frames[f"layered {aperture} {preset}"] = methods.Settings("layered", aperture, preset=preset)
+            for method in ("exact", "layered"):
+                frames[f"{method} {aperture} {preset}"] = methods.Settings(method, aperture, preset=preset)
     return frames
 
 

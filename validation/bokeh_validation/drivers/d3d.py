@@ -4,6 +4,8 @@ A program of ours (windows/d3d9run.cpp, d3d11run.cpp) makes textures and draws p
 """
 
 import shutil
+from dataclasses import replace
+from math import pi
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
 from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine
 
@@ -35,7 +38,7 @@ class Direct3D(Driver):
         try:
             code = fxc.bytecode(shaders.hlsl(self.model, values), f"{stage}_{self.model}_0", entry)
         except RuntimeError as error:
-            if self.model > 3 or not values.get("BOKEH_CHARACTER"):
+            if self.model > 3 or not values.get("BOKEH_LENS_SHAPE"):
                 raise
             # it has no room for all of a lens's character
             raise Unavailable(str(error).splitlines()[-1]) from error
@@ -82,6 +85,14 @@ class D3D9(Direct3D):
 
     name = "d3d9"
     model = 3
+
+    @property
+    def precision(self) -> Precision:
+        """Its sin and cos are less exact: for ps_3_0 fxc writes those of x as sincos of frac(x / 2 pi + 1/2) 2 pi - pi,
+        and the rounding of the fraction, FLOAT_STEP, becomes 2 pi times that of an angle.
+        """
+        device = super().precision
+        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP)
 
 
 class D3D11(Direct3D):

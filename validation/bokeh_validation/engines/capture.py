@@ -3,15 +3,17 @@
 capture.json beside raw little-endian files, rows from v = 0 (the first row in memory) on:
 
     {"engine": "three.js 0.187, WebGL 2", "device": "SwiftShader ...", "width": 320, "height": 240,
-     "color": "color.f16",            (H, W, 4) float16: what CoCMap reads
-     "depth": "depth.f32",            (H, W) float32: metres, what the CoC map and the paper's passes read
+     "color": "color.f16",            (H, W, 4) float16: what the CoC map reads
+     "depth": "depth.f32",            (H, W) float32: metres, or what the engine's depth buffer holds, where there is
+     "stored": {"kind": 1, "near": 0.1, "far": 100.0},
+                                      how BokehSignedCoCMap reads it; left out, or null, for paper
      "camera": {"aperture_diameter": 0.05, "focal_length": 0.05, "focus_distance": 5.0, "sensor_height": 0.024,
                 "max_coc": 0.1},
      "shots": [{"name": "exact-hexagon", "method": "exact", "aperture": "hexagon", "result": "exact-hexagon.f16",
-                "spacing": 1.0, "samples": 33, "targets": true}, ...]}
+                "targets": true}, ...]}
 
 Keys of a shot beside name and result are fields of methods.Settings; what is left out has its default there. Each shot
-may have a camera, color and depth of its own in place of the common ones.
+may have a camera, color, depth and stored of its own in place of the common ones.
 
 "pull" is the autofocus, for the tests:
 
@@ -26,7 +28,7 @@ as in probes.model.compared.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import prod
 from pathlib import Path
@@ -35,12 +37,13 @@ import numpy as np
 
 from bokeh_validation import metrics
 from bokeh_validation.drivers.base import precision_of, software_device
-from bokeh_validation.frame import methods
-from bokeh_validation.probes.model import Case, expected
+from bokeh_validation.frame import methods, plan
+from bokeh_validation.probes.model import Case
+from bokeh_validation.reference import listings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.precision import Precision
-from bokeh_validation.shaders.passes import target_size
+from bokeh_validation.shaders.passes import Pass, target_size
 
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 
@@ -53,6 +56,7 @@ class Broken(Exception):
 class Shot:
     """One result, with what went in.
 
+    case        its depth is in metres
     result      (H, W, 4) float16
     expected    the reference's, with its interval
     comparison  how far the result is from it; `outside` counts those of all targets
@@ -99,29 +103,49 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     shape = (*size[::-1], 4)
     color = _pixels(folder / shot["color"], np.float16, shape)
     depth = _pixels(folder / shot["depth"], np.float32, shape[:2])
+    stored = {"kind": 0, "near": 0.0, "far": 0.0} | (shot.get("stored") or {})
+    metres = listings.linear_depth(depth.astype(np.float64), **stored).astype(np.float32)
     chosen = {key: value for key, value in shot.items() if key in _SETTINGS}
     settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
-    case = Case(f"{data['engine']}: {shot['name']}", settings, color, depth)
+    case = Case(f"{data['engine']}: {shot['name']}", settings, color, metres)
     result = _pixels(folder / shot["result"], np.float16, shape)
     outputs = _written(folder / shot["written"], case) if settings.method == "layered" else {}
     outputs["result"] = result
+    textures = case.textures() | {"depth": depth}
+    passes = [_of_buffer(item, **stored) for item in case.plan.passes]
     # Engines do not say how their targets round: the one that fits counts. Mesa's cut off, the others here round to
     # nearest: the likely one is tried first.
     roundings = ("zero", "nearest") if software_device(data["device"]) == "Mesa" else ("nearest", "zero")
     attempts = []
     for rounding in roundings:
-        attempts.append(_compared(shot["name"], case, outputs, precision_of(data["device"]), rounding))
+        attempts.append(
+            _compared(shot["name"], case, passes, textures, outputs, precision_of(data["device"]), rounding)
+        )
         if attempts[-1].comparison.outside == 0:
             break
     return min(attempts, key=lambda attempt: (attempt.comparison.outside, -attempt.comparison.close))
 
 
-def _compared(name: str, case: Case, outputs: Mapping[str, np.ndarray], precision: Precision, rounding: str) -> Shot:
-    if case.settings.method == "layered":
-        passes, textures = case.plan.passes, case.textures()
-        reference = Reference().images(passes, textures, case.size, "half", precision, rounding, given=outputs)
-    else:
-        reference = expected(case, precision, rounding)
+def _of_buffer(item: Pass, kind: int, near: float, far: float) -> Pass:
+    """A pass told what the depth buffer holds, where it reads that."""
+    if item.entry != plan.SIGNED_MAP:
+        return item
+    told = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
+    return replace(item, parameters={**item.parameters, **told})
+
+
+def _compared(
+    name: str,
+    case: Case,
+    passes: Sequence[Pass],
+    textures: Mapping[str, np.ndarray],
+    outputs: Mapping[str, np.ndarray],
+    precision: Precision,
+    rounding: str,
+) -> Shot:
+    # layered pass by pass, from what the device had
+    given = outputs if case.settings.method == "layered" else None
+    reference = Reference().images(passes, textures, case.size, "half", precision, rounding, given=given)
     # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
     comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}
     outside = {key: comparison.outside for key, comparison in comparisons.items() if comparison.outside}

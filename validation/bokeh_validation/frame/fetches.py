@@ -18,11 +18,9 @@ def of_pass(item: Pass) -> dict[str, int]:
     samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
     # red and blue
     others += 2 * (item.spec.role == LATERAL)
-    # each channel on its own
-    times = 3 if item.spec.role in (FIRST, SECOND, EDGE) and item.constants["BOKEH_CHARACTER"] > 1 else 1
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
     return {
-        "color": 0 if item.spec.role == DEPTH else times * (1 + others + samples),
+        "color": 0 if item.spec.role == DEPTH else 1 + others + samples,
         "depth": depth,
         "table": item.samples if "KernelSamp" in item.inputs else 0,
     }

@@ -13,9 +13,13 @@ from bokeh_validation.shaders.passes import Pass
 
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
+FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
 PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
 PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
+# Of exact -> samples on a line at most, pixels between them
+EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
+EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
 PAPER_SAMPLES = 13
 # With spacing, where nobody says
 MOST_SAMPLES = 65
@@ -40,21 +44,41 @@ class Camera:
 
 
 @dataclass(frozen=True)
+class Focus:
+    """What the CoC map can do with BOKEH_FOCUS_CONTROLS 1; (in front of the focus, behind it).
+
+    sharp   metres from the focus distance that stay sharp
+    scale   factors of the CoC
+    limits  of the CoC, fractions of the image height
+    """
+
+    sharp: tuple[float, float] = (0.0, 0.0)
+    scale: tuple[float, float] = (1.0, 1.0)
+    limits: tuple[float, float] = (1.0, 1.0)
+
+    def parameters(self) -> dict[str, float]:
+        """As the shaders name them."""
+        names = [f"Bokeh{side}{what}" for what, sides in FOCUS.items() for side in sides]
+        return dict(zip(names, (*self.sharp, *self.scale, *self.limits), strict=True))
+
+
+@dataclass(frozen=True)
 class Settings:
     """What to render.
 
     samples      on a line, with spacing at most; default: see `count`
     coc          a constant CoC (fraction of the image height) instead of one from depth
-    spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples
+    spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples; default: exact
+                 has its preset's, all others 0
     jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
     frame        number of the frame: the noise is another in each
     squeeze      width of the bokeh over its height
     cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
     roundness    of octagons in the same: 0 a square, 1 regular
-    axial        how much more signed CoC red has than green, and blue; exact only
     lateral      how much larger red of the finished picture is than green, and blue smaller
     targets      whether a pass may write several targets; exact and layered only
-    preset      of layered, one of PRESETS
+    preset       of exact and layered, one of PRESETS; for exact it counts where neither samples nor spacing is given
+    focus        BOKEH_FOCUS_CONTROLS: (front, back) range in metres, scales, limits; None: without
     """
 
     method: str = "paper"
@@ -67,23 +91,30 @@ class Settings:
     leak_fix: bool = True
     bleeding_bias: float = 0.02
     bleeding_mult: float = 30.0
-    spacing: float = 0.0
+    spacing: float | None = None
     jitter: float = 0.0
     frame: int = 0
     squeeze: float = 1.0
     cats_eye: float = 0.0
     roundness: float = 1.0
-    axial: tuple[float, float] = (0.0, 0.0)
     lateral: float = 0.0
     targets: bool = True
     preset: str = "medium"
+    focus: Focus | None = None
+
+    @property
+    def has_preset(self) -> bool:
+        """Whether samples of `exact` are those of its preset."""
+        return self.method == "exact" and self.samples is None and self.spacing is None
 
     @property
     def count(self) -> int:
-        """BOKEH_NUM_SAMPLES of the filter passes: by default 13 on a line, as in the paper's section 4.3."""
+        """Samples on a line: by default those of the preset, or 13, as in the paper's section 4.3."""
         if self.samples is not None:
             return self.samples
-        if self.spacing > 0.0:
+        if self.has_preset:
+            return EXACT_PRESETS[self.preset][0]
+        if self.spacing:
             return MOST_SAMPLES
         return EDGE_SAMPLES.get(self.aperture, PAPER_SAMPLES) if self.method in ("exact", "layered") else PAPER_SAMPLES
 
@@ -102,6 +133,8 @@ class Plan:
 
 def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
     lens = settings.camera.parameters()
+    if settings.focus and entry == "BokehSignedCoCMap":
+        lens |= settings.focus.parameters()
     if settings.coc is None:
         return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", lens)
     return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", lens | {"BokehConstantCoC": settings.coc})
@@ -117,7 +150,7 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
         "BokehBleedingMult": settings.bleeding_mult,
         "BokehBlurCoC": 1.0 if settings.blur_coc else 0.0,
         "BokehSqueeze": settings.squeeze,
-        "BokehSpacing": settings.spacing,
+        "BokehSpacing": settings.spacing or 0.0,
         "BokehImageWidth": float(size[0]),
         "BokehImageHeight": float(size[1]),
         "BokehJitter": settings.jitter,
@@ -141,7 +174,7 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
             lines.append(LinePass(shape.first + settings.rotation))
         lines.append(LinePass(shape.second + settings.rotation, reads=first_lines[shape.first], combines=finished))
         finished = len(lines) - 1
-    entry = "BokehAdaptive" if settings.spacing > 0.0 else "BokehDepthOfField"
+    entry = "BokehAdaptive" if settings.spacing else "BokehDepthOfField"
     return _line_passes(settings, size, entry, lines, use_max=settings.aperture in apertures.USES_MAX)
 
 
@@ -178,19 +211,18 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}"
     common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
-    if any(settings.axial):
-        common |= dict(zip(("BokehAxialRed", "BokehAxialBlue"), settings.axial, strict=True))
+    defines = {"BOKEH_SPACING": EXACT_PRESETS[settings.preset][1]} if settings.has_preset else {}
     names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
     passes = [_coc_pass(settings, "BokehSignedCoCMap")]
     if settings.targets:
-        passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count))
+        passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count, defines))
     else:
         for number, name in enumerate(names):
-            index = {"BOKEH_TARGET_INDEX": number}
+            index = defines | {"BOKEH_TARGET_INDEX": number}
             edge = {**common, "BokehSides": float(sides)}
             passes.append(Pass("BokehExactEdge", {"ColorSamp": "coc"}, name, edge, settings.count, index))
     read = dict(zip(COLORS, names, strict=False))
-    passes.append(Pass(stem + "Second", read, "result", common, settings.count))
+    passes.append(Pass(stem + "Second", read, "result", common, settings.count, defines))
     return Plan(tuple(passes), {})
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, options, shaders, terminal
+from bokeh_validation import __version__, options, paths, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, UNREAD, VIEW
@@ -21,7 +21,8 @@ LEAST_SIDE, MOST_SIDE = 2, 16384
 # Role of an entry -> format of its target and bytes of a texel
 FORMATS = {DEPTH: ("R32F", 4)}
 USUAL_FORMAT = ("RGBA16F", 8)
-# From the engine's depth buffer to metres; the drivers are given metres
+SIGNED_MAP = "BokehSignedCoCMap"
+# From the engine's depth buffer to metres, for paper and naive; the drivers are given metres
 LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
 VERTEX = {
     "entry": "BokehFullScreen",
@@ -50,10 +51,10 @@ NOTES = (
     "texel; only shader model 3 needs a filter of that kind.",
     "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
     "those that your engine must give.",
-    "BokehLinearDepth makes metres of the depth buffer. Leave it out where your depth is in metres already.",
-    "Constants that are not listed have the library's default; BOKEH_ADAPTIVE_SAMPLES 1 lets BokehSpacing and "
-    "BokehJitter act. A constant beats a preset without a word: where BOKEH_PRESET_.. is defined, define none of those "
-    "that it stands for.",
+    "BokehSignedCoCMap reads the engine's depth buffer: BokehDepthKind says what it holds. BokehLinearDepth, where "
+    "there is one, makes metres of it; leave it out where your depth is in metres already.",
+    "Constants that are not listed have the library's default, which is the preset MEDIUM. For another preset put its "
+    "`define` before the files, in WGSL the constants that it `stands_for`; a preset with one of those is an error.",
 )
 
 
@@ -70,16 +71,21 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     """
     options.check(settings)
     plan = methods.plan(settings, viewport[2:] if viewport else size)
-    if any("depth" in item.inputs.values() for item in plan.passes):
+    if any("depth" in item.inputs.values() and item.entry != SIGNED_MAP for item in plan.passes):
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
+    else:
+        plan = replace(plan, passes=tuple(_from_buffer(item) for item in plan.passes))
     if viewport:
         plan = methods.in_viewport(plan, viewport, size)
     plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
     same, changes = _parameters(plan.passes)
+    names, values = methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset]
+    if settings.method == "exact":
+        names, values = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS[settings.preset]
     preset = {
         "name": settings.preset,
         "define": f"BOKEH_PRESET_{settings.preset.upper()}",
-        "stands_for": dict(zip(methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset], strict=True)),
+        "stands_for": dict(zip(names, values, strict=True)),
     }
     textures = _textures(plan, size)
     targets = [texture for texture in textures if texture["written"] is not None]
@@ -87,11 +93,11 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "version": __version__,
         "method": settings.method,
         "aperture": settings.aperture,
-        "preset": preset if settings.method == "layered" else None,
+        "preset": preset if settings.method == "layered" or settings.has_preset else None,
         "several_targets": settings.targets,
         "size": list(size),
         "notes": list(NOTES),
-        "programs": programs(settings.method),
+        "programs": programs(settings),
         "vertex": VERTEX,
         "passes": [
             _step(number, item, changed, size, textures)
@@ -108,6 +114,12 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "bytes_shared": sum({texture["memory"]: texture["bytes"] for texture in targets}.values()),
         "fetches": fetches.of_frame(plan.passes),
     }
+
+
+def _from_buffer(item: Pass) -> Pass:
+    """With the engine's depth buffer in place of metres."""
+    renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in item.inputs.items()}
+    return replace(item, inputs=renamed)
 
 
 def _read(item: Pass) -> Pass:
@@ -148,17 +160,18 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
     }
 
 
-def programs(method: str) -> dict[str, dict]:
+def programs(settings: methods.Settings) -> dict[str, dict]:
     """Language -> files to put together in their order, the lines before them, and names of the entries."""
     before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
+    needs = {"exact": [], "layered": ["bokeh_layers"]}.get(settings.method, ["bokeh_paper"])
+    if settings.lateral or settings.cats_eye or settings.roundness < 1.0 or settings.focus:
+        needs = [*needs, "bokeh_lens"]
     found = {}
     for language, lines in before.items():
-        stems = ["bokeh", "bokeh_layers", "bokeh_passes"]
-        # WGSL has no #ifdef: its passes need the layers always
-        if method != "layered" and language != "wgsl":
-            stems.remove("bokeh_layers")
+        # WGSL has no #ifdef: its passes need all files always
+        needed = list(paths.STEMS) if language == "wgsl" else ["bokeh", *needs, "bokeh_passes"]
         found[language] = {
-            "files": [f"{language}/{stem}.{language}" for stem in stems],
+            "files": [f"{language}/{stem}.{language}" for stem in needed],
             "before": lines,
             "entry": "main" if language == "glsl" else "{entry}_PS",
             "vertex_entry": "main" if language == "glsl" else "BokehFullScreen_VS",
@@ -166,15 +179,19 @@ def programs(method: str) -> dict[str, dict]:
     return found
 
 
-def constants(item: Pass) -> dict[str, int]:
+def constants(item: Pass) -> dict[str, float]:
     """What a program is compiled with beside the library's defaults and the preset; 0 is the default of the others."""
     known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
-    # whether a spacing acts is for BokehSpacing to say
-    del known["BOKEH_NUM_SAMPLES"]
-    known.pop("BOKEH_ADAPTIVE_SAMPLES", None)
+    counts = {name: known.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
+    paper, samples, spacing = counts.values()
     if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, VIEW):
         return known
-    return {"BOKEH_NUM_SAMPLES": item.samples, **known}
+    if paper:
+        return known if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **known}
+    if "BOKEH_SPACING" in item.defines:
+        # what the preset stands for
+        return known
+    return {"BOKEH_NUM_SAMPLES": samples, "BOKEH_SPACING": spacing, **known}
 
 
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:

@@ -127,7 +127,7 @@ def java_passes() -> Iterator[str]:
 def godot_shaders() -> dict[str, str]:
     """What the add-on has of the package: glsl/ without the lines that Godot's language lacks. Raises UserError."""
     ported = {}
-    for name in ("bokeh", "bokeh_layers"):
+    for name in ("bokeh", "bokeh_paper", "bokeh_layers"):
         text = _text(f"glsl/{name}.glsl")
         for pattern in NOT_IN_GODOT if name == "bokeh" else ():
             text, count = re.subn(pattern, "", text, flags=re.DOTALL)

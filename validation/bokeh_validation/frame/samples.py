@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from bokeh_validation import shaders
 from bokeh_validation.frame import methods, plan
-from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, ENTRIES, EXACT, Entry
+from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT, Entry
 from bokeh_validation.shaders.passes import Pass
 
-# What the samples call what they hand to a frame
-DEPTH_NAME = "metres"
-LENS = "apertureDiameter, focalLength, focusDistance, sensorHeight, maxCoC"
+# What the samples call what they hand to a frame: the engine's depth buffer, and metres for paper
+DEPTH_NAMES = {"depth buffer": "depth", "depth": "metres"}
+DEPTH = "depthKind, nearPlane, farPlane"
 # No sample has noise on its samples' places, which this numbers
 LEFT_OUT = "BokehPassIndex"
 # Entries of the layers that read BokehSides, where each pass may be of another polygon
@@ -34,6 +34,7 @@ class Language(NamedTuple):
     camel             whether 'near target 2' is called nearTarget2; else near_target_2
     targets           whether a pass may write several
     spacing           of paper; 0: a fixed number of samples
+    metres            the pass from the depth buffer to metres, first of paper; without it a sample draws it itself
     """
 
     head: str
@@ -48,21 +49,25 @@ class Language(NamedTuple):
     camel: bool = False
     targets: bool = True
     spacing: float = 1.0
+    metres: str = ""
 
 
 PYTHON = Language(
     "{} = [", '    ("{define}", "{reads}", "{writes}", {scale}, {{{sets}}}),', "]",
     '"Bokeh{}": {:g}', '"Bokeh{}": radians({:g})',
+    metres='    ("LINEAR_DEPTH", "", "metres", 1, {}),',
 )  # fmt: skip
 JAVA = Language(
     "public static final BokehFilter.Step[] {} = {{",
     '    new BokehFilter.Step(BokehPass.{define}, "{reads}", "{writes}", {scale}, Map.of({sets})),', "}};",
     '"{}", {:g}f', '"{}", {:g}f * FastMath.DEG_TO_RAD', replaced=("color", "scene"), camel=True,
+    metres='    new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "metres", 1, Map.of()),',
 )  # fmt: skip
 DIRECT3D11 = Language(
     "static const std::vector<Pass> {} = {{",
     '    {{"{entry}_PS", "{reads}", "{writes}", {scale}, {{{sets}}}}},', "}};",
     "{{&BokehParameters::{}, {:.1f}f}}", "{{&BokehParameters::{}, {:.1f}f * PI / 180.0f}}", spacing=0.0,
+    metres='    {"BokehLinearDepth_PS", "", "metres", 1, {}},',
 )  # fmt: skip
 OGRE = Language(
     "static Frame {}(int sides)\n{{\n    static const std::map<int, Frame> frames = {{",
@@ -88,6 +93,7 @@ def table(language: Language, name: str, method: str, aperture: str = "") -> Ite
     """The lines of a polygon's table of passes; without `aperture`, of all polygons, and without the CoC map."""
     yield from language.head.format(name).splitlines()
     if aperture:
+        yield from [language.metres] * (method == "paper" and bool(language.metres))
         yield from rows(language, method, aperture)
     else:
         for shape in ("hexagon", "octagon") if method == "paper" else EXACT:
@@ -106,11 +112,12 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     for name in (texture["name"] for texture in planned["textures"]):
         names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
     names |= _three_textures(planned["textures"]) if language is BEVY else {}
-    names["depth"] = DEPTH_NAME
+    names |= DEPTH_NAMES
     word, replacement = language.replaced
     separator = ", " if language is BEVY else " "
     lines = []
-    for step, item in zip(planned["passes"][1:], methods.plan(settings, SIZE).passes, strict=True):
+    steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
+    for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True):
         sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
         if item.entry in SIDED:
             sets["Sides"] = item.values()["BokehSides"]
@@ -147,30 +154,32 @@ def _three_textures(textures: list[dict]) -> dict[str, str]:
 def call(item: Pass, names: dict[str, str]) -> str:
     """The function of the library that a pass calls, with a sample's names of textures, uniforms and locals.
 
-    uv, layers, polygon, settings, rotation and squeeze are the locals and uniforms that each sample has.
+    uv, lens, depthKind, nearPlane, farPlane, layers, polygon, settings, rotation and squeeze are the locals and
+    uniforms that each sample has.
     """
     entry, values = item.spec, item.values()
     textures = {slot: names[name] for slot, name in item.inputs.items()}
     if entry.role == COPY:
-        return f"{entry.name}(color, {DEPTH_NAME}, uv, {LENS})"
+        given = f"depth, uv, uv, lens, {DEPTH}" if entry.name == plan.SIGNED_MAP else "metres, uv, lens"
+        return f"{entry.name}(color, {given})"
     if entry.role == ADAPTIVE:
         angle = f"radians({degrees(values['BokehAngle']):.1f}) + rotation"
         segment = f"BokehSegment({angle}, 1.0, vec2(0.0, 0.0), squeeze)"
-        line = f"BokehDepthOfFieldAdaptive({textures['ColorSamp']}, {DEPTH_NAME}, uv, {segment}, settings, true)"
+        line = f"BokehDepthOfFieldAdaptive({textures['ColorSamp']}, metres, uv, {segment}, settings, true)"
         other = textures.get("ColorSampB")
         return f"BokehCombine({line}, BokehFetch({other}, uv), false)" if other else line
     function = _function(entry)
     _, parameters = _signature(function)
     arguments, sampled, slots = [], "", iter(COLORS)
     for kind, name in (parameter.split() for parameter in parameters.split(",")):
-        if kind == "sampler2D":
+        if kind == "BOKEH_TEXTURE":
             # a slot that the polygon has no target for gets the one before, and does not read it
             sampled = textures.get(next(slots), sampled)
         argument = {
-            "sampler2D": sampled,
+            "BOKEH_TEXTURE": sampled,
             "vec2": "uv" if name == "uv" else "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
-            "int": f"{item.constants.get('BOKEH_TARGET_INDEX', 0) + 2}",
+            "int": f"{_last(item)}",
         }.get(kind, name)
         arguments.append(argument)
     text = f"{function}({', '.join(arguments)})"
@@ -185,12 +194,21 @@ def returned(item: Pass) -> tuple[str, ...]:
     if not members:
         return ()
     targets = ENTRIES[item.spec.whole].targets if item.spec.whole else max(item.spec.targets, 1)
+    if item.spec.role == EDGE:
+        targets = 4
     return kind, *re.findall(r"vec4 (\w+)", members[0])[:targets]
 
 
 def _function(entry: Entry) -> str:
     """The function of the library that an entry calls."""
-    return re.sub("Square|Hexagon|Octagon|Decagon", "" if entry.layers else "Exact", entry.whole or entry.name)
+    if entry.role == EDGE:
+        return "BokehLayerFirst" if entry.layers else "BokehExactFirst"
+    return re.sub("(?:Square|Hexagon|Octagon|Decagon)(?=Layer)", "", entry.whole or entry.name)
+
+
+def _last(item: Pass) -> int:
+    """BokehExactFirst's parameter: the last target that is wanted."""
+    return item.constants["BOKEH_TARGET_INDEX"] + 2 if item.spec.role == EDGE else item.spec.sides // 2
 
 
 def _signature(function: str) -> tuple[str, str]:

@@ -40,7 +40,7 @@ class Mutant:
 @cache
 def originals() -> Mapping[str, str]:
     """Path in the shaders' folder -> text, of the nine files."""
-    keys = [keys[language] for keys in (parity.LIBRARY, parity.LAYERS, parity.PASSES) for language in paths.LANGUAGES]
+    keys = [keys[language] for keys in parity.FILES.values() for language in paths.LANGUAGES]
     return {key: (paths.shaders() / key).read_text(encoding="ascii") for key in keys}
 
 

@@ -15,7 +15,7 @@ from bokeh_validation.mutants.mutant import Mutant, originals, together
 from bokeh_validation.shaders import calls, parity, rules
 
 EQUIVALENTS = Path(__file__).with_name("equivalents.txt")
-FILES = [keys["glsl"] for keys in (parity.LIBRARY, parity.LAYERS, parity.PASSES)]
+FILES = [keys["glsl"] for keys in parity.FILES.values()]
 # Arguments with brackets in them; what stands between two operators; a name
 CALL = r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)"
 TERM = rf"-?(?:[\w.]+(?:{CALL})?|{CALL})(?:\.[a-z]+)?"
@@ -38,7 +38,7 @@ for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
-GUARDS = r"(?:clamp|abs|BokehSafe\w+|BokehToTexture|BokehGridCoords|min|max)"
+GUARDS = r"(?:clamp|abs|BokehSafe|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
 
 

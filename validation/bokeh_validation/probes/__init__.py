@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from bokeh_validation import drivers, jobs, terminal
 from bokeh_validation.probes import (
+    border,
     character,
     exact,
     halo,
@@ -20,7 +21,7 @@ from bokeh_validation.probes import (
 )  # fmt: skip
 from bokeh_validation.probes.model import Check, Probe
 
-_ROOMS = (impulse, two_points, scenes, exact, halo, near_edges, lights, sweep, character)
+_ROOMS = (impulse, two_points, scenes, exact, halo, near_edges, lights, sweep, character, border)
 PROBES: tuple[Probe, ...] = tuple(probe for room in _ROOMS for probe in room.PROBES)
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 
@@ -30,7 +31,7 @@ __all__ = ["PROBES", "REAL", "Check", "Probe", "probes", "section"]
 def section(name: str, names: Sequence[str], adapter: str | None) -> sections.Section:
     """A probe on drivers."""
     probe = next(probe for probe in PROBES if probe.name == name)
-    present, devices = sections.loaded([driver for driver in names if driver not in probe.but], adapter)
+    present, devices = sections.loaded(names, adapter)
     return sections.of_probe(probe, present, **devices)
 
 

@@ -1,9 +1,9 @@
 """The character of a lens, by one light: cat's eye, and red and blue at other places than green (lateral) or of other
-sizes (axial).
+sizes (axial: the frame three times, docs/character.md).
 """
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -17,9 +17,12 @@ COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
-def whole(aperture: str, coc: float = COC, size: tuple[int, int] = SIZE, place: tuple[int, int] = PLACE) -> Bokeh:
-    """Of the light through a lens without character."""
-    return Bokeh(polygon_of(aperture, ROTATION, coc), size, pixel_center(*place))
+def whole(
+    aperture: str, coc: float = COC, size: tuple[int, int] = SIZE, place: tuple[int, int] = PLACE, texel: int = 1
+) -> Bokeh:
+    """Of the light through a lens without character; around the middle of its texel, which is so many pixels wide."""
+    x, y = (texel * (pixel // texel + 0.5) for pixel in place)
+    return Bokeh(polygon_of(aperture, ROTATION, coc), size, (x, y))
 
 
 def lit(label: str, bokeh: Bokeh, aperture: str = "hexagon", depth: float = 10.0, **changes) -> Case:
@@ -96,17 +99,23 @@ CUT = Probe(
 # --------------------------------------------------------------------------------------------------------------- colour
 
 LATERAL = {"red larger": 0.05, "blue larger": -0.05}
-AXIAL = (-4, 6)  # pixels of CoC that red and blue have more, as through a plain lens
+AXIAL = (-4, 6)  # pixels of signed CoC that red and blue have more, as through a plain lens
 AXIAL_FRAME = (128, 96), (92, 34)  # as above, but the place matters little: so far off that a shift would show
-CHANNELS = ("red", "green", "blue")
+CHANNELS, SIDES = ("red", "green", "blue"), {"far": 1, "near": -1}
 
 
-def axial_case(label: str, sign: int) -> Case:
-    """A plane with a light, out of focus and far or near."""
+def axial_cases(method: str) -> tuple[Case, ...]:
+    """A plane with a light, out of focus, far and near; for each channel with its own shift of the map."""
     bokeh = whole("hexagon", COC, *AXIAL_FRAME)
-    height = bokeh.size[1]
-    lens = {"camera": near_edges.CAMERA, "coc": None, "axial": tuple(pixels / height for pixels in AXIAL)}
-    return lit(label, bokeh, depth=near_edges.metres(sign * COC, height), **lens)
+    height, lens = bokeh.size[1], {"method": method, "camera": near_edges.CAMERA, "coc": None}
+    if method == "layered":
+        lens |= {"preset": "high", "samples": None, "spacing": None}
+    cases = []
+    for side, sign in SIDES.items():
+        plane = lit("", bokeh, depth=near_edges.metres(sign * COC, height), **lens)
+        shifts = zip(CHANNELS, (AXIAL[0], 0, AXIAL[1]), strict=True)
+        cases += [replace(plane, label=f"{side}, {channel}", shift=more / height) for channel, more in shifts]
+    return tuple(cases)
 
 
 def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
@@ -140,14 +149,15 @@ def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
     return checks
 
 
-def _judge_axial(outputs: dict[str, Outputs]) -> list[Check]:
+def _judge_axial(texel: int, outputs: dict[str, Outputs]) -> list[Check]:
     """A channel is as large as its signed CoC says: what is larger far away is smaller nearby."""
     checks = []
-    for label, sign in (("far", 1), ("near", -1)):
+    for side, sign in SIDES.items():
         for channel, more in enumerate((AXIAL[0], 0, AXIAL[1])):
+            label = f"{side}, {CHANNELS[channel]}"
             share = (outputs[label]["result"][..., channel] - AMBIENT) / PEAK
-            bokeh = whole("hexagon", sign * COC + more, *AXIAL_FRAME)
-            checks += _color_checks(f"{label}, {CHANNELS[channel]}", share, bokeh, 0.5)
+            bokeh = whole("hexagon", sign * COC + more, *AXIAL_FRAME, texel)
+            checks += _color_checks(label, share, bokeh, 0.5)
     return checks
 
 
@@ -158,13 +168,17 @@ LATERAL_COLOR = Probe(
     tuple(lit(label, whole("hexagon"), lateral=amount) for label, amount in LATERAL.items()),
     _judge_lateral,
 )
-AXIAL_COLOR = Probe(
-    "axial-color",
-    "Red and blue are in focus at other distances",
-    "Far bokeh has a blue rim and near bokeh a red one; nothing moves.",
-    (axial_case("far", 1), axial_case("near", -1)),
-    _judge_axial,
-    but=("d3d9",),  # shader model 3 has no room for its programs
+# A layer has half the size: a light lies in the middle of its texel there
+TEXELS = {"exact": 1, "layered": 2}
+AXIAL_COLOR = tuple(
+    Probe(
+        f"axial-color-{method}",
+        "Red and blue are in focus at other distances",
+        "Far bokeh has a blue rim and near bokeh a red one; nothing moves.",
+        axial_cases(method),
+        partial(_judge_axial, texel),
+    )
+    for method, texel in TEXELS.items()
 )
 
-PROBES = (CUT, LATERAL_COLOR, AXIAL_COLOR)
+PROBES = (CUT, LATERAL_COLOR, *AXIAL_COLOR)

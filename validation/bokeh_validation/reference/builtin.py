@@ -1,7 +1,7 @@
 """What GLSL has itself: operators and functions, of intervals, and of constants as the compiler computes them."""
 
 from collections.abc import Callable, Mapping
-from operator import add, and_, eq, ge, gt, le, lt, mul, sub, truediv
+from operator import add, and_, ge, gt, le, lt, mul, sub, truediv
 
 import numpy as np
 
@@ -29,8 +29,13 @@ def _divided(a, b):
     return a // b if both else truediv(a, b)
 
 
+def _same(a, b) -> bool:
+    """Of whole numbers, and of a uniform, which is one number for all pixels."""
+    return (a.value.item() if isinstance(a, Interval) else a) == b
+
+
 _SYMBOLS = {"+": add, "-": sub, "*": mul, "/": _divided, "<": lt, ">": gt, "<=": le, ">=": ge}
-OPERATORS = {**{symbol: _either(function) for symbol, function in _SYMBOLS.items()}, "==": eq, "&&": and_}
+OPERATORS = {**{symbol: _either(function) for symbol, function in _SYMBOLS.items()}, "==": _same, "&&": and_}
 _least, _most = _either(min, intervals.smaller), _either(max, intervals.larger)
 
 

@@ -92,9 +92,10 @@ class Texture:
                 low, high = np.minimum(low, self.value[texel].T - error), np.maximum(high, self.value[texel].T + error)
         return Interval(value, low, high)
 
-    def row(self, i: int, count: int) -> Interval:
-        """Texel i of the first row."""
-        return Interval(self.value[min(i, count - 1)][:, None])
+    def depth(self, uv: Interval) -> Interval:
+        """The first channel of the nearest texel."""
+        texel = self.nearest(uv)
+        return Interval(texel.value[0], texel.low[0], texel.high[0])
 
 
 def _error(around: np.ndarray, off: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bokeh_validation.frame.methods import FOCUS, LENS
 from bokeh_validation.reference import listings, sampling
 from bokeh_validation.reference.lines import Line, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, TABLE, VIEW
@@ -52,14 +53,25 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
     if entry == "BokehConstantCoC":
         coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
     else:
-        camera = ("ApertureDiameter", "FocalLength", "FocusDistance", "SensorHeight", "MaxCoC")
-        safe = listings.safe_depth(depth)
-        coc = listings.circle_of_confusion(safe, *(values[f"Bokeh{name}"] for name in camera))
-        if "Signed" in entry:
-            coc = listings.signed_coc(safe, coc, values["BokehFocusDistance"])
+        stored = ("DepthKind", "Near", "Far") if entry == "BokehSignedCoCMap" else ()
+        kind, near, far = [values[f"Bokeh{name}"] for name in stored] or (0.0, 0.0, 0.0)
+        coc = _signed_coc(listings.linear_depth(depth, round(kind), near, far), values)
+        if entry == "BokehCoCMap":
+            coc = np.abs(coc)
     value = np.empty((*color.shape[:2], 4))
     value[..., :3], value[..., 3] = listings.safe_color(color[..., :3]), coc
     return value
+
+
+def _signed_coc(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
+    """Of a lens that has a range in focus, and factors and limits of both sides."""
+    aperture, focal, focus, sensor, most = (values[name] for name in LENS)
+    ranges, scales, limits = ([values[f"Bokeh{side}{what}"] for side in sides] for what, sides in FOCUS.items())
+    nearest, farthest = min(focus, listings.MAX_DEPTH) - ranges[0], min(focus, listings.MAX_DEPTH) + ranges[1]
+    # in front of the range as of a lens that is focused at its near end, behind it at the far one
+    of_ends = [listings.circle_of_confusion(depth, aperture, focal, end, sensor, most) for end in (nearest, farthest)]
+    front, back = (np.minimum(scale * coc, limit) for scale, coc, limit in zip(scales, of_ends, limits, strict=True))
+    return np.where(depth < nearest, -front, np.where(depth > farthest, back, 0.0))
 
 
 def _texels(item: Pass, size: tuple[int, int]) -> tuple[float, float]:
@@ -113,25 +125,16 @@ def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray
     values, size = item.given(), inputs["ColorSamp"].shape[1::-1]
     found, targets = lines(item, size), []
     slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in found)]))
-    # red, green and blue each have a CoC of their own where the lens has axial colour
-    has_axial = item.constants["BOKEH_CHARACTER"] > 1
-    shifts = (values["BokehAxialRed"], 0.0, values["BokehAxialBlue"]) if has_axial else (0.0,)
     blur_coc = item.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
+    sources = [inputs[slot] for slot in slots]
     for target in range(len(found[0].shares)):
-        channels = []
-        for shift in shifts:
-            sources = [inputs[slot] + [0.0, 0.0, 0.0, shift] for slot in slots]
-            samples = [
-                (slots.index(line.slot), x, y, weight * line.shares[target])
-                for line in found
-                if np.any(line.shares[target])
-                for x, y, weight in _cells(item, line, sources[0][..., 3])
-            ]
-            channels.append(gather(sources, depth, samples, values, blur_coc))
-        if has_axial:
-            red, green, blue = channels
-            channels = [np.stack([red[..., 0], green[..., 1], blue[..., 2], green[..., 3]], axis=-1)]
-        targets += channels
+        samples = (
+            (slots.index(line.slot), x, y, weight * line.shares[target])
+            for line in found
+            if np.any(line.shares[target])
+            for x, y, weight in _cells(item, line, sources[0][..., 3])
+        )
+        targets.append(gather(sources, depth, samples, values, blur_coc))
     return targets
 
 
@@ -141,7 +144,7 @@ def _cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[tuple[np.ndarray
     With a spacing, cells have that length, counted from the line's beginning, and the last one is shorter.
     """
     values, (height, width), segment = item.given(), coc.shape, line.segment
-    spacing = values["BokehSpacing"]
+    spacing = item.spacing
     used = filter_coc(np.abs(coc), height, spacing)
     length = 2.0 * segment.half_length * used * height
     cells = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)

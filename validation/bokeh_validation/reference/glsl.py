@@ -9,7 +9,7 @@ from pycparser import c_ast, c_parser
 
 from bokeh_validation import paths, shaders
 
-TYPES = ("float", "int", "bool", "vec2", "vec3", "vec4", "sampler2D")
+TYPES = ("float", "int", "bool", "vec2", "vec3", "vec4", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE")
 
 
 class Function(NamedTuple):
@@ -28,7 +28,7 @@ def functions() -> Mapping[str, Function]:
 
 
 # what reads texels by their numbers: section [2], the porting
-TEXELS = ("BokehFetchNearest", "BokehFetchTable")
+TEXELS = ("BokehFetchTexel", "BokehFetchDepth")
 
 
 @cache
@@ -43,8 +43,8 @@ def main(entry: str) -> Function:
 def constants() -> Mapping[str, float | int]:
     """The defaults of the configuration."""
     found = {}
-    for file in (paths.library("glsl"), paths.layers("glsl")):
-        found |= shaders.settings("glsl", file.read_text(encoding="ascii"))
+    for stem in paths.STEMS:
+        found |= shaders.settings("glsl", shaders.file_text("glsl", stem))
     return {name: float(value) if "." in value else int(value) for name, value in found.items()}
 
 
@@ -57,6 +57,8 @@ def structs() -> frozenset[str]:
 def _parsed(function: re.Match) -> Function:
     """A constructor, `vec2(...)`, is a type where C wants a function: it gets another name."""
     text = shaders.COMMENT.sub("", f"{function['head']}\n{function['body']}")
+    # every file is there
+    text = re.sub(r"^#.*\n", "", text, flags=re.MULTILINE)
     text = re.sub(rf"\b({'|'.join(TYPES)})\(", r"new_\1(", text)
     types = (*TYPES[2:], *structs())
     typedefs = "".join(f"typedef float {name};\n" for name in types)

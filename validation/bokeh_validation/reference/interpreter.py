@@ -27,7 +27,7 @@ from bokeh_validation.reference.precision import FLOAT_STEP
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 # what reads a texture -> the method that does
-FETCHES = {"BokehFetchTexture": "linear", "BokehFetchNearest": "nearest", "BokehFetchTable": "row"}
+FETCHES = {"BokehFetchTexture": "linear", "BokehFetchTexel": "nearest", "BokehFetchDepth": "depth"}
 # Listing 3's comparisons
 LEAKAGE = ("BokehLeakageWeight", "BokehSignedLeakageWeight")
 # the image fills its textures here: there is no viewport to set

@@ -64,7 +64,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
         return ()
     sides = entry.sides or round(values["BokehSides"])
     last = sides // 2
-    cut = size and item.constants["BOKEH_CHARACTER"]
+    cut = size and item.constants["BOKEH_LENS_SHAPE"]
     lengths = lengths_in(size, sides, values) if cut else edge_lengths(sides)
 
     def edge(k: int, second_pass: bool) -> Segment:

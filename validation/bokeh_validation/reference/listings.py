@@ -21,11 +21,6 @@ def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, 
     return np.clip(c / max(sensor_height, MIN_DEPTH), 0.0, max_coc)
 
 
-def signed_coc(depth, coc, focus_distance):
-    """`BokehSignedCoC`: below 0 where the pixel is nearer than the focus distance."""
-    return np.where(depth < focus_distance, -coc, coc)
-
-
 def safe_color(color: np.ndarray) -> np.ndarray:
     """NaN and negative become 0, infinite the largest half float."""
     return np.where(color > 0.0, np.minimum(color, MAX_COLOR), 0.0)

@@ -29,9 +29,13 @@ def glsl_pass(entry: str) -> str:
 
 @cache
 def text(language: str) -> str:
-    """Library, layers and passes of a language, in that order."""
-    files = (paths.library(language), paths.layers(language), paths.passes(language))
-    return "".join(file.read_text(encoding="ascii") for file in files)
+    """All files of a language, in the order of paths.STEMS."""
+    return "".join(file_text(language, stem) for stem in paths.STEMS)
+
+
+def file_text(language: str, stem: str = "bokeh") -> str:
+    """One of them."""
+    return paths.shader(language, stem).read_text(encoding="ascii")
 
 
 def presets(source: str) -> dict[str, dict[str, str]]:
@@ -41,10 +45,11 @@ def presets(source: str) -> dict[str, dict[str, str]]:
 
 
 def settings(language: str, source: str) -> dict[str, str]:
-    """Name -> value in the configuration of a library or of the layers, without a preset."""
+    """Name -> value in the configuration of a file, without a preset."""
     found = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
     plain = presets(source).get("", {})
-    return {name: plain.get("".join(value), "".join(value)) for name, *value in found}
+    fixed = dict(re.findall(r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", source, re.MULTILINE))
+    return {name: plain.get("".join(value), "".join(value)) for name, *value in found} | fixed
 
 
 def defines(values: Mapping[str, object]) -> str:

@@ -51,11 +51,11 @@ def _code(text: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _live(code: str, constants: frozenset[tuple[str, int]]) -> str:
+def _live(code: str, constants: frozenset[tuple[str, float]]) -> str:
     """Code without the branches that these constants switch off."""
     for name, value in constants:
-        for least in re.findall(rf"if \({name} > (\d)\)$", code, re.MULTILINE):
-            if value <= int(least):
+        for least in re.findall(rf"if \({name} > (\d(?:\.0)?)\)$", code, re.MULTILINE):
+            if value <= float(least):
                 branch = rf"^( *)if \({name} > {least}\)\n\1\{{\n(?:.*\n)*?\1\}}\n"
                 code = re.sub(branch, "", code, flags=re.MULTILINE)
     return code
@@ -67,7 +67,7 @@ def _called(code: str) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1024)
-def program(text: str, entry: str, constants: frozenset[tuple[str, int]] = frozenset()) -> Mapping[str, str]:
+def program(text: str, entry: str, constants: frozenset[tuple[str, float]] = frozenset()) -> Mapping[str, str]:
     """Name -> code of a function and of all that it calls; `entry` may be the code of a main function as well."""
     code, reached, waiting = functions(text), {}, [entry]
     while waiting:

@@ -68,19 +68,22 @@ UNREAD = {
 _COLOR_DEPTH = ("ColorSamp", "DepthSamp")
 _ALL = (
     Entry("BokehLinearDepth", DEPTH, ("DepthSamp",)),
-    Entry("BokehCoCMap", COPY, _COLOR_DEPTH),
     Entry("BokehSignedCoCMap", COPY, _COLOR_DEPTH),
     Entry("BokehConstantCoC", COPY, ("ColorSamp",)),
+    *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides)),
+    Entry("BokehExactEdge", EDGE, COLORS[:1]),
+    Entry("BokehDebug", VIEW, _COLOR_DEPTH),
+    # bokeh_paper
+    Entry("BokehCoCMap", COPY, _COLOR_DEPTH),
     Entry("BokehDepthOfField", LINE, _COLOR_DEPTH),
     Entry("BokehDepthOfFieldFinal", LINE, (*_COLOR_DEPTH, "ColorSampB")),
     Entry("BokehAdaptive", ADAPTIVE, _COLOR_DEPTH),
     Entry("BokehAdaptiveFinal", ADAPTIVE, (*_COLOR_DEPTH, "ColorSampB")),
     Entry("BokehNaiveGather", TABLE, (*_COLOR_DEPTH, "KernelSamp")),
     Entry("BokehNaiveGrid", GRID, _COLOR_DEPTH),
-    *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides)),
-    Entry("BokehExactEdge", EDGE, COLORS[:1]),
+    # bokeh_lens
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
-    Entry("BokehDebug", VIEW, _COLOR_DEPTH),
+    # bokeh_layers
     _layers("TileMax", 1),
     _layers("TileDilate", 1),
     *_SEVERAL,
@@ -91,4 +94,6 @@ _ALL = (
     Entry("BokehLayerEdge", EDGE, COLORS[:2], layers=True),
 )
 ENTRIES = {entry.name: entry for entry in _ALL}
+# With so many samples whatever their spacing: BOKEH_PAPER_SAMPLES
+COUNTED = (LINE, GRID, TABLE)
 COPYING_ENTRIES = tuple(entry.name for entry in _ALL if entry.role == COPY)

@@ -24,21 +24,19 @@ from bokeh_validation import paths, shaders, terminal
 from bokeh_validation.shaders import rules
 from bokeh_validation.shaders.entries import ENTRIES
 
-LIBRARY, LAYERS, PASSES = (
-    {language: f"{language}/{name}.{language}" for language in paths.LANGUAGES}
-    for name in ("bokeh", "bokeh_layers", "bokeh_passes")
-)
+FILES = {stem: {language: f"{language}/{stem}.{language}" for language in paths.LANGUAGES} for stem in paths.STEMS}
+PASSES = FILES["bokeh_passes"]
 _HEADING = re.compile(r"^// (?:pixel|fragment) shaders\n", re.MULTILINE)
 
 _PASS_NAMES = {shaders.glsl_pass(entry): f"{entry}_PS" for entry in ENTRIES}
 _TABLE_ROW = re.compile(rf"//   (?:{'|'.join(_PASS_NAMES)}|Bokeh\w+_PS)  ")
 
 # Common words, and what each language calls them
-_WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>")
+_WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>", "<depth texture>")
 _TYPES = {
-    "hlsl": ("float", "float2", "float3", "float4", "int", "Texture2D"),
-    "glsl": ("float", "vec2", "vec3", "vec4", "int", "sampler2D"),
-    "wgsl": ("f32", "vec2f", "vec3f", "vec4f", "i32", "texture_2d<f32>"),
+    "hlsl": ("float", "float2", "float3", "float4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE"),
+    "glsl": ("float", "vec2", "vec3", "vec4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE"),
+    "wgsl": ("f32", "vec2f", "vec3f", "vec4f", "i32", "texture_2d<f32>", "BokehDepthTexture"),
 }
 
 
@@ -61,23 +59,23 @@ def _wgsl_targets(found: re.Match) -> str:
 _Rewrites = tuple[tuple[str, str | Callable[[re.Match], str]], ...]
 _EVERYWHERE: _Rewrites = (
     (r"^// PASTE(?s:.*?)(?=^// CONTENTS)", ""),
-    (r"^(// \[2\] .*\n// -+\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
+    (r"^(// \[2\] .*\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
     (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
     # in shader model 3 a loop runs at most 255 times: the naive gather has two
     (r"BOKEH_LOOP for.*BOKEH_LOOP_LIMIT\).*\n(.*)j; i < min\(j \+ BOKEH_LOOP_LIMIT, (\w+)\)", r"\g<1>0; i < \2"),
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
-    # WGSL has no preprocessor: there the layers are always in the program
-    (r"^#ifdef BOKEH_LAYERS\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),
+    (r"^#if .*// differs: one loop.*(?:\n#.*){4}$", " "),
+    (r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", r"\1 = \2;"),
+    # WGSL has no preprocessor: there all files are always in the program
+    (r"^#ifdef BOKEH_LENS\n((?: .*\n)* .*)\n#endif$", r"\1"),
+    (r"^#ifdef BOKEH_(?:PAPER|LENS|LAYERS)\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),
 )
 _CODE: Mapping[str, _Rewrites] = {
     "hlsl": (
         (r"^static ", ""),
         (r"\bBOKEH_LOOP for\b", "for"),
-        (r"\bBOKEH_TEXTURE\((\w+)\)", r"Texture2D \1, sampler \1Sampler"),
-        (r"\bBOKEH_TEXELS\((\w+)\)", r"Texture2D \1"),
-        (r"\bBOKEH_ARGUMENT\((\w+)\)", r"\1, \1Sampler"),
-        (r"\bBOKEH_SHARED\((\w+), (\w+)\)", r"\1, \2Sampler"),
-        (r"\bBokehColorSampB?Sampler\b", "BokehLinearClamp"),
+        (r" BOKEH_SAMPLER\)", ", sampler BokehLinearClamp)"),
+        (r" BOKEH_LINEAR\)", ", BokehLinearClamp)"),
         (r"^float4 (Bokeh\w+_PS)\(BOKEH_INPUT\) : BOKEH_OUTPUT$", r"ENTRY \1()"),
         (r"^void (Bokeh\w+_PS)\(BOKEH_INPUT(?:,\s+out float4 target(\d) : BOKEH_TARGET\(\2\))+\)$", r"ENTRY \1()"),
         (r"\btarget0 = (?=[^;]*;\n\})", "return "),
@@ -137,12 +135,12 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
     not named are read from the checkout.
     """
     files: dict[str, str] = dict(texts or {})
-    for key in (*LIBRARY.values(), *LAYERS.values(), *PASSES.values()):
+    for key in (key for keys in FILES.values() for key in keys.values()):
         if key not in files:
             # as it is: what is not UTF-8, and every kind of line end, is for the rules to see
             files[key] = (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
     found: list[Difference] = []
-    for keys in (LIBRARY, LAYERS, PASSES):
+    for keys in FILES.values():
         for language, key in keys.items():
             found += _ruled(language, key, files[key])
         for pair in combinations(keys, 2):
@@ -186,7 +184,7 @@ def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
     kept: list[TextLine] = []
     for line in lines:
         if other == "glsl":
-            line = line._replace(common=re.sub(r",(?:sampler )?(?:\w+Sampler|BokehLinearClamp)\b", "", line.common))
+            line = line._replace(common=re.sub(r",(?:sampler )?BokehLinearClamp\b", "", line.common))
         if other == "wgsl" and line.common.startswith("#"):
             continue
         if line.common or (kept and kept[-1].common):

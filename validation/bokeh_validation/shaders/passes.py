@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, ENTRIES, Entry
+from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, COUNTED, ENTRIES, Entry
 from bokeh_validation.shaders.parameters import PARAMETERS
 
 # Texture slots in the order of their bindings.
@@ -15,6 +15,8 @@ FIRST_SAMPLER = 7
 BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 # Slot -> sample type of its binding in WebGPU: what is only loaded need not be filterable.
 SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
+# BOKEH_SPACING where nobody says: that of the preset MEDIUM
+USUAL_SPACING = 1.5
 # What Pass.scale may be
 SCALES = (1, 2, 4, 8)
 
@@ -51,7 +53,7 @@ class Pass:
     inputs      slot -> name of a texture: one that was handed in, or the output of an earlier pass
     output      name of the texture it writes; a tuple of names where it writes several targets at once
     parameters  those that differ from PARAMETERS
-    samples     BOKEH_NUM_SAMPLES
+    samples     BOKEH_NUM_SAMPLES, or BOKEH_PAPER_SAMPLES
     defines     other constants of the program, name -> value
     sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program of the harness in place of the package's; its
                 entry is named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
@@ -68,7 +70,7 @@ class Pass:
     output: str | tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
     samples: int = 13
-    defines: Mapping[str, int] = field(default_factory=dict)
+    defines: Mapping[str, float] = field(default_factory=dict)
     sources: Mapping[str, str] | None = None
     viewport: tuple[int, int, int, int] | None = None
     scale: int = 1
@@ -92,17 +94,29 @@ class Pass:
         return (self.output,) if isinstance(self.output, str) else self.output
 
     @property
-    def constants(self) -> dict[str, int]:
-        """What is fixed when its program is compiled; a fixed number of samples is told to the compiler."""
-        values = self.values()
+    def counted(self) -> bool:
+        """Whether it always takes as many samples as it is compiled for; what is not the package's is not looked up."""
+        return self.entry in ENTRIES and self.spec.role in COUNTED
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """What is fixed when its program is compiled; without a spacing, samples are of a fixed number."""
         return {
-            "BOKEH_NUM_SAMPLES": self.samples,
-            "BOKEH_ADAPTIVE_SAMPLES": int(values["BokehSpacing"] > 0.0 or values["BokehJitter"] > 0.0),
+            "BOKEH_PAPER_SAMPLES" if self.counted else "BOKEH_NUM_SAMPLES": self.samples,
+            "BOKEH_SPACING": USUAL_SPACING if self.values()["BokehSpacing"] > 0.0 else 0.0,
             # to draw into a part of a target is one thing, to read a part of a texture another
             "BOKEH_VIEWPORT": int("BokehTextureWidth" in self.parameters),
-            "BOKEH_CHARACTER": 2 if "BokehAxialRed" in self.parameters else int("BokehCatsEye" in self.parameters),
+            "BOKEH_JITTER": int(self.values()["BokehJitter"] != 0.0),
+            "BOKEH_LENS_SHAPE": int("BokehCatsEye" in self.parameters),
+            "BOKEH_FOCUS_CONTROLS": int("BokehNearScale" in self.parameters),
             **self.defines,
         }
+
+    @property
+    def spacing(self) -> float:
+        """Pixels between samples, 0 for a fixed number of them: the parameter, or the constant where it is 0."""
+        constant = self.constants["BOKEH_SPACING"]
+        return constant and (self.given()["BokehSpacing"] or constant)
 
     def values(self) -> dict[str, float]:
         """All parameters, in layout order."""

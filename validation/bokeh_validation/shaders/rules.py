@@ -34,13 +34,13 @@ DECLARED = re.compile(
     r"^#(?:define|undef) (\w+)|^(?:cbuffer|struct) (\w+)|^(?:const|override|alias) (\w+)"
     r"|^(?:@\w+(?:\([^)]*\))? ?)*(?:fn|var(?:<[^>]*>)?) (\w+)"
     r"|^(?:layout\([^)]*\) )?(?!layout|precision|struct|return)(?:\w+ )+(\w+) *(?=[(=;:\[]|$)"
-    r"|^BOKEH_PARAMETER\(\w+, (\w+)",
+    r"|^BOKEH_(?:PARAMETER|SLOT)\(\w+, (\w+)",
     re.MULTILINE,
 )
 
 
 def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
-    """All that is wrong with a file, as (line, what, text of the line). `is_library`: bokeh.* or bokeh_layers.*."""
+    """All that is wrong with a file, as (line, what, text of the line). `is_library`: all but bokeh_passes.*."""
     lines = text.split("\n")
     for place, what in _findings(text, language, is_library):
         number = text.count("\n", 0, place)
@@ -55,7 +55,7 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
     if not text.endswith("\n"):
         yield len(text), "no line end at the end of the file: the next one begins right there"
     code = re.sub("//.*", lambda comment: " " * len(comment[0]), text)
-    begins = re.search(r"^// (?:\[3\]|Layers:) ", text, re.MULTILINE) if is_library else None
+    begins = re.search(r"^// (?:\[3\]|Layers:|Listing 1:|Lens:) ", text, re.MULTILINE) if is_library else None
     common = begins.start() if begins else 0
     for what, pattern in LINE.items():
         yield from ((match.start(), what) for match in re.compile(pattern, re.MULTILINE).finditer(text))

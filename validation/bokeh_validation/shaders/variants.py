@@ -23,15 +23,19 @@ SAMPLES: dict[str, tuple[int, ...]] = {
     entries.GRID: (2, PAPER_SAMPLES, 24),
 }
 
-# Switches of the library: images that are a part of their textures; a cat's eye and curved blades; axial colour too
-SWITCHES = {"viewport": {"BOKEH_VIEWPORT": 1}, "character": {"BOKEH_CHARACTER": 1}, "axial": {"BOKEH_CHARACTER": 2}}
+# Switches: images that are a part of their textures; a cat's eye and curved blades; what the CoC map can do
+SWITCHES = {
+    "viewport": {"BOKEH_VIEWPORT": 1},
+    "lens": {"BOKEH_LENS_SHAPE": 1},
+    "focus": {"BOKEH_FOCUS_CONTROLS": 1},
+}
 # The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
-    "CoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor TileDilate "
-    "Prefilter HoleFill DecagonLayerSecond Composite"
+    "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor "
+    "TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
 )
-# In shader model 3 only exact polygons with several targets have room for a cat's eye, and none for axial colour
-NO_ROOM = {"character": ("ExactEdge", "Layer", "HoleFill", "Composite"), "axial": ("",)}
+# In shader model 3 only exact polygons with several targets have room for a cat's eye
+NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite")}
 
 # Language, profile, main compilers, the others. The main ones are those that users of the language have.
 VARIANTS = (
@@ -95,7 +99,10 @@ class Program:
     @property
     def configuration(self) -> dict[str, int]:
         """What is not left at the default of the shader file: in WGSL, the pipeline constants."""
-        return ({} if self.samples is None else {"BOKEH_NUM_SAMPLES": self.samples}) | dict(self.values)
+        if self.samples is None:
+            return dict(self.values)
+        counted = entries.ENTRIES[self.entry].role in entries.COUNTED
+        return {"BOKEH_PAPER_SAMPLES" if counted else "BOKEH_NUM_SAMPLES": self.samples} | dict(self.values)
 
     @property
     def source(self) -> str:

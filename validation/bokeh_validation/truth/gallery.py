@@ -49,13 +49,21 @@ PICTURES = {
 
 def drawn(
     driver: Driver, method: str = "layered", aperture: str = "hexagon", exposure: float = 1.6,
-    metres: float | None = None, cut: tuple[int, int, int, int] | None = None, **changes,
+    metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
+    **changes,
 ) -> np.ndarray:  # fmt: skip
-    """market_7 as 8-bit rgb, a part of it or all at half size; with `metres`, as if all were so far away."""
+    """market_7 as 8-bit rgb, a part of it or all at half size; with `metres`, as if all were so far away.
+
+    axial  what the map's CoC is shifted by for red and for blue: the frame three times, a channel of each
+    """
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
     case = replace(case, depth=depth, settings=replace(case.settings, **changes))
-    pixels = pictures.filmic(driver.run(case.plan.passes, case.textures(), case.size)["result"], exposure)
+    frames = [replace(case, shift=shift) for shift in ((axial[0], 0.0, axial[1]) if any(axial) else (0.0,))]
+    results = [driver.run(frame.plan.passes, frame.textures(), frame.size)["result"] for frame in frames]
+    if any(axial):
+        results[1][..., ::2] = np.stack([results[0][..., 0], results[2][..., 2]], axis=-1)
+    pixels = pictures.filmic(results[len(results) // 2], exposure)
     return pictures.crop(pixels, *cut) if cut else pictures.halved(pixels)
 
 

@@ -1,40 +1,39 @@
 """What users paste: the blocks at the top of each library and in the README, run as they stand, as one chain of passes.
 
-Each program is the library and one block, nothing between them. The chain starts from a depth buffer of 0 .. 1, and its
-result is held against the float64 reference.
+Each program is the library and one block, nothing between them, with the vertex shader that stands beside them. The
+chain starts from a depth buffer of 0 .. 1, and its result is held against the float64 reference.
 """
 
 import re
 import shutil
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 
 import moderngl
 import numpy as np
 import pytest
 from support import load
-from test_inputs import FAR, NEAR, ROUNDINGS, slope
+from test_inputs import FAR, NEAR
 
 from bokeh_validation import exr, metrics, paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang
 from bokeh_validation.drivers.base import Image
 from bokeh_validation.frame import methods
-from bokeh_validation.probes.model import Case, expected
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
+from bokeh_validation.reference.device import Reference
 
-README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+README = paths.ROOT / "README.md"
 WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer for
 CAMERA = methods.Camera(aperture_diameter=0.08, focal_length=0.05, focus_distance=6.0)
-# What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes
-READS = (
-    {"Depth": "depth buffer"},
-    {"Color": "color", "Depth": "metres"},
-    {"Map": "map"},
-    {"Edge2": "edge2", "Edge3": "edge3"},
-)
-WRITES = (("metres",), ("map",), ("edge2", "edge3"), ("result",))
+# What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes, as the
+# plan names them
+READS = ({"Color": "color", "Depth": "depth"}, {"Map": "coc"}, {"Edge2": "target 2", "Edge3": "target 3"})
+WRITES = (("coc",), ("target 2", "target 3"), ("result",))
+NAMES = [name for names in WRITES for name in names]
 
 
 @dataclass(frozen=True)
@@ -56,70 +55,73 @@ class Block:
     @property
     def entry(self) -> str:
         """Its entry point in HLSL and WGSL."""
-        return re.search(r"^(?:@fragment fn|\w+) (\w+)\(", self.code, re.MULTILINE)[1]
+        return re.search(r"^(?:@\w+ fn|\w+) (\w+)\(", self.code, re.MULTILINE)[1]
 
 
 def header_blocks(language: str) -> list[Block]:
-    """The blocks at the top of a library: four, and in HLSL four more for shader model 4 to 6."""
-    text = paths.library(language).read_text(encoding="ascii")
+    """The blocks at the top of a library: the vertex shader, then the three passes."""
+    text = shaders.file_text(language)
     paste = text[text.index("// PASTE: ") : text.index("// CONTENTS\n")]
-    found = re.findall(r"^//   (\d\. .*)\n((?://          .*\n)+)", paste, re.MULTILINE)
-    blocks = [Block(title, re.sub(r"^//          ", "", code, flags=re.MULTILINE)) for title, code in found]
-    assert [block.title[:2] for block in blocks] == ["1.", "2.", "3.", "4."] * (2 if language == "hlsl" else 1)
+    found = re.findall(r"^//   ((?:\d\. |Vertex ).*\n(?://   .*\n)*?)((?://          .*\n)+)", paste, re.MULTILINE)
+    plain = [(" ".join(title.replace("//", " ").split()), re.sub(r"^//          ", "", code, flags=re.MULTILINE))
+             for title, code in found]  # fmt: skip
+    blocks = [Block(title, code) for title, code in plain]
+    assert [block.title[:2] for block in blocks] == ["Ve", "1.", "2.", "3."]
     return blocks
 
 
-def readme_blocks() -> list[Block]:
-    """The blocks of the README, with the line above each as it reads without its markup."""
-    found = re.findall(r"^([^\n]+)\n\n```glsl\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+def document_blocks(document: Path, language: str) -> list[Block]:
+    """The blocks of a document, with the line above each as it reads without its markup."""
+    text = document.read_text(encoding="utf-8")
+    found = re.findall(rf"^([^\n]+)\n\n```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     return [Block(re.sub(r"[*`]", "", title), code) for title, code in found]
 
 
 def test_readme_shows_the_header():
     """The README's blocks are the GLSL library's, word for word, with what goes in and out of each."""
-    shown, wanted = readme_blocks(), header_blocks("glsl")
+    shown, wanted = document_blocks(README, "glsl"), header_blocks("glsl")
     assert [block.code for block in shown] == [block.code for block in wanted]
-    for block, original in zip(shown, wanted, strict=True):
-        assert block.title == f"{original.title} Blending off.", block.title
+    assert [block.title for block in shown[1:]] == [block.title for block in wanted[1:]]
 
 
 def program(language: str, block: Block, *head: str) -> str:
     """The lines of `head`, the library and a block."""
-    return "\n".join([*head, paths.library(language).read_text(encoding="ascii") + block.code])
+    return "\n".join([*head, shaders.file_text(language) + block.code])
 
 
 @pytest.mark.parametrize("version", ["#version 330", "#version 300 es", "#version 450"])
 def test_glsl_compiles(version):
     """In each version that the header names."""
-    for block in header_blocks("glsl"):
-        result = glslang.parse(program("glsl", block, version), "frag")
+    vertex, *blocks = header_blocks("glsl")
+    results = [glslang.parse(f"{version}\n{vertex.code}", "vert")]
+    for result in results + [glslang.parse(program("glsl", block, version), "frag") for block in blocks]:
         assert result.ok, result.messages
 
 
 @pytest.mark.parametrize("model", [4, 5, 6])
 def test_hlsl_compiles(model):
     """The blocks for shader model 4 to 6, by fxc and by DXC."""
-    for block in header_blocks("hlsl")[4:]:
+    for number, block in enumerate(header_blocks("hlsl")):
         text = program("hlsl", block, f"#define BOKEH_HLSL_SM {model}")
         if model < 6:
-            assert fxc.bytecode(text, f"ps_{model}_0", block.entry)
+            assert fxc.bytecode(text, f"{'ps' if number else 'vs'}_{model}_0", block.entry)
         else:
-            result = dxc.build(text, "frag", block.entry)
+            result = dxc.build(text, "frag" if number else "vert", block.entry)
             assert result.ok, result.messages
 
 
 @cache
 def scene() -> dict[str, np.ndarray]:
-    """Every fourth pixel of the street: "color" (H, W, 4) float16, "depth buffer" (H, W) float32, 0 .. 1."""
+    """Every fourth pixel of the street: "color" (H, W, 4) float16, "depth" (H, W) float32, 0 .. 1."""
     image = exr.read(paths.SCENES / "street_11_pin.exr")
     metres = np.clip(image.depth[::4, ::4].astype(np.float64), NEAR, FAR)
     stored = listings.stored_depth(metres, WINDOW, NEAR, FAR).astype(np.float32)
-    return {"color": np.ascontiguousarray(image.color[::4, ::4]), "depth buffer": stored}
+    return {"color": np.ascontiguousarray(image.color[::4, ::4]), "depth": stored}
 
 
 def size() -> tuple[int, int]:
     """(width, height)"""
-    height, width = scene()["depth buffer"].shape
+    height, width = scene()["depth"].shape
     return width, height
 
 
@@ -128,30 +130,23 @@ def values() -> dict[str, tuple[float, ...]]:
     diameter, length, distance = CAMERA.aperture_diameter, CAMERA.focal_length, CAMERA.focus_distance
     lens = {"apertureDiameter": (diameter,), "focalLength": (length,), "focusDistance": (distance,)}
     image = {"imageSize": tuple(map(float, size())), "rotation": (float(np.radians(17.0)),)}
-    return {"zNear": (NEAR,), "zFar": (FAR,), **lens, **image}
+    return {"nearPlane": (NEAR,), "farPlane": (FAR,), **lens, **image}
 
 
 def targets(driver, names: Sequence[str]) -> list[tuple]:
-    """(name, texture) of what a block writes, of an OpenGL or WebGPU driver: R32F for metres, else RGBA16F."""
-    kind = ("float", 1) if "metres" in names else ("half", 4)
-    return [(name, driver.texture(Image(name, size(), *kind))) for name in names]
+    """(name, texture) of what a block writes, of an OpenGL or WebGPU driver."""
+    return [(name, driver.texture(Image(name, size(), "half", 4))) for name in names]
 
 
-def on_opengl(blocks: Sequence[Block]) -> dict[str, bytes]:
+def on_opengl(vertex: Block, *blocks: Block) -> dict[str, bytes]:
     """GLSL 3.30. A linear filter everywhere: what is fetched texel by texel must not care."""
     driver = load("osmesa")
     driver.make_current()
     context = driver.context
-    vertex = """#version 330
-    out vec2 uv;
-    void main()
-    {
-        uv = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
-        gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
-    }"""
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        linked = context.program(vertex_shader=vertex, fragment_shader=program("glsl", block, "#version 330"))
+        head = "#version 330\n"
+        linked = context.program(vertex_shader=head + vertex.code, fragment_shader=program("glsl", block, head))
         for unit, (name, texture) in enumerate(reads.items()):
             linked[f"{name}Samp"] = unit
             live[texture].use(unit)
@@ -162,30 +157,29 @@ def on_opengl(blocks: Sequence[Block]) -> dict[str, bytes]:
         live |= targets(driver, writes)
         context.framebuffer([live[name] for name in writes]).use()
         context.vertex_array(linked, []).render(moderngl.TRIANGLES, vertices=3)
-    return {name: live[name].read(alignment=1) for name in ("metres", "result")}
+    return {name: live[name].read(alignment=1) for name in NAMES}
 
 
-def on_webgpu(blocks: Sequence[Block]) -> dict[str, bytes]:
+def on_webgpu(vertex: Block, *blocks: Block) -> dict[str, bytes]:
     """WGSL with the layout 'auto', on a device that cannot filter 32-bit textures."""
     driver = copy(load("wgpu"))
     device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
     assert "float32-filterable" not in device.features
-    vertex = {"module": device.create_shader_module(code=shaders.wgsl()), "entry_point": "BokehFullScreen_VS"}
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
         live |= targets(driver, writes)
         formats = [{"format": live[name].format} for name in writes]
-        module = device.create_shader_module(code=program("wgsl", block))
+        module = device.create_shader_module(code=program("wgsl", Block("", vertex.code + block.code)))
         pipeline = device.create_render_pipeline(
             layout="auto",
-            vertex=vertex,
+            vertex={"module": module, "entry_point": vertex.entry},
             fragment={"module": module, "entry_point": block.entry, "targets": formats},
             primitive={"topology": "triangle-list"},
         )
-        struct = re.search(r"struct (?:Camera|Lens|Aperture) (.*)", block.code)[1]
+        struct = re.search(r"struct (?:Camera|Aperture) ([^}]*)", block.code)[1]
         fields = (values()[name] for name in re.findall(r"(\w+): (?:f32|vec2f)\b", struct))
-        members = np.float32([*(number for field in fields for number in field), 0, 0, 0, 0])[:4]
+        members = np.float32([*(number for field in fields for number in field), 0, 0, 0, 0, 0])[:8]
         buffer = device.create_buffer_with_data(data=members.tobytes(), usage=driver.wgpu.BufferUsage.UNIFORM)
         entries = []
         for name, binding in block.named("wgsl").items():
@@ -201,12 +195,9 @@ def on_webgpu(blocks: Sequence[Block]) -> dict[str, bytes]:
         render.end()
         device.queue.submit([encoder.finish()])
 
-    def read(name: str, texel: int) -> bytes:
-        width, height = size()
-        layout = {"bytes_per_row": width * texel, "rows_per_image": height}
-        return device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1))
-
-    return {"metres": read("metres", 4), "result": read("result", 8)}
+    width, height = size()
+    layout = {"bytes_per_row": width * 8, "rows_per_image": height}
+    return {name: device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1)) for name in NAMES}
 
 
 def with_values(code: str) -> str:
@@ -220,11 +211,21 @@ def with_values(code: str) -> str:
     return re.sub(r"^(float2?) (\w[\w, ]*);$", constant, code, flags=re.MULTILINE)
 
 
-def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, bytes]:
+def on_direct3d(model: int, vertex: Block | None, *blocks: Block) -> dict[str, bytes]:
     """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11."""
     driver = load({3: "d3d9", 5: "d3d11"}[model])
     driver.ask("clear")
-    driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
+    head = f"#define BOKEH_HLSL_SM {model}"
+
+    def compiled(kind: str, block: Block, stage: str) -> None:
+        code = fxc.bytecode(with_values(program("hlsl", block, head)), f"{stage}_{model}_0", block.entry)
+        shutil.copy(code, driver.server.folder)
+        driver.ask(kind, code.name)
+
+    if vertex:
+        compiled("vertex", vertex, "vs")
+    else:
+        driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
     driver.ask("viewport", 0, 0, *size())
     live: dict[str, tuple[int, Image]] = {}
 
@@ -235,10 +236,7 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, bytes]:
     for name, pixels in scene().items():
         make(Image.of(name, pixels))
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        text = with_values(program("hlsl", block, f"#define BOKEH_HLSL_SM {model}"))
-        code = fxc.bytecode(text, f"ps_{model}_0", block.entry)
-        shutil.copy(code, driver.server.folder)
-        driver.ask("pixel", code.name)
+        compiled("pixel", block, "ps")
         # Direct3D 9 alone: its filter is what the line above the block asks for
         kind = "nearest" if "nearest" in block.title else "linear"
         slots = block.named("s" if model == 3 else "t")
@@ -246,43 +244,47 @@ def on_direct3d(blocks: Sequence[Block], model: int) -> dict[str, bytes]:
         for name, texture in reads.items():
             driver.ask("input", slots[name], live[texture][0], kind)
         for name in writes:
-            make(Image(name, size(), *(("float", 1) if name == "metres" else ("half", 4))))
+            make(Image(name, size(), "half", 4))
         driver.ask("draw", *(live[name][0] for name in writes))
-    return {name: driver.pixels(*live[name]).tobytes() for name in ("metres", "result")}
+    return {name: driver.pixels(*live[name]).tobytes() for name in NAMES}
 
 
 RUNS = {
-    "GLSL 3.30, README": ("osmesa", lambda: on_opengl(readme_blocks())),
-    "WGSL": ("wgpu", lambda: on_webgpu(header_blocks("wgsl"))),
-    "HLSL, shader model 3": ("d3d9", lambda: on_direct3d(header_blocks("hlsl")[:4], 3)),
-    "HLSL, shader model 5": ("d3d11", lambda: on_direct3d(header_blocks("hlsl")[4:], 5)),
+    "GLSL 3.30, README": ("osmesa", lambda: on_opengl(*document_blocks(README, "glsl"))),
+    "WGSL": ("wgpu", lambda: on_webgpu(*header_blocks("wgsl"))),
+    "HLSL, shader model 3": ("d3d9", lambda: on_direct3d(3, None, *model_3_blocks())),
+    "HLSL, shader model 5": ("d3d11", lambda: on_direct3d(5, *header_blocks("hlsl"))),
 }
+
+
+def model_3_blocks() -> list[Block]:
+    """Those of the guide of Direct3D 9."""
+    blocks = document_blocks(paths.ROOT / "integration/direct3d9/README.md", "hlsl")
+    blocks = [block for block in blocks if re.match(r"\d\. ", block.title)]
+    if not blocks:
+        pytest.skip("integration/direct3d9/README.md has no blocks to paste yet")
+    return blocks
 
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_chain_runs(name):
-    """From a depth buffer and HDR colour to the blurred picture, as pasted.
-
-    Depth in metres: within the roundings that test_inputs.py derives. The picture: the reference's from that depth,
-    within its acceptance interval and the bounds in steps.
+    """From a depth buffer and HDR colour to the blurred picture, as pasted: the reference's at the library's default,
+    pass by pass within its acceptance interval, the picture within the bounds in steps too.
     """
     driver, run = RUNS[name]
     driver, (width, height), pixels = load(driver), size(), run()
-    found = {
-        "metres": np.frombuffer(pixels["metres"], np.float32).reshape(height, width),
-        "result": np.frombuffer(pixels["result"], np.float16).reshape(height, width, 4),
-    }
-    stored = scene()["depth buffer"].astype(np.float64)
-    metres = listings.linear_depth(stored, WINDOW, NEAR, FAR)
-    allowed = slope(metres, WINDOW) * 3 * 2.0**-24 + ROUNDINGS * metres
-    # the slope is that at the wanted distance: on the way there the curve is steeper
-    allowed /= 1.0 - allowed / metres
-    assert (np.abs(found["metres"] - metres) <= allowed).all()
-    settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA, spacing=1.0, samples=13)
-    case = Case(name, settings, scene()["color"], found["metres"])
-    wanted = expected(case, driver.precision, driver.rounding)["result"]
-    comparison = metrics.compare(found["result"], wanted, driver.software)
-    assert comparison.ok, comparison
+    outputs = {name: np.frombuffer(given, np.float16).reshape(height, width, 4) for name, given in pixels.items()}
+    settings = methods.Settings("exact", "hexagon", rotation=17.0, camera=CAMERA)
+    case = Case(name, settings, scene()["color"], scene()["depth"])
+    buffer = {"BokehDepthKind": float(WINDOW), "BokehNear": NEAR, "BokehFar": FAR}
+    first, *others = case.plan.passes
+    passes = [replace(first, parameters={**first.parameters, **buffer}), *others]
+    precision = driver.precision, driver.rounding
+    images = Reference().images(passes, case.textures(), size(), "half", *precision, given=outputs)
+    for name in NAMES:
+        comparison = metrics.compare(outputs[name], images[name], driver.software and name == "result")
+        assert comparison.ok, (name, comparison)
+    found, wanted = outputs["result"], images["result"]
     # there is something to compare: the picture is blurred, and its CoC has both signs
-    assert metrics.compare(scene()["color"], wanted, driver.software).outside > 0.5 * stored.size
-    assert found["result"][..., 3].min() < -1.0 / size()[1] and found["result"][..., 3].max() > 1.0 / size()[1]
+    assert metrics.compare(scene()["color"], wanted, driver.software).outside > 0.5 * width * height
+    assert found[..., 3].min() < -1.0 / height and found[..., 3].max() > 1.0 / height

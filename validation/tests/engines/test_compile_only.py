@@ -59,7 +59,7 @@ SAMPLES = {
     "unity": Sample(
         UNITY / "BokehDepthOfField.shader",
         "Fragment",
-        "    float4 SignedCoCMapFragment",
+        "    BokehLens BokehGivenLens()",
         {
             r"float4\(color.rgb, 1.0\)": "color",
             "_BlitTexture": "BokehColorSamp",
@@ -73,7 +73,7 @@ SAMPLES = {
     "unreal": Sample(
         PLUGIN / "Shaders/BokehDepthOfField.usf",
         "PS",
-        "BokehFilter BokehSettings()",
+        "BokehPolygon BokehAperture(int Sides)",
         {
             r"float4\(Color.rgb, 0.0\)": "Color",
             r"LinePS\(SvPosition\)": "LinePS(SvPosition, uv)",
@@ -81,24 +81,32 @@ SAMPLES = {
             r"ImageUV\(SvPosition\)": "uv",
             "BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
             r"\bBokeh(Depth|Color)([BC]?),": r"Bokeh\1Samp\2,",
-            "BokehLinear,": "BokehLinearClamp,",
+            r"BokehLinear\b": "BokehLinearClamp",
         },
         ("Depth", "SignedCoCMap", "CoCMap"),
     ),
 }
-# What a sample leaves out of the package's own passes: it has no noise, the default leakage test, lines of length 1
-# that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is that of the image
+# What a sample leaves out of the package's own passes: it has no noise, the preset's spacing, the default leakage test,
+# lines of length 1 that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is the image's
 LEFT_OUT = {
     "= BokehAspectRatio;": "= imageSize.x / imageSize.y;",
-    "BokehBleeding(Bias|Mult)": lambda found: f"BOKEH_BLEEDING_{found[1].upper()}",
+    "BokehBleedingBias": "0.02",
+    "BokehBleedingMult": "30.0",
+    r"BokehSpacing\b": "0.0",
     "BokehBlurCoC > 0.5": "true",
     "BokehUseMax > 0.5": "false",
     "BokehLineLength": "1.0",
     "BokehJitter|BokehLineCenter[XY]": "0.0",
 }
 UNITY_INPUT = "struct Varyings { float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; };\n"
-# What the samples call bokeh.hlsl
-LIBRARY = ("bokeh.hlsl", "/Plugin/BokehDepthOfField/bokeh.ush")
+# In place of what the engines make metres with: the package's own way
+METRES = """float BokehMetres(float2 uv)
+{
+    return BokehLinearDepth(BokehFetchDepth(BokehDepthSamp, uv), int(BokehDepthKind + 0.5), BokehNear, BokehFar);
+}
+"""
+# What the samples include of the package
+STEMS = ("bokeh", "bokeh_paper")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
@@ -113,7 +121,10 @@ def source(engine: str) -> str:
     """The same with what it includes, each file once."""
     folder = STUBS / engine
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
-    files |= {f"/{name}": path for name, path in files.items()} | dict.fromkeys(LIBRARY, paths.library("hlsl"))
+    files |= {f"/{name}": path for name, path in files.items()}
+    for stem in STEMS:
+        names = (f"{stem}.hlsl", f"/Plugin/BokehDepthOfField/{stem}.ush")
+        files |= dict.fromkeys(names, paths.shader("hlsl", stem))
     result, found = code(engine), 1
     while found:
         result, found = INCLUDE.subn(lambda line: text(files.pop(line[1])) if line[1] in files else "", result, count=1)
@@ -163,11 +174,12 @@ def program(source: str, entry: str) -> bytes:
 def test_passes_are_those_of_the_package(engine):
     """The same instructions as the package's own passes, which the suite runs: no argument is in another's place."""
     sample = SAMPLES[engine]
-    head, bodies = text(paths.passes("hlsl")).split("// pixel shaders\n")
-    model = f"#define BOKEH_HLSL_SM 5\n#define BOKEH_NUM_SAMPLES 33\n{text(paths.library('hlsl'))}{head}"
+    head, bodies = text(paths.shader("hlsl", "bokeh_passes")).split("// pixel shaders\n")
+    library = "".join(text(paths.shader("hlsl", stem)) for stem in STEMS)
+    model = f"#define BOKEH_HLSL_SM 5\n{library}{head}"
     package = model + replaced("// pixel shaders\n" + bodies, LEFT_OUT)
     functions = code(engine)[code(engine).index(sample.first) :]
-    own = model + UNITY_INPUT + replaced(functions, sample.names)
+    own = model + UNITY_INPUT + METRES + replaced(functions, sample.names)
     entries = {"Line": "Adaptive", "LineFinal": "AdaptiveFinal"}
     for name in PASSES:
         if name not in sample.without:

@@ -7,7 +7,6 @@ import json
 import re
 from math import exp, radians, tan
 
-import numpy as np
 import pytest
 from support import needed
 
@@ -42,8 +41,10 @@ def check_lens(camera, fovy, stop):
     assert camera.aperture_diameter == pytest.approx(focal_length / stop, rel=1e-4)
 
 
-def check_pull(folder):
+def check_pull(folder, metres):
     """Autofocus on points of the screen, frame by frame: "pull" of capture.json, by docs/lens.md.
+
+    metres     (H, W), what the last shot's depth is
 
     depths     of places in the world, or
     points     (u, v, depth that the sample found there): within the depths of the 3 x 3 pixels around it, since a ray
@@ -52,8 +53,7 @@ def check_pull(folder):
                nearest of the points, with `seconds` as time constant; float32
     """
     data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
-    size = (data["height"], data["width"])
-    metres = np.fromfile(folder / data.get("depth", data["shots"][-1].get("depth")), np.float32).reshape(size)
+    size = metres.shape
     pull = data["pull"]
     depths = pull.get("depths", [])
     for u, v, depth in pull.get("points", []):
@@ -85,7 +85,7 @@ def test_sample(name, request):
     with needed(name):
         capture = engines.run(name)
     if name != "godot":  # its autofocus is in test_godot.py
-        check_pull(paths.cache_folder() / "engines" / name / "capture")
+        check_pull(paths.cache_folder() / "engines" / name / "capture", capture.shots[-1].case.depth)
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
     assert name in WITHOUT_LAYERED or shown[0] == ("layered", "hexagon")

@@ -11,12 +11,15 @@ from support_pages import assert_picture
 
 from bokeh_validation import paths, process
 from bokeh_validation.engines import desktop, direct3d
+from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
 NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
+# How the programs of the Direct3D 9 guide begin
+PASTED = ("float2 texelSize;", "sampler2D ")
 FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL
 )
@@ -47,15 +50,17 @@ def sources(name: str) -> list[Path]:
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     if (INTEGRATION / name / "webgl.html").exists():
         own += INTEGRATION.glob("*.js")
-    package = [find(language) for find in (paths.library, paths.layers, paths.passes) for language in paths.LANGUAGES]
+    package = [paths.shader(language, stem) for language in paths.LANGUAGES for stem in paths.STEMS]
     return [path for path in own + package if path.suffix not in (".md", ".png")]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_code_is_the_samples(name):
-    """Every block but commands is a verbatim piece of a file that the sample is built from."""
+    """Every block but commands, and programs that test_paste.py runs, is a verbatim piece of a file that the sample is
+    built from.
+    """
     texts = [path.read_text(encoding="utf-8") for path in sources(name)]
-    code = [text for language, text in blocks(name) if language not in COMMANDS]
+    code = [text for language, text in blocks(name) if language not in COMMANDS and not text.startswith(PASTED)]
     assert code
     for block in code:
         assert any(is_quoted(block, text) for text in texts), block
@@ -91,6 +96,16 @@ def test_npm_version(name):
     assert rows and all(f"{version}.".startswith(f"{shown}.") for shown in rows), rows
 
 
+def test_web_presets():
+    """What frames.js puts into WGSL for a preset."""
+    text = (INTEGRATION / "frames.js").read_text(encoding="utf-8")
+    names = re.findall(r"'(\w+)'", re.search(r"^const CONSTANTS = (.*)$", text, re.MULTILINE)[1])
+    assert tuple(f"BOKEH_{name}" for name in names) == (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
+    rows = re.findall(r"(\w+): \[([^]]*)\]", re.search(r"^const PRESETS = (.*)$", text, re.MULTILINE)[1])
+    found = {name.lower(): tuple(float(value) for value in values.split(",")) for name, values in rows}
+    assert found == {name: (*methods.EXACT_PRESETS[name], *methods.PRESETS[name]) for name in methods.PRESETS}
+
+
 def test_bevy_passes():
     """Every entry that the plugin names is there and writes as many targets as it says; the samples' line is there."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
@@ -99,7 +114,7 @@ def test_bevy_passes():
     for entry, writes in found:
         assert len(writes.split(",")) == ENTRIES[entry].targets, entry
     (line,) = re.findall(r'^const SAMPLES: &str = "(.*)";$', plugin, re.MULTILINE)
-    assert paths.library("wgsl").read_text(encoding="ascii").count(line) == 1
+    assert paths.shader("wgsl", "bokeh").read_text(encoding="ascii").count(line) == 1
 
 
 @pytest.mark.sample

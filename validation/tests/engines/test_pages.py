@@ -34,12 +34,12 @@ def test_what_the_guide_says(sample):
     """The first call, while the page is as the sample made it: a click focuses, a key shows the circle of confusion.
 
     Then depth: what the passes read is what a ray meets, or the far plane where none does, with every camera and
-    buffer. Debug views as section [9] has them; alpha is the signed CoC.
+    buffer. Debug views as BOKEH_DEBUG has them; alpha is the signed CoC.
     """
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
     assert_pulled(answer)
-    assert "BokehDebugCoC" in answer["passes"][1] if "babylonjs" in name else answer["mode"] == 2
+    assert "coc" in answer["passes"][1] and len(answer["passes"]) == 2 if "babylonjs" in name else answer["mode"] == 2
     cases = page.call("depths", kind)
     assert len(cases) == CAMERAS[name][0]
     for case in cases:
@@ -47,6 +47,8 @@ def test_what_the_guide_says(sample):
         hit = met != case.get("maxZ")
         assert hit.sum() > 100 and ("maxZ" not in case or (~hit).sum() > 50), case["name"]
         assert np.mean(np.abs(drawn - met) <= 1e-3 * met) >= CAMERAS[name][1], case["name"]
+        if "nearer" in case:
+            assert np.mean((met < case["focus"]) == case["nearer"]) >= CAMERAS[name][1], case["name"]
     assert_debug_views(page.call("views", kind))
 
 

@@ -19,11 +19,11 @@ COUNTERS = "float countColor = 0.0;\nfloat countDepth = 0.0;\nvec2 places = vec2
 def counting(item):
     """A pass that writes, instead of its result, how often it fetched colour and depth, and the sum of the places."""
     text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
-    for name, counter in (("BokehFetch", "countColor"), ("BokehFetchNearest", "countDepth")):
-        head = f"vec4 {name}(sampler2D tex, vec2 uv)\n{{\n"
-        assert text.count(head) == 1
-        text = text.replace(head, f"{head}    {counter} += 1.0;\n    places += uv;\n")
-    text = text.replace("vec4 BokehFetch(", COUNTERS + "vec4 BokehFetch(", 1)
+    for name, counter in (("BokehFetch", "countColor"), ("BokehFetchDepth", "countDepth")):
+        head = rf"(?m)^(\w+ {name}\(\w+ tex, vec2 (\w+)\)\n{{\n)"
+        text, found = re.subn(head, rf"\1    {counter} += 1.0;\n    places += \2;\n", text)
+        assert found == 1
+    text = text.replace("\n", f"\n{COUNTERS}", 1)
     text = re.sub(r"\bvoid main\(\)", "void counted()", text)
     result = "floor0" if item.sources else "BokehResult"
     text += f"\nvoid main()\n{{\n    counted();\n    {result} = vec4(countColor, countDepth, places);\n}}\n"

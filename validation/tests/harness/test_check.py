@@ -39,7 +39,7 @@ def said(code: int) -> str:
 
 def test_a_comment_draws_nothing(edit, monkeypatch):
     assert said(0) == "no shader differs from the last commit: nothing to check\n"
-    edit("bokeh", "// Listing 1, signed: the first pass", "// Listing 1, with signs: the first pass")
+    edit("bokeh", "// Listing 1: colour as it is,", "// Listing 1: colour as it was,")
     monkeypatch.setattr(check.drivers, "load", None)
     text = said(0)
     assert text.startswith("changed: no function\n0 problems") and "on no driver" in text
@@ -48,13 +48,13 @@ def test_a_comment_draws_nothing(edit, monkeypatch):
 def test_mistakes(edit):
     """In all languages: the reference does not allow it, on any driver. In one, behind a constant: nor does parity."""
     edit("bokeh", "CoC = -CoC;", "CoC = CoC;")
-    edit("bokeh_layers", "area *= BokehEdgeLength", "area += BokehEdgeLength", ["hlsl"])
+    edit("bokeh", "sum *= BokehEdgeArea", "sum += BokehEdgeArea", ["hlsl"])
     text = said(1)
-    assert text.startswith("changed: BokehLayerEdge, BokehSignedCoC\nhlsl and glsl: not the same\n")
+    assert text.startswith("changed: BokehLineSum, BokehSignedCoC\nhlsl and glsl: not the same\n")
     for name in ("egl", "dxc", "wgpu"):
         assert f"{name}: BokehSignedCoCMap writes " in text
-    assert text.count("SignedCoCMap writes") == 3 and "dxc: BokehLayerEdge writes " in text
-    assert all(line.startswith("dxc: ") for line in text.splitlines() if "LayerEdge writes" in line)
+    assert text.count("SignedCoCMap writes") == 3 and "dxc: BokehSquareSecond writes " in text
+    assert all(line.startswith("dxc: ") for line in text.splitlines() if "Second writes" in line)
 
 
 def test_a_compiler_refuses(edit, tmp_path):

@@ -54,14 +54,14 @@ def test_an_undeclared_name_is_noticed(program):
     """By every compiler that is given the text, with its place in the package's file."""
     right, wrong = "samplePixel * weight", "samplePixel * weigth"
     result = compile_programs([program], edit=lambda source: source.replace(right, wrong))
-    lines = shaders.text(program.language).splitlines()
+    lines = shaders.file_text(program.language, "bokeh_paper").splitlines()
     first = next(index for index, line in enumerate(lines, 1) if right in line)
     takes_text = {name for name in program.compilers if name not in ("spirv-val", "msl")}
     takes_text -= {"naga"} if program.language == "hlsl" else set()
     assert {name for _, name, _ in cells_of(result, program.variant)} == takes_text
     for _, _, cell in cells_of(result, program.variant):
         assert cell.status == FAILED
-        assert "weigth" in cell.message and f"bokeh.{program.language}:{first}" in cell.message
+        assert "weigth" in cell.message and f"bokeh_paper.{program.language}:{first}" in cell.message
 
 
 @pytest.mark.parametrize("entry", ["BokehComposite", "BokehNaiveGather", "BokehHexagonFirst", "BokehPrefilter"])

@@ -18,8 +18,6 @@ render --aperture circle | --aperture circle; hexagon
 render --method fast | --method fast; paper
 render --aperture star | --aperture star; exact; --method paper
 render --squeeze 0 | --squeeze 0; more than 0
-render --axial-blue 0.01 --method layered | --axial-blue 0.01; layered; --method exact
-render --axial-red 0.01 --driver d3d9 | --driver d3d9; shader model 4
 render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give --method exact or layered
 render --samples 5 --method layered | --samples 5: no effect on layered; --preset
 render --coc 0.1 --depth-channel Z | --depth-channel Z: no effect with --coc

@@ -43,7 +43,7 @@ def test_files_are_the_repositorys(released):
     folders = [paths.ROOT / name for name in ("integration", "docs", *paths.LANGUAGES)]
     sources = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     own = {path.read_bytes() for path in [*sources, *paths.ROOT.glob("*.md"), paths.ROOT / "LICENSE"]}
-    libraries = {paths.library(language).read_bytes() for language in paths.LANGUAGES}
+    libraries = {paths.shader(language).read_bytes() for language in paths.LANGUAGES}
     for name, files in released.items():
         assert (paths.ROOT / "LICENSE").read_bytes() in files.values(), name
         made = {posixpath.basename(path) for path, content in files.items() if content not in own}

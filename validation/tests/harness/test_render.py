@@ -68,10 +68,10 @@ def test_every_option_reaches_the_settings():
 
 
 VALUES = {
-    "method": "paper", "aperture": "decagon", "preset": "ultra", "samples": 5, "spacing": 1.5, "jitter": 0.7,
-    "rotation": 20.0, "squeeze": 0.5, "cats-eye": 0.6, "roundness": 0.3, "axial-red": 0.02,
-    "axial-blue": -0.02, "lateral": 0.03, "mrt": False, "aperture-diameter": 0.08, "focal-length": 0.06,
-    "focus-distance": 3.0, "sensor-height": 0.03, "max-coc": 0.7, "coc": 0.08,
+    "method": "paper", "aperture": "decagon", "preset": "ultra", "samples": 5, "spacing": 2.5, "jitter": 0.7,
+    "rotation": 20.0, "squeeze": 0.5, "cats-eye": 0.6, "roundness": 0.3, "lateral": 0.03, "mrt": False,
+    "aperture-diameter": 0.08, "focal-length": 0.06, "focus-distance": 3.0, "sensor-height": 0.03, "max-coc": 0.7,
+    "coc": 0.08,
 }  # fmt: skip
 WIDE = methods.Camera(0.5, 0.05, 4.0, max_coc=0.6)
 BASES = [

@@ -65,7 +65,7 @@ def test_wrong_lines_and_a_dead_wine_server():
     """What is wrong is told, and the next job is done."""
     driver = load("d3d9")
     driver.ask("clear")
-    for line in ("drow 1", "input 16 0 linear", "input 0 7 linear", "values" + 41 * " 1.0"):
+    for line in ("drow 1", "input 16 0 linear", "input 0 7 linear", "values" + 49 * " 1.0"):
         with pytest.raises(RuntimeError, match=f"cannot use '{line}'|array::at|map::at"):
             driver.ask(line)
     assert copied(driver)

@@ -1,4 +1,4 @@
-"""The character of a lens: cat's eye, curved blades, lateral and axial colour. On noise: test_within.py."""
+"""The character of a lens: cat's eye and curved blades. On noise: test_within.py. Colour: its probes."""
 
 from dataclasses import replace
 from itertools import product
@@ -53,25 +53,31 @@ def test_rounded_outline(roundness):
     np.testing.assert_allclose(edge_lengths(8, np.zeros(2), roundness), [*chords, *chords], rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "uncut", ["{}", "BokehWithRoundness({}, 1.0)", "BokehWithCatsEye({}, uv, vec2(3.0, 2.0), 0.0)"]
+)
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
-def test_made_for_a_cut(sides):
-    """BokehMakePolygon alone, with BOKEH_CHARACTER 1: the lines of the plain polygon.
+def test_made_for_a_cut(sides, uncut):
+    """BokehMakePolygon alone, and with a lens that cuts nothing: the lines of the plain polygon, and its area.
 
     2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
     """
-    body = f"BokehResult = BokehPolygonEdge(2, BokehMakePolygon({sides}, 0.5, 0.75), true);"
+    made = f"vec2 uv = vec2(0.25, 1.0); BokehPolygon p = {uncut.format(f'BokehMakePolygon({sides}, 0.5, 0.75)')};"
     wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
-    np.testing.assert_allclose(evaluated(body, BOKEH_CHARACTER=1), [*wanted.middle, *wanted.half], atol=2.0**-12)
+    found = evaluated(f"{made} BokehResult = BokehEdgeLine(2, p, true);")
+    np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
+    area = evaluated(f"{made} BokehResult = vec4(p.area, 0.0, 0.0, 0.0);")[0]
+    assert area == pytest.approx(abs(polygons.signed_area(apertures.even_polygon(sides))), abs=2.0**-12)
 
 
 def test_calls_that_no_frame_has():
     """To the bit. One sample is one end of the line, where the distance between samples would be 0 / 0: WGSL cannot
-    refuse BOKEH_NUM_SAMPLES = 1 as the others do. Layers without jitter, of an image that fills its textures.
+    refuse BOKEH_PAPER_SAMPLES = 1 as the others do. Layers without jitter, of an image that fills its textures.
     """
     offset = "BokehResult = vec4(BokehMakeOffsets(vec2(0.25, 0.5), 0, 1), 0.0, 0.0);"
     np.testing.assert_array_equal(evaluated(offset), [-0.25, -0.5, 0.0, 0.0])
-    layers = """BokehLayers layers = BokehMakeLayers(vec2(64.0, 48.0), BokehMakePolygon(8, 0.5, 0.75), 0.25);
-    BokehResult = vec4(layers.jitter, layers.largest, layers.full.origin.x, layers.full.texel.y * 48.0);"""
+    layers = """BokehLayers layers = BokehMakeLayers(vec2(0.5, 0.5), vec2(64.0, 48.0), 0.25);
+    BokehResult = vec4(layers.jitter, layers.largest, layers.origin.x, layers.texel.y * 48.0);"""
     np.testing.assert_array_equal(evaluated(layers), [0.0, 12.0, 0.0, 1.0])
 
 

@@ -24,7 +24,7 @@ COARSE, FINE = 1 / 8, 1 / 64  # pixels of CoC from frame to frame
 METHODS = {
     "paper, 13 samples": methods.Settings("paper", "hexagon", camera=WIDE),
     "paper, spacing 1": methods.Settings("paper", "hexagon", camera=WIDE, spacing=1.0),
-    "exact, 7 samples": methods.Settings("exact", "hexagon", camera=WIDE),
+    "exact, 7 samples": methods.Settings("exact", "hexagon", 7, camera=WIDE),
     "exact, spacing 1": methods.Settings("exact", "hexagon", camera=WIDE, spacing=1.0),
     "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, samples=4),
 }

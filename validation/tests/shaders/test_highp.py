@@ -12,10 +12,10 @@ from bokeh_validation.compilers import glslang
 def test_libraries_have_no_half():
     """No word in any of the three that makes a variable 16 bits; comments may have it."""
     for language in paths.LANGUAGES:
-        for file in (paths.library(language), paths.layers(language), paths.passes(language)):
-            code = re.sub(r"//.*", "", file.read_text(encoding="ascii"))
+        for stem in paths.STEMS:
+            code = re.sub(r"//.*", "", shaders.file_text(language, stem))
             halves = re.findall(r"\b(?:half\d?|min\w+float\d?|float16_t\d?|mediump|lowp|f16|vec\dh)\b", code)
-            assert not halves, f"{file.name}: {halves}"
+            assert not halves, f"{language}, {stem}: {halves}"
 
 
 @pytest.mark.parametrize("entry", ["BokehDepthOfField", "BokehComposite"])

@@ -11,6 +11,7 @@ from support_cases import everything, within
 from bokeh_validation import drivers
 from bokeh_validation.frame.methods import Camera, Settings
 from bokeh_validation.probes.model import Case
+from bokeh_validation.probes.small_frames import FOCUS
 from bokeh_validation.reference.listings import safe_color
 
 SIZE = (96, 64)
@@ -165,7 +166,7 @@ def test_sample_counts(method, count, driver):
     """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
     settings = replace(METHODS[method], aperture="square", samples=samples)
-    if settings.spacing > 0.0:
+    if settings.spacing:
         # a hundredth of a pixel: the blur asks for more samples than there may be
         settings = replace(settings, spacing=0.01)
     assert_right(driver, littered((9, 7), settings, 0.1))
@@ -197,7 +198,7 @@ READERS = {
     **METHODS,
     "constant CoC": Settings("exact", "square", coc=0.05, camera=CAMERA),
     "character": Settings("exact", "octagon", camera=CAMERA, cats_eye=0.5, lateral=0.05, **ADAPTIVE),
-    "axial": Settings("exact", "hexagon", camera=CAMERA, axial=(0.0, 0.02), **ADAPTIVE),
+    "focus": Settings("exact", "hexagon", camera=CAMERA, focus=FOCUS),
 }
 # Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
 MISTAKES = {
@@ -222,7 +223,10 @@ MISTAKES = {
     "BokehCatsEye": (("character",), (-1.0, 1e30)),
     "BokehRoundness": (("character",), (-1.0, 1e30)),
     "BokehLateral": (("character",), (1.0, -1.0, 1e30)),
-    "BokehAxialRed": (("axial",), (5.0, -5.0, 1e30)),
+    **{f"Bokeh{side}Range": (("focus",), (-1.0, 1e30)) for side in ("Front", "Back")},
+    **{f"Bokeh{side}Scale": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"Bokeh{side}MaxCoC": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"BokehDepth{part}": (("focus",), (-1.0, 0.0, 1e30)) for part in ("X", "Y", "Width", "Height")},
     "BokehConstantCoC": (("constant CoC",), (-1.0, 5.0, 1e30)),
     "BokehSides": (("exact, one target", "layered, one target"), (1.0, 2.0, -6.0, 5.0, 1e30)),
 }
@@ -244,7 +248,8 @@ def test_parameters_out_of_range(name, driver):
 
 # method, a parameter out of range, what docs/inputs.md says it counts as
 EQUIVALENTS = [
-    ("exact adaptive", "BokehSpacing", -1.0, 0.0),
+    ("exact adaptive", "BokehSpacing", 0.0, 1.5),
+    ("exact adaptive", "BokehSpacing", -1.0, 1e30),
     ("exact adaptive", "BokehImageHeight", -64.0, 0.0),
     ("paper", "BokehBleedingMult", -30.0, 0.0),
     ("paper", "BokehFocusDistance", -1.0, 0.0),

@@ -162,3 +162,28 @@ def test_constant_coc_is_clamped(driver):
         item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", parameters)
         output = driver.run([item], {"color": flat((4, 2), 1.0)}, (4, 2))["result"]
         np.testing.assert_array_equal(output[..., 3], wanted)
+
+
+FOCUS = methods.Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 2.0)], ids=str)
+@in_each_language
+def test_focus_controls(scale, driver):
+    """Sharp from 3.5 to 5 m; in front of and behind that the CoC of a lens that is focused at the end, times the
+    side's factor, which may be 0, up to the side's limit. Depth from a rectangle of a larger buffer, half of it.
+    """
+    metres = np.array([[0.5, 1.0, 2.0, 3.0, 3.5, 3.75], [4.0, 4.5, 5.0, 6.0, 8.0, 1024.0]])
+    controls = methods.Focus((0.5, 1.0), scale, (0.0625, 0.03125))
+    place = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.5}
+    depth = np.full((4, 12), 100.0, np.float32)
+    depth[1:3, 6:] = metres
+    parameters = FOCUS.parameters() | controls.parameters() | place
+    item = Pass("BokehSignedCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
+    found = driver.run([item], {"color": flat((6, 2), 1.0), "depth": depth}, (6, 2), "float", keep=("coc",))["coc"]
+    near, far = (
+        listings.circle_of_confusion(metres, *(vars(FOCUS) | {"focus_distance": end}).values()) for end in (3.5, 5.0)
+    )
+    near, far = np.minimum(scale[0] * near, 0.0625), np.minimum(scale[1] * far, 0.03125)
+    wanted = np.where(metres < 3.5, -near, np.where(metres > 5.0, far, 0.0))
+    np.testing.assert_allclose(found[..., 3], wanted, rtol=ROUNDINGS, atol=2.0**-24)

@@ -31,7 +31,7 @@ COUNTS = (7, 13, 33, 65)
 
 def blur(method: str, aperture: str, **changes) -> Settings:
     """Settings with the constant CoC."""
-    return replace(Settings(method, aperture, camera=methods.Camera(max_coc=1.0), coc=COC), **changes)
+    return replace(Settings(method, aperture, camera=methods.Camera(max_coc=1.0), coc=COC, spacing=0.0), **changes)
 
 
 # each way of taking samples, linear in the light
@@ -47,7 +47,7 @@ LINEAR = (
 
 def named(settings: Settings) -> str:
     """What to call settings in a message or a test's name."""
-    count = f"spacing {settings.spacing:g}" if settings.spacing > 0.0 else f"{settings.count} samples"
+    count = f"spacing {settings.spacing:g}" if settings.spacing else f"{settings.count} samples"
     return f"{settings.method} {settings.aperture} {count}"
 
 
@@ -152,14 +152,16 @@ def check_same(driver: Driver, case: Case, change, settings: Settings, border: i
 
 
 VARYING = (
-    Settings("paper", "hexagon", camera=CAMERA),
+    Settings("paper", "hexagon", camera=CAMERA, spacing=0.0),
     Settings("paper", "octagon", camera=CAMERA, spacing=1.0),
-    Settings("exact", "hexagon", camera=CAMERA),
+    Settings("exact", "hexagon", camera=CAMERA, spacing=0.0),
+    # at its preset
+    Settings("exact", "octagon", camera=CAMERA),
     Settings("exact", "decagon", camera=CAMERA, spacing=1.0),
-    Settings("naive", "hexagon", 7, camera=CAMERA),
+    Settings("naive", "hexagon", 7, camera=CAMERA, spacing=0.0),
 )
 MIRRORED = [
-    Settings(method, aperture, 7 if method == "naive" else None, 10.0, CAMERA)
+    Settings(method, aperture, 7 if method == "naive" else None, 10.0, CAMERA, spacing=0.0)
     for method, aperture in (("paper", "hexagon"), ("paper", "octagon"), ("exact", "square"), ("naive", "hexagon"))
 ]
 

@@ -8,9 +8,9 @@ from bokeh_validation import paths, shaders
 from bokeh_validation.shaders import parity, passes
 
 # the passes from their entries on, and the whole of them
-FILES = {"library": parity.LIBRARY, "layers": parity.LAYERS, "passes": parity.PASSES, "bindings": parity.PASSES}
+FILES = {**parity.FILES, "passes": parity.PASSES, "bindings": parity.PASSES}
 # where the common text begins
-COMMON = re.compile(r"^// \[3\] |^// Layers: |^// (?:pixel|fragment) shaders\n", re.MULTILINE)
+COMMON = re.compile(r"^// \[(?:3|6|11|15)\] |^// (?:pixel|fragment) shaders\n", re.MULTILINE)
 TEXTS = {key: (paths.shaders() / key).read_text(encoding="ascii") for keys in FILES.values() for key in keys.values()}
 
 
@@ -48,31 +48,37 @@ def test_the_checkout_passes():
 HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float x)", "fn {}(x: f32) -> f32")]
 # What a change is -> the change as mutated() takes it
 LIBRARY = {
-    "the spelling of a literal": "([[0.5=>.5]] * cos(angle)",
-    "a swizzle assigned": "        [[=>color.rgb += weight; ]]totalWeight += weight;",
-    "a tag line": "// Listing [[2=>3]]: the end of a line",
-    "a default in the table": "//   BOKEH_MAX_COC           [[0.1=>0.2]] ",
+    "the spelling of a literal": "([[0.5=>.5]] * cos(halfStep)",
+    "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / cells;",
+    "a tag line": "// [[Lines=>Line]]: colour of a weighted sum",
+    "a default in the table": "//   BOKEH_MAX_COLOR          [[65504=>65500]].0",
     "a character that is not ASCII": "Listing 1: CoC of a thin lens[[=> \u00e9]]",
-    "a backslash at the end of a line": "length 1 centred on this pixel[[=>\\]]\n",
+    "a backslash at the end of a line": "with a sensor of 35 mm film[[=>\\]]\n",
     "no licence line": "[[// SPDX-License-Identifier: MIT\n=>]]",
     "a version": "Version 0.2.[[0=>1]].",
-    "a block comment": "    [[=>/* why */ ]]return lineEnd * t;",
-    "a deviation": "[[float(last)=>max(float(last), 1.0)]]",
-    "a derivative": "    return lineEnd * t[[=> + dFdx(t)]];",
-    "a default": ("BOKEH_MAX_COC [[0.1=>0.2]]\n", "BOKEH_MAX_COC: f32 = [[0.1=>0.2]]"),
-    "a type of a parameter": "int i, [[int=>float]] numSamples)",
-    "a type of another language": ("[[float4=>vec4]] color =", "[[vec4=>float4]] color =", "color: [[vec4f=>float4]]"),
-    "the sampler of another texture": (
-        "Edge3Samp, [[Edge2=>Edge3]]Samp",
-        "Fetch(ColorSamp[[=>, TSampler]]",
-        "Edge3Samp, [[Edge2=>Edge3]]Samp",
-    ),
-    "sampling past BokehFetch": "SafeDepth([[BokehFetchNearest=>texture]](DepthSamp, uv)",
+    "a block comment": "    [[=>/* why */ ]]return filterCoC;",
+    "a derivative": "    return BokehSafe(depth[[=> + dFdx(depth)]], ",
+    "a default": ("BOKEH_MAX_COLOR [[65504=>65500]].0\n", "BOKEH_MAX_COLOR: f32 = [[65504=>65500]].0"),
+    "a type of a parameter": "float lengthInPixels, [[float=>int]] spacing)",
+    "a type of another language": ("[[float4=>vec4]] sum =", "[[vec4=>float4]] sum =", "sum: [[vec4f=>float4]]"),
+    "the sampler": ("settings[[ BOKEH_LINEAR=>]]);", "Line[[Sum=>Sums]](", "settings[[, BokehLinearClamp=>]]);"),
+    "sampling past BokehFetch": "PackCoC([[BokehFetchTexel=>texture]](ColorSamp, ",
     "a value of a preset": ("#define BOKEH_PRESET_SAMPLES [[9=>8]]", "//   BOKEH_PRESET_MEDIUM     [[9=>8]] "),
     "a helper without the prefix": tuple(
-        f"[[=>// Debug: x\n{one.format('saturated')}]]// Debug: lin" for one in HELPER
+        f"[[=>// Lines: x\n{one.format('saturated')}]]// Lines: colour" for one in HELPER
     ),
-    "a global": ("[[=>const float bokehX = 1.0;\n]]// Debug: lin", "[[=>const bokehX: f32 = 1.0;\n]]// Debug: lin"),
+    "a global": (
+        "[[=>const float bokehX = 1.0;\n]]// Lines: colour",
+        "[[=>const bokehX: f32 = 1.0;\n]]// Lines: colour",
+    ),
+}
+PAPER = {
+    "a deviation": "[[float(last)=>max(float(last), 1.0)]]",
+    "a default": ("BOKEH_PAPER_SAMPLES [[13=>12]]\n", "BOKEH_PAPER_SAMPLES: i32 = [[13=>12]]"),
+}
+LENS = {
+    "the first comment": "// Lens: a polygon whose lengths [[have=>had]] changed",
+    "a bound": "    float larger = clamp(amount, [[-0.1=>-0.2]], 0.1);",
 }
 LAYERS = {
     "the first comment": "// Layers: where [[the=>an]] image lies",
@@ -87,7 +93,7 @@ PASSES = {
         "#elif BOKEH_PASS == BOKEH_[[NAIVE_GRID=>GRID]]\n",
         "fn Bokeh[[NaiveGrid=>Grid]]_PS(",
     ),
-    "sampling past BokehFetch": "[[BokehFetchNearest=>texture]](BokehDepthSamp, ",
+    "sampling past BokehFetch": "[[BokehFetchTexel=>texture]](BokehColorSamp, ",
 }
 # Before the entries of the passes
 PARAMETERS = [f"BOKEH_PARAMETER(float, BokehAngleB{one})\n" for one in (", 8", "")] + ["    BokehAngleB: f32,\n"]
@@ -95,14 +101,14 @@ BINDINGS = {
     "a row of the table": "a grid[[ of samples=>]]",
     "a parameter dropped": tuple(f"[[{row}=>]]" for row in PARAMETERS),
     "a parameter of another type": tuple(f"[[{row}=>{re.sub('float|f32', 'int', row)}]]" for row in PARAMETERS),
-    "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[21=>6]]\n", "BokehAngle[[B=>A]]: f32"),
+    "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[13=>6]]\n", "BokehAngle[[B=>A]]: f32"),
     "a global without the prefix": (
-        "Texture2D [[Bokeh=>]]KernelSamp :",
-        "uniform sampler2D [[Bokeh=>]]KernelSamp;",
+        "TEXTURE, [[Bokeh=>]]KernelSamp,",
+        "uniform BOKEH_TEXTURE [[Bokeh=>]]KernelSamp;",
         "var [[Bokeh=>]]KernelSamp:",
     ),
 }
-TABLES = {"library": LIBRARY, "layers": LAYERS, "passes": PASSES, "bindings": BINDINGS}
+TABLES = dict(zip(FILES, (LIBRARY, PAPER, LAYERS, LENS, {}, PASSES, BINDINGS), strict=True))
 
 
 def changes():
@@ -120,7 +126,7 @@ def test_a_change_in_one_language_is_found(file, name, language):
 
 
 @pytest.mark.parametrize("language", paths.LANGUAGES)
-@pytest.mark.parametrize("file", ["library", "layers", "passes"])
+@pytest.mark.parametrize("file", [*paths.STEMS[:-1], "passes"])
 def test_hardly_a_token_can_go_unnoticed(file, language):
     """Each token of a sample dropped, from where the text is common on; a semicolon is missed by every compiler."""
     key = FILES[file][language]
@@ -133,11 +139,11 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
 
 @pytest.mark.parametrize("language", paths.LANGUAGES)
 def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
-    change = "BokehSafeChannel([[color.r), BokehSafeChannel(color.g=> color.r ),\n        BokehSafeChannel(color.g]]),"
-    assert not parity.check(mutated("library", language, change))
-    key = parity.LIBRARY[language]
-    (function,) = (one[0] for one in shaders.FUNCTION.finditer(TEXTS[key]) if one["name"] == "BokehDebugCoC")
-    without, before = TEXTS[key].replace(function + "\n\n", ""), "// Debug: linear depth"
+    change = "BokehSafe([[color.r, 0.0, BOKEH=> color.r , 0.0,\n        BOKEH]]_MAX_COLOR),"
+    assert not parity.check(mutated("bokeh", language, change))
+    key = FILES["bokeh"][language]
+    (function,) = (one[0] for one in shaders.FUNCTION.finditer(TEXTS[key]) if one["name"] == "BokehPackCoC")
+    without, before = TEXTS[key].replace(function + "\n\n", ""), "// Listing 1: what the engine's"
     for text in (without, without.replace(before, f"{function}\n\n{before}")):
         assert parity.check({key: text})
 
@@ -151,10 +157,10 @@ def test_the_layers_of_the_passes_can_be_left_out(language):
 # One change to all three languages, where only the rules are left
 MORE = "float a, float b, float c, float d,\n    float e, float f, float g, "
 ALIKE = {
-    "nine parameters": f"BokehDebugDepth([[=>{MORE}]]float S2, float S1)",
-    "a tag line": "// [[Exact: the=>The]] samples along one line",
-    "a bit operator": "[[max(numSamples, 2)=>(numSamples | 2)]] - 1;",
-    "a swizzle assigned": "    [[return lineEnd=>lineEnd.xy = lineEnd]] * t;",
+    "nine parameters": f"BokehSafe([[=>{MORE}]]float value,",
+    "a tag line": "// [[Lines: colour=>Colour]] of a weighted sum",
+    "a bit operator": "k > [[polygon.sides / 2=>(polygon.sides | 2)]])",
+    "a swizzle assigned": "        sum[[ *==>.xy =]] BokehEdgeArea(",
 }
 
 
@@ -162,16 +168,19 @@ ALIKE = {
 def test_a_rule_broken_in_all_languages_is_found(name):
     texts = {}
     for language in paths.LANGUAGES:
-        texts |= mutated("library", language, ALIKE[name])
+        texts |= mutated("bokeh", language, ALIKE[name])
     found = {difference.where.partition("/")[0] for difference in parity.check(texts)}
     assert found == ({"hlsl", "glsl"} if name == "nine parameters" else set(paths.LANGUAGES))
 
 
 @pytest.mark.parametrize(
     ("language", "pattern"),
-    [("glsl", r"binding = (\d)\) uniform sampler2D Bokeh(\w+);"), ("wgsl", r"@binding\((\d)\) var Bokeh(\w+): tex")],
+    [
+        ("glsl", r"binding = (\d)\) uniform BOKEH_\w+ Bokeh(\w+);"),
+        ("wgsl", r"@binding\((\d)\) var Bokeh(\w+Samp\w?): "),
+    ],
 )
 def test_bindings(language, pattern):
     """Of the textures: those that the drivers give them. HLSL's have registers, which the compilers are told."""
-    found = re.findall(pattern, paths.passes(language).read_text(encoding="ascii"))
+    found = re.findall(pattern, shaders.file_text(language, "bokeh_passes"))
     assert {slot: int(binding) for binding, slot in found} == passes.BINDINGS

@@ -10,14 +10,14 @@ from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import Case, depth_of
-from bokeh_validation.probes.small_frames import ALL, ENTRY_SETTINGS
+from bokeh_validation.probes.small_frames import ALL, ENTRY_SETTINGS, FOCUS
 from bokeh_validation.shaders.entries import ENTRIES
 
 PLAIN = ("paper", "exact", "naive", "naive-grid")
-# What the lens's character needs of a compiler: shader model 3 has no axial colour
+# What the lens's character and the focus controls need of a compiler
 LENS = {
     **{f"cat's eye {k}": Settings("exact", k, cats_eye=0.7, roundness=0.5, **ALL) for k in methods.EXACT},
-    "axial colour": Settings("exact", "hexagon", camera=CAMERA, axial=(0.05, -0.03)),
+    "focus": Settings("exact", "hexagon", camera=CAMERA, focus=FOCUS),
     "lateral colour": Settings("exact", "hexagon", camera=CAMERA, lateral=0.02),
 }
 
@@ -40,8 +40,7 @@ def test_every_entry_is_there():
 def test_character(name):
     """The lens's character on the drivers that the tables below leave out."""
     for settings in LENS.values():
-        if name != "d3d9" or not any(settings.axial):
-            within(load(name), noise_case((61, 48), settings))
+        within(load(name), noise_case((61, 48), settings))
 
 
 @spread("size", [(61, 37), (1, 1), (3, 2), (1, 2048), (2048, 1), (257, 33)], [(61, 37)])
@@ -103,12 +102,6 @@ CUT = [
     {"cats_eye": 0.3, "spacing": 1.0},
     {"cats_eye": 5.0},
 ]
-AXIAL = [
-    {},
-    {"targets": False, "axial": (-0.05, 0.02)},
-    {"rotation": 17.0, "squeeze": 0.6, "cats_eye": 0.5},
-    {"spacing": 1.0, "samples": 5, "jitter": 1.0, "frame": 3},
-]
 # far layers of 25 pixels, where the lengths of the edges show
 WIDE = methods.Camera(0.4, 0.05, 4.0, max_coc=0.5)
 CUT_LAYERS = [
@@ -169,7 +162,12 @@ GROUPS = {
         for settings in exact_and_layered(roundness=roundness, cats_eye=amount)
         if settings.method == "exact" or amount > 0.0
     ],
-    "axial colour": of_polygons(AXIAL, axial=(0.05, -0.03)),
+    # a side that is turned off, and what layers are made of
+    "focus": [
+        Settings(method, "hexagon", 7, camera=CAMERA, spacing=0.0, focus=focus)
+        for method in ("paper", "exact", "layered")
+        for focus in (FOCUS, replace(FOCUS, scale=(0.0, 2.0)), replace(FOCUS, scale=(2.0, 0.0)))
+    ],
     # too large amounts are 0.1
     "lateral colour": settings_of(
         Settings("exact", "hexagon", camera=CAMERA), [{"lateral": 0.02}, {"lateral": -0.1}, {"lateral": 5.0}]

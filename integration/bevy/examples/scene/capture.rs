@@ -20,7 +20,7 @@ use bevy::{
         view::ViewTarget,
     },
 };
-use bokeh_bevy::{Bokeh, BokehDebug, BokehMethod, BokehPlugin, BokehShape, BokehSystems, BokehTextures};
+use bokeh_bevy::{Bokeh, BokehDebug, BokehMethod, BokehShape, BokehSystems, BokehTextures};
 use std::{fs, path::PathBuf};
 
 /// A row of 4-byte pixels is a multiple of 256 bytes, so rows are read back without gaps.
@@ -145,9 +145,12 @@ fn next_shot(
     }
     let write =
         |name: String, bytes: &[u8]| fs::write(folder.0.join(name), bytes).expect("the folder can be written to");
-    if let Some((name, ..)) = SHOTS.get(shot) {
+    if let Some((name, method, _)) = SHOTS.get(shot) {
         write("color.f16".into(), &latest.0["color"]);
-        write("depth.f32".into(), &latest.0["depth"]);
+        // only this method makes metres; nothing in the scene moves
+        if *method == BokehMethod::Paper {
+            write("depth.f32".into(), &latest.0["depth"]);
+        }
         write(format!("{name}.f16"), &latest.0["result"]);
         save(&latest.0["picture"], folder.0.join("picture.png"));
     } else {
@@ -168,11 +171,10 @@ fn save(pixels: &[u8], path: PathBuf) {
 fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
     let shots = SHOTS.map(|(name, method, shape)| {
         let (method, shape) = (format!("{method:?}").to_lowercase(), format!("{shape:?}").to_lowercase());
+        // what the preset stands for
+        let adaptive = if method == "paper" { r#", "spacing": 1.5, "samples": 9"# } else { "" };
         format!(
-            r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", "result": "{name}.f16",
-    "spacing": {}, "samples": {}}}"#,
-            bokeh.spacing,
-            BokehPlugin::default().samples
+            r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", "result": "{name}.f16"{adaptive}}}"#
         )
     });
     format!(

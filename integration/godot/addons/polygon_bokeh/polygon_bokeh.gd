@@ -45,6 +45,7 @@ const PASS := """shader_type canvas_item;
 render_mode unshaded, blend_disabled;
 #define BOKEH_PRESET_%s
 #include "%s/bokeh.gdshaderinc"
+#include "%s/bokeh_paper.gdshaderinc"
 #include "%s/bokeh_layers.gdshaderinc"
 %suniform float aperture_diameter;
 uniform float focal_length;
@@ -57,12 +58,12 @@ uniform vec2 image_size;
 void fragment()
 {
 	BokehPolygon polygon = BokehMakePolygon(%d, rotation, squeeze);
-	BokehLayers layers = BokehMakeLayers(image_size, polygon, max_coc);
+	BokehLayers layers = BokehMakeLayers(UV, image_size, max_coc);
 	BokehFilter settings = BokehDefaultFilter(image_size);
 	COLOR = %s;
 }
 """
-const LENS := "aperture_diameter, focal_length, FocusDistance(), sensor_height, max_coc"
+const LENS := "SceneLens(aperture_diameter, focal_length, sensor_height, max_coc)"
 
 ## The passes as they are drawn: [code][name of the texture, 1 / its size, call of the library][/code]
 var frame: Array[Array] = []
@@ -152,7 +153,7 @@ func _make(host: Viewport, size: Vector2i) -> void:
 				reads += "uniform sampler2D from_%s : filter_linear, repeat_disable;\n" % key
 		if "Scene" in call:
 			reads += "#include \"%s/scene.gdshaderinc\"\n" % folder
-		shader.code = PASS % [preset, folder, folder, reads, sides, call]
+		shader.code = PASS % [preset, folder, folder, folder, reads, sides, call]
 		_add(row[0], Vector2i((Vector2(size) / row[1]).ceil()), shader)
 	var again := Shader.new()
 	again.code = "shader_type canvas_item; render_mode unshaded, blend_disabled; uniform sampler2D "\
@@ -241,7 +242,7 @@ func _frame() -> Array[Array]:
 	var passes: Dictionary = { layered = Frames.LAYERED, exact = Frames.EXACT, paper = Frames.PAPER }[method]
 	if method == "paper":
 		rows.append(["metres", 1, "vec4(min(SceneDepth(UV), 65000.0), 0.0, 0.0, 1.0)"])
-		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehCoC(BokehFetchNearest(metres, UV).r, %s))" % LENS])
+		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), abs(BokehSignedCoC(BokehPaperDepth(metres, UV), %s)))" % LENS])
 	else:
 		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehSignedCoC(SceneDepth(UV), %s))" % LENS])
 	for row: Array in passes[sides]:

@@ -26,7 +26,6 @@ BOKEH_SETTING(float, SensorHeight, 0.024f, "metres");
 BOKEH_SETTING(float, MaxCoC, 0.1f, "fraction of the image height");
 BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
 BOKEH_SETTING(float, Squeeze, 1.0f, "width over height of the bokeh");
-BOKEH_SETTING(float, Spacing, 1.0f, "pixels between samples");
 
 // Names and types are those of BokehDepthOfField.usf
 BEGIN_SHADER_PARAMETER_STRUCT(FBokehParameters, )
@@ -46,7 +45,6 @@ BEGIN_SHADER_PARAMETER_STRUCT(FBokehParameters, )
     SHADER_PARAMETER(float, BokehSensorHeight)
     SHADER_PARAMETER(float, BokehMaxCoC)
     SHADER_PARAMETER(float, BokehSqueeze)
-    SHADER_PARAMETER(float, BokehSpacing)
     SHADER_PARAMETER(float, BokehAngle)
     SHADER_PARAMETER(float, BokehDebugMode)
     RENDER_TARGET_BINDING_SLOTS()
@@ -122,7 +120,6 @@ struct FBokehPasses
         Given->BokehSensorHeight = SettingSensorHeight.GetValueOnRenderThread();
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
         Given->BokehSqueeze = SettingSqueeze.GetValueOnRenderThread();
-        Given->BokehSpacing = SettingSpacing.GetValueOnRenderThread();
         Given->BokehAngle = FMath::DegreesToRadians(Degrees + SettingRotation.GetValueOnRenderThread());
         Given->BokehDebugMode = static_cast<float>(SettingDebug.GetValueOnRenderThread() - 1);
         return Given;
@@ -228,14 +225,16 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
         ERenderTargetLoadAction::ENoAction, TEXT("Bokeh.Result"));
     const FBokehPasses Passes{GraphBuilder, View, Inputs, SceneColor.ViewRect};
 
-    FRDGTextureRef Depth = Passes.Target(TEXT("Bokeh.Depth"), PF_R32_FLOAT);
     FRDGTextureRef CoC = Passes.Target(TEXT("Bokeh.CoC"));
-    Passes.Draw<FBokehDepthPS>(TEXT("depth"), Passes.Parameters(), {Depth});
-    // the exact passes read a signed CoC, the paper's read depth as well
-    const bool bPaper = SettingPaper.GetValueOnRenderThread() != 0;
-    FBokehParameters* Map = Passes.Parameters(SceneColor.Texture, Depth);
+    // the exact passes read a signed CoC, the paper's an unsigned one and metres
+    const bool bDebug = SettingDebug.GetValueOnRenderThread() > 0;
+    const bool bPaper = SettingPaper.GetValueOnRenderThread() != 0 && !bDebug;
+    FRDGTextureRef Depth = nullptr;
+    FBokehParameters* Map = Passes.Parameters(SceneColor.Texture);
     if (bPaper)
     {
+        Depth = Passes.Target(TEXT("Bokeh.Depth"), PF_R32_FLOAT);
+        Passes.Draw<FBokehDepthPS>(TEXT("depth"), Passes.Parameters(), {Depth});
         Passes.Draw<FBokehCoCMapPS>(TEXT("circle of confusion"), Map, {CoC});
     }
     else
@@ -244,9 +243,9 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
     }
 
     const bool bHexagon = SettingSides.GetValueOnRenderThread() != 8;
-    if (SettingDebug.GetValueOnRenderThread() > 0)
+    if (bDebug)
     {
-        Passes.Finish<FBokehDebugPS>(TEXT("debug"), Passes.Parameters(CoC, Depth), Output);
+        Passes.Finish<FBokehDebugPS>(TEXT("debug"), Passes.Parameters(CoC), Output);
     }
     else if (bPaper)
     {

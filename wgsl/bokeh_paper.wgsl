@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+//
+// The method of the paper, WGSL. Version 0.2.0. Put it after bokeh.wgsl.
+// McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a
+// Post-Process Depth of Field Shader": Listings 2-4 and the gather that they are compared with.
+// Listing 1 is in bokeh.wgsl. docs/paper.md says where this deviates, and why.
+//
+// CONTRACT
+//   Functions only: no bindings, no entry points.
+//   In    colour: linear, HDR. depth: metres along the view axis, in a texture of its own, R32F.
+//   Out   colour blurred by a polygonal aperture; alpha = CoC, without a sign.
+//
+//   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine
+//
+//   aperture   lines (degrees)                                passes   combine
+//   square     0, then 90                                     2
+//   diamond    0, then 45                                     2
+//   hexagon    90, then 30 and, from the same, 150            3        min
+//   octagon    0, then 90;  45, then 135                      4        min
+//   star       as octagon                                     4        max
+//
+//   name                    default    range   meaning
+//   BOKEH_PAPER_SAMPLES     13         2 ..    samples on a line (section 4.3), always as many; the
+//                                              adaptive functions take those of the preset
+
+override BOKEH_PAPER_SAMPLES: i32 = 13;
+
+// -------------------------------------------------------------------------------------------------
+// [6] Listing 1: the map
+
+// Listing 1: depth of this pixel, made safe
+fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
+{
+    return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+        BOKEH_MAX_DEPTH);
+}
+
+// Listing 1: CoCMap, the first pass: no later pass sees the engine's raw colour
+//   ColorSamp     linear HDR scene colour, read texel by texel
+//   returns       rgb = colour, a = CoC
+fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+    lens: BokehLens) -> vec4f
+{
+    let depth: f32 = BokehPaperDepth(DepthSamp, uv);
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), abs(BokehSignedCoC(depth,
+        lens)));
+}
+
+// -------------------------------------------------------------------------------------------------
+// [7] Listing 2: sample offsets
+//
+//      u ->      angle = 0: along +u;  90 degrees: along +v, towards the last row in memory
+//    v           -lineEnd  o--o--o--o--o--o--o  +lineEnd      length 1, in units of the CoC
+//    |                              ^ this pixel
+//    v
+
+// Listing 2: the end of a line of length 1 centred on this pixel
+//   angle         radians
+//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a
+//                 highlight is not stretched
+//   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
+fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
+{
+    return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+}
+
+// Listing 2: makeOffsets, sample i of numSamples evenly spaced from end to end of the line
+//   t runs from -1 to +1, so that the offsets are exact negatives of each other and the middle one
+//   is 0.
+//   returns       uv offset for a CoC of 1
+fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
+{
+    let last: i32 = max(numSamples, 2) - 1;
+    let t: f32 = f32(2 * i - last) / f32(last);
+    return lineEnd * t;
+}
+
+// Listing 2, adaptive: a line of any length and place, for BokehDepthOfFieldAdaptive
+//   angle         radians
+//   lineLength    in units of the CoC
+//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
+//                 last row; a highlight shows the line on the other side
+//   squeeze       width of the bokeh / its height, 1 = round
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
+//                 BokehEdgeLine returns the same
+fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
+{
+    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
+        sin(angle));
+    return segment * vec4f(squeeze, 1.0, squeeze, 1.0);
+}
+
+// -------------------------------------------------------------------------------------------------
+// [8] Listing 3: one pass of the line filter
+
+// Listing 3: weight of one sample against intensity leakage (section 2.1)
+//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it.
+//   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
+//   1 / bleedingMult up. All other samples have the weight 1.
+fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
+    settings: BokehFilter) -> f32
+{
+    var weight: f32 = 1.0;
+    if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
+    {
+        weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
+    }
+    return weight;
+}
+
+// Listing 3: the weighted average, or centerPixel where all weights are 0
+//   With an even number of samples the middle of the line is not sampled, so all may be rejected.
+//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
+//                 (Figure 7)
+fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
+{
+    var result: vec4f = centerPixel;
+    if (totalWeight > 0.0)
+    {
+        result = color / totalWeight;
+    }
+    if (!blurCoC)
+    {
+        result = vec4f(result.rgb, centerPixel.a);
+    }
+    return result;
+}
+
+// Listing 3: DepthOfField, the mean of the samples along one line
+//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass;
+//                 linear filter, clamp
+//   DepthSamp     r = depth, the same as in BokehCoCMap
+//   lineEnd       from BokehLineEnd
+//   settings      of which the leakage test is used; there are always BOKEH_PAPER_SAMPLES samples,
+//                 in shader model 3 254 at most
+fn BokehDepthOfField(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+    lineEnd: vec2f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
+    let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+    {
+        let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
+        let sampleCoords: vec2f = uv + offset * centerPixel.a;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
+        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs
+//   The paper's future work; along a line of any length and place.
+//   segment       from BokehSegment
+//   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
+fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+    segment: vec4f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
+    var result: vec4f = centerPixel;
+    let CoC: f32 = BokehFilterCoC(centerPixel.a, settings.imageHeight);
+    if (CoC > 0.0)
+    {
+        let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
+        let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
+        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
+        let first: vec2f = uv + (segment.xy - segment.zw) * scale;
+        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var totalWeight: f32 = 0.0;
+        for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+        {
+            if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+            {
+                break;
+            }
+            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
+            let sampleCoords: vec2f = first + cellLength * (f32(i) + cell * phase);
+            let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
+            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            let weight: f32 = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+        result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
+    }
+    return result;
+}
+
+// -------------------------------------------------------------------------------------------------
+// [9] Listing 4: combine by min / max
+
+// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC too (section 4.5)
+fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
+{
+    var result: vec4f = min(a, b);
+    if (useMax)
+    {
+        result = max(a, b);
+    }
+    return result;
+}
+
+// Listing 4: DepthOfFieldFinal, the last line of the second parallelogram, combined with the first
+//   CompareSamp   the finished first parallelogram
+//   useMax        false: intersection (hexagon, octagon); true: union (star)
+fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
+    CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehFilter, blurCoC: bool,
+    useMax: bool, BokehLinearClamp: sampler) -> vec4f
+{
+    let a: vec4f = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC,
+        BokehLinearClamp);
+    return BokehCombine(a, BokehFetch(CompareSamp, uv, BokehLinearClamp), useMax);
+}
+
+// -------------------------------------------------------------------------------------------------
+// [10] naive gather
+
+// Section 3: gather with a table of BOKEH_PAPER_SAMPLES offsets, any shape
+//   The bokeh is their point reflection: negate a table that is drawn as the bokeh looks.
+//   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right,
+//                 y towards the last row
+fn BokehNaiveGather(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
+    KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehFilter, blurCoC: bool,
+    BokehLinearClamp: sampler) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
+    let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
+    let scale: vec2f = vec2f(centerPixel.a / settings.aspectRatio, centerPixel.a);
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+    {
+        let offset: vec2f = BokehFetchTexel(KernelSamp, vec2f((f32(i) + 0.5) /
+            f32(BOKEH_PAPER_SAMPLES), 0.5)).rg;
+        let sampleCoords: vec2f = uv + offset * scale;
+        let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
+        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+            settings);
+        color += samplePixel * weight;
+        totalWeight += weight;
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
+
+// Section 3: gather over a parallelogram grid, offsets computed instead of read (Table 1)
+//   BOKEH_PAPER_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
+//   lineEndU, lineEndV  the two sides, from BokehLineEnd
+fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+    lineEndU: vec2f, lineEndV: vec2f, settings: BokehFilter, blurCoC: bool,
+    BokehLinearClamp: sampler) -> vec4f
+{
+    let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
+    let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
+    var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var totalWeight: f32 = 0.0;
+    for (var j: i32 = 0; j < BOKEH_PAPER_SAMPLES; j++)
+    {
+        let rowOffset: vec2f = BokehMakeOffsets(lineEndV, j, BOKEH_PAPER_SAMPLES);
+        for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+        {
+            let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
+            let sampleCoords: vec2f = uv + offset * centerPixel.a;
+            let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
+            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+                centerPixel.a, settings);
+            color += samplePixel * weight;
+            totalWeight += weight;
+        }
+    }
+    return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+}
