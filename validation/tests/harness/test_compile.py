@@ -74,7 +74,8 @@ def test_no_sample_takes_its_level_from_derivatives(entry):
 
 def test_depth_and_kernel_need_no_filtering_sampler():
     """naga builds on a layout where they are unfilterable, so depth through a sampler has to fail there."""
-    direct, linear = "Nearest(DepthSamp, sampleCoords)", "(DepthSamp, ColorSampSampler, sampleCoords)"
+    direct = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords))"
+    linear = "BokehFetch(DepthSamp, sampleCoords, BokehLinearClamp).r"
     programs = [one for one in PROGRAMS if (one.variant, one.entry) == ("wgsl", "BokehDepthOfField")]
     result = compile_programs(programs, edit=lambda source: source.replace(direct, linear))
     assert all("filterable" in cell.message.lower() for _, name, cell in cells_of(result, "wgsl") if name == "naga")
