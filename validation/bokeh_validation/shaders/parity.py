@@ -62,7 +62,11 @@ _EVERYWHERE: _Rewrites = (
     (r"^(// \[2\] .*\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
     (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
     # in shader model 3 a loop runs at most 255 times: the naive gather has two
-    (r"BOKEH_LOOP for.*BOKEH_LOOP_LIMIT\) // differs: 255 loops\n(.*)j; i < min\(j \+ BOKEH_LOOP_LIMIT, (\w+)\)", r"\g<1>0; i < \2"),
+    (
+        r"BOKEH_LOOP for.*BOKEH_LOOP_LIMIT\) // differs: 255 loops\n"
+        r"(.*)j; i < min\(j \+ BOKEH_LOOP_LIMIT, (\w+)\)",
+        r"\g<1>0; i < \2",
+    ),
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
     (r"^#if .*// differs: one loop.*(?:\n#.*){4}$", " "),
     (r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", r"\1 = \2;"),
