@@ -54,6 +54,7 @@ ENTRY_SETTINGS = {
     "naive grid": replace(PAPER, method="naive-grid", aperture="square"),
     **{f"exact {name}": replace(EXACT, aperture=name, **ADAPTIVE) for name in methods.EXACT},
     "exact decagon, one target": replace(EXACT, aperture="decagon", targets=False, **ADAPTIVE),
+    "exact, preset": replace(EXACT, samples=None),
     "lateral": replace(EXACT, lateral=0.02),
     **{f"layered {name}": replace(LAYERED, aperture=name) for name in methods.EXACT},
     "layered, one target": replace(LAYERED, aperture="octagon", preset="ultra", targets=False, **WIDE),
