@@ -56,7 +56,8 @@ ENTRY_SETTINGS = {
     "exact decagon, one target": replace(EXACT, aperture="decagon", targets=False, **ADAPTIVE),
     "exact, preset": replace(EXACT, samples=None),
     "lateral": replace(EXACT, lateral=0.02),
-    **{f"layered {name}": replace(LAYERED, aperture=name) for name in methods.EXACT},
+    # wide first: what blurs a layer runs only where there is one
+    **{f"layered {name}": replace(LAYERED, aperture=name, **WIDE) for name in methods.EXACT},
     "layered, one target": replace(LAYERED, aperture="octagon", preset="ultra", targets=False, **WIDE),
 }
 SWITCHES = {
@@ -69,6 +70,7 @@ SWITCHES = {
     "lateral, too little": replace(EXACT, lateral=-5.0),
     "constant CoC, too large": replace(PAPER, coc=0.4),
     "constant CoC, negative": replace(EXACT, coc=-0.1),
+    **{f"layered {name}, narrow": replace(LAYERED, aperture=name) for name in methods.EXACT},
     "layered, wide": replace(LAYERED, jitter=1.0, **WIDE),
     "layered, low": replace(LAYERED, aperture="decagon", preset="low", **WIDE),
     "layered, widest": replace(LAYERED, aperture="square", preset="low", **WIDEST),

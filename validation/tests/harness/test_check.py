@@ -48,12 +48,12 @@ def test_a_comment_draws_nothing(edit, monkeypatch):
 def test_mistakes(edit):
     """In all languages: the reference does not allow it, on any driver. In one, behind a constant: nor does parity."""
     edit("bokeh", "CoC = -CoC;", "CoC = CoC;")
-    edit("bokeh", "sum *= BokehEdgeArea", "sum += BokehEdgeArea", ["hlsl"])
+    edit("bokeh_layers", "sum *= BokehEdgeArea", "sum += BokehEdgeArea", ["hlsl"])
     text = said(1)
-    assert text.startswith("changed: BokehLineSum, BokehSignedCoC\nhlsl and glsl: not the same\n")
+    assert text.startswith("changed: BokehLayerLine, BokehSignedCoC\nhlsl and glsl: not the same\n")
     for name in ("egl", "dxc", "wgpu"):
         assert f"{name}: BokehSignedCoCMap writes " in text
-    assert text.count("SignedCoCMap writes") == 3 and "dxc: BokehSquareSecond writes " in text
+    assert text.count("SignedCoCMap writes") == 3 and "dxc: BokehHexagonLayerSecond writes " in text
     assert all(line.startswith("dxc: ") for line in text.splitlines() if "Second writes" in line)
 
 
