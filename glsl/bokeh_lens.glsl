@@ -3,9 +3,9 @@
 // The character of a lens, GLSL. Version 0.2.0. Put it after bokeh.glsl.
 //
 //   Curved blades and a cat's eye are functions from polygon to polygon: what they return goes
-//   wherever a BokehPolygon goes, in `exact` and in the layers. Lateral colour is a pass over the
-//   finished picture; a focus that artists can bend is another CoC in the map. Axial colour is a
-//   recipe: docs/character.md.
+//   wherever a BokehPolygon goes, in `exact` and in the layers. A focus that artists can bend is
+//   another CoC in the map; a steady map is a pass after the map, lateral colour one over the
+//   finished picture. Axial colour is a recipe: docs/character.md.
 //   Functions only: no bindings, no entry points.
 
 #ifndef BOKEH_VIEWPORT
@@ -20,24 +20,22 @@
 BokehPolygon BokehClosed(BokehPolygon polygon)
 {
     BokehPolygon closed = polygon;
-    closed.corner = vec2(0.0, 0.0);
-    for (int i = 1; i <= polygon.sides / 2; i++)
-    {
-        closed.corner -= BokehEdge(i, polygon) * 0.5;
-    }
     closed.mean = vec2(0.0, 0.0);
     closed.area = 0.0;
-    vec2 begin = closed.corner;
-    for (int j = 1; j <= polygon.sides / 2; j++)
+    vec2 begin = vec2(0.0, 0.0);
+    for (int i = 1; i <= polygon.sides / 2; i++)
     {
-        vec2 edge = BokehEdge(j, polygon);
-        if (j < polygon.sides / 2)
+        vec2 edge = BokehEdge(i, polygon);
+        if (i < polygon.sides / 2)
         {
             closed.mean += (begin + edge * 0.5) / (0.5 * float(polygon.sides) - 1.0);
         }
         closed.area += begin.x * edge.y - begin.y * edge.x;
         begin += edge;
     }
+    // the outline's other half leads back: the middle is half-way
+    closed.corner = begin * -0.5;
+    closed.mean += closed.corner;
     return closed;
 }
 
@@ -120,26 +118,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
 }
 
 // -------------------------------------------------------------------------------------------------
-// [16] finished picture
-
-// Lens: lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
-//   The last pass after any method; bloom and tone mapping come after it.
-//   PictureSamp   linear filter, clamp
-//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
-//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
-//   returns       green and a are those of this pixel
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, vec2 uv, float amount)
-{
-    float larger = clamp(amount, -0.1, 0.1);
-    vec2 place = uv - 0.5;
-    vec4 green = BokehFetch(PictureSamp, uv);
-    float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
-    float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
-    return vec4(red, green.g, blue, green.a);
-}
-
-// -------------------------------------------------------------------------------------------------
-// [17] focus
+// [16] the map, and the finished picture
 
 // Lens: what artists ask of the focus; x in front of it, y behind it
 //   sharpRange    metres from the focus distance that stay sharp; the CoC grows from the ends of
@@ -162,4 +141,56 @@ float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
     float CoC = BokehSignedCoC(depth, nearest);
     return clamp(min(CoC, 0.0) * focus.sideScale.x + max(CoC, 0.0) * focus.sideScale.y,
         -focus.sideMaxCoC.x, focus.sideMaxCoC.y);
+}
+
+// Lens: the map made steady, where temporal anti-aliasing has resolved colour but depth jitters
+//   A pixel that was nearer stays so while one of the 3 x 3 around it is, and forgets it slowly;
+//   what is nearer now counts at once: resolved colour holds some of it in every frame.
+//
+//      o  last frame         velocity: from o to x, uv of this frame minus uv of the last, without
+//       '--> x  this frame   jitter; negate it where an engine stores the reverse (Godot)
+//   MapSamp       from BokehSignedCoCMap; VelocitySamp: rg = velocity; both read texel by texel
+//   HistorySamp   what this returned in the last frame, of which a is read; linear filter, clamp
+//   blend         share of this frame, 0.05 (docs/inputs.md); 1 starts anew: in the first frame,
+//                 after a cut, where the viewport has changed
+//   returns       the map; a is between the nearest of the 3 x 3 and the pixel's own CoC, which
+//                 stays where the last frame did not show the place
+vec4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXTURE VelocitySamp,
+    vec2 uv, vec2 imageSize, float blend)
+{
+    vec4 pixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+    float nearest = pixel.a;
+    for (int y = 0; y < 3; y++)
+    {
+        for (int x = 0; x < 3; x++)
+        {
+            vec2 place = uv + (vec2(float(x), float(y)) - 1.0) / imageSize;
+            nearest = min(nearest, BokehFetchTexel(MapSamp, BokehToTexture(place)).a);
+        }
+    }
+    vec2 velocity = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
+    // NaN leaves the image
+    vec2 before = uv - vec2(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0, 2.0));
+    float history = BokehSafe(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
+    if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
+    {
+        pixel += vec4(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));
+    }
+    return pixel;
+}
+
+// Lens: lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
+//   The last pass after any method; bloom and tone mapping come after it.
+//   PictureSamp   linear filter, clamp
+//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
+//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
+//   returns       green and a are those of this pixel
+vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, vec2 uv, float amount)
+{
+    float larger = clamp(amount, -0.1, 0.1);
+    vec2 place = uv - 0.5;
+    vec4 green = BokehFetch(PictureSamp, uv);
+    float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
+    float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
+    return vec4(red, green.g, blue, green.a);
 }

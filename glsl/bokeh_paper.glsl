@@ -50,9 +50,8 @@ float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
 //   returns       rgb = colour, a = CoC
 vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, BokehLens lens)
 {
-    float depth = BokehPaperDepth(DepthSamp, uv);
-    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), abs(BokehSignedCoC(depth,
-        lens)));
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -94,8 +93,8 @@ vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
 //                 BokehEdgeLine returns the same
 vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
 {
-    vec4 segment = vec4(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength * sin(angle));
-    return segment * vec4(squeeze, 1.0, squeeze, 1.0);
+    vec2 halfLine = vec2(cos(angle), sin(angle)) * 0.5 * lineLength;
+    return vec4(lineCenter, halfLine) * vec4(squeeze, 1.0, squeeze, 1.0);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -118,8 +117,7 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
 //   With an even number of samples the middle of the line is not sampled, so all may be rejected.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
-//                 (Figure 7)
+//   blurCoC       true: the CoC is averaged, too; false (Figure 7): this pixel keeps its CoC
 vec4 BokehResolve(vec4 color, float totalWeight, vec4 centerPixel, bool blurCoC)
 {
     vec4 result = centerPixel;

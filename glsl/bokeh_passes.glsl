@@ -30,6 +30,7 @@
 //   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              a grid of samples
 //
 //   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
+//   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
 //
 //   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
@@ -63,32 +64,33 @@
 #define BOKEH_ADAPTIVE_FINAL 18
 #define BOKEH_NAIVE_GATHER 19
 #define BOKEH_NAIVE_GRID 20
-#define BOKEH_LATERAL_COLOR 21
-#define BOKEH_TILE_MAX 22
-#define BOKEH_TILE_DILATE 23
-#define BOKEH_PREFILTER 24
-#define BOKEH_KERNEL_REDUCE 25
-#define BOKEH_KERNEL_ROWS 26
-#define BOKEH_KERNEL_COLUMNS 27
-#define BOKEH_HOLE_DOWNSAMPLE 28
-#define BOKEH_HOLE_FILL 29
-#define BOKEH_SQUARE_LAYER_FIRST 30
-#define BOKEH_SQUARE_LAYER_SECOND 31
-#define BOKEH_HEXAGON_LAYER_FIRST 32
-#define BOKEH_HEXAGON_LAYER_SECOND 33
-#define BOKEH_OCTAGON_LAYER_FIRST 34
-#define BOKEH_OCTAGON_LAYER_SECOND 35
-#define BOKEH_DECAGON_LAYER_FIRST 36
-#define BOKEH_DECAGON_LAYER_SECOND 37
-#define BOKEH_COMPOSITE 38
-#define BOKEH_PREFILTER_ONE 39
-#define BOKEH_KERNEL_REDUCE_ONE 40
-#define BOKEH_KERNEL_ROWS_ONE 41
-#define BOKEH_KERNEL_COLUMNS_ONE 42
-#define BOKEH_HOLE_DOWNSAMPLE_ONE 43
-#define BOKEH_HOLE_FILL_ONE 44
-#define BOKEH_LAYER_EDGE 45
-#define BOKEH_FULL_SCREEN 46
+#define BOKEH_STABLE_MAP 21
+#define BOKEH_LATERAL_COLOR 22
+#define BOKEH_TILE_MAX 23
+#define BOKEH_TILE_DILATE 24
+#define BOKEH_PREFILTER 25
+#define BOKEH_KERNEL_REDUCE 26
+#define BOKEH_KERNEL_ROWS 27
+#define BOKEH_KERNEL_COLUMNS 28
+#define BOKEH_HOLE_DOWNSAMPLE 29
+#define BOKEH_HOLE_FILL 30
+#define BOKEH_SQUARE_LAYER_FIRST 31
+#define BOKEH_SQUARE_LAYER_SECOND 32
+#define BOKEH_HEXAGON_LAYER_FIRST 33
+#define BOKEH_HEXAGON_LAYER_SECOND 34
+#define BOKEH_OCTAGON_LAYER_FIRST 35
+#define BOKEH_OCTAGON_LAYER_SECOND 36
+#define BOKEH_DECAGON_LAYER_FIRST 37
+#define BOKEH_DECAGON_LAYER_SECOND 38
+#define BOKEH_COMPOSITE 39
+#define BOKEH_PREFILTER_ONE 40
+#define BOKEH_KERNEL_REDUCE_ONE 41
+#define BOKEH_KERNEL_ROWS_ONE 42
+#define BOKEH_KERNEL_COLUMNS_ONE 43
+#define BOKEH_HOLE_DOWNSAMPLE_ONE 44
+#define BOKEH_HOLE_FILL_ONE 45
+#define BOKEH_LAYER_EDGE 46
+#define BOKEH_FULL_SCREEN 47
 
 // the target that _ONE and _EDGE write, 0 ..; whether BokehJitter acts, the aperture
 // has the shape of a lens, the CoC map takes all parameters
@@ -114,7 +116,7 @@
 #error BOKEH_PASS is none of the names in the table at the top of this file
 #elif BOKEH_PASS >= BOKEH_COC_MAP && BOKEH_PASS <= BOKEH_NAIVE_GRID && !defined(BOKEH_PAPER)
 #error put bokeh_paper.glsl before this file
-#elif BOKEH_PASS == BOKEH_LATERAL_COLOR && !defined(BOKEH_LENS)
+#elif BOKEH_PASS >= BOKEH_STABLE_MAP && BOKEH_PASS <= BOKEH_LATERAL_COLOR && !defined(BOKEH_LENS)
 #error put bokeh_lens.glsl before this file
 #elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
 #error put bokeh_layers.glsl before this file
@@ -226,6 +228,7 @@ BOKEH_PARAMETER(float, BokehDepthX)
 BOKEH_PARAMETER(float, BokehDepthY)
 BOKEH_PARAMETER(float, BokehDepthWidth)
 BOKEH_PARAMETER(float, BokehDepthHeight)
+BOKEH_PARAMETER(float, BokehStableBlend)
 
 #ifdef VULKAN
 };
@@ -297,7 +300,6 @@ float BokehPassJitter(vec2 uv, vec2 imageSize, float passIndex)
 BokehFilter BokehBegin(vec2 uv, float passIndex)
 {
     BokehUseViewport();
-    vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
     BokehFilter settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
@@ -306,7 +308,7 @@ BokehFilter BokehBegin(vec2 uv, float passIndex)
     {
         settings.spacing = BOKEH_SPACING;
     }
-    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
+    settings.jitter = BokehPassJitter(uv, vec2(BokehImageWidth, BokehImageHeight), passIndex);
     settings.bleedingBias = BokehBleedingBias;
     settings.bleedingMult = BokehBleedingMult;
     return settings;
@@ -319,9 +321,8 @@ BokehPolygon BokehAperture(vec2 uv, int sides)
 #ifdef BOKEH_LENS
     if (BOKEH_LENS_SHAPE > 0)
     {
-        polygon = BokehWithRoundness(polygon, BokehRoundness);
-        polygon = BokehWithCatsEye(polygon, uv, vec2(BokehImageWidth, BokehImageHeight),
-            BokehCatsEye);
+        polygon = BokehWithCatsEye(BokehWithRoundness(polygon, BokehRoundness), uv,
+            vec2(BokehImageWidth, BokehImageHeight), BokehCatsEye);
     }
 #endif
     return polygon;
@@ -338,7 +339,6 @@ BokehPolygon BokehAnyAperture(vec2 uv)
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the lens
 BokehLens BokehPassLens()
 {
     BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
@@ -483,26 +483,24 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehResult = BokehSquareFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4),
-        settings).edge2;
+        BokehBegin(BokehUV, 0.0)).edge2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_SECOND
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 1.0);
-    BokehResult = BokehSquareSecond(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4), settings);
+    BokehResult = BokehSquareSecond(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4),
+        BokehBegin(BokehUV, 1.0));
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_FIRST
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehTargets targets = BokehHexagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 6),
-        settings);
+        BokehBegin(BokehUV, 0.0));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
 }
@@ -511,18 +509,16 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 1.0);
     BokehResult = BokehHexagonSecond(BokehColorSamp, BokehColorSampB, BokehUV,
-        BokehAperture(BokehUV, 6), settings);
+        BokehAperture(BokehUV, 6), BokehBegin(BokehUV, 1.0));
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehTargets targets = BokehOctagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 8),
-        settings);
+        BokehBegin(BokehUV, 0.0));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
     BokehResultC = targets.edge4;
@@ -532,18 +528,16 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 1.0);
     BokehResult = BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehUV,
-        BokehAperture(BokehUV, 8), settings);
+        BokehAperture(BokehUV, 8), BokehBegin(BokehUV, 1.0));
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_FIRST
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehTargets targets = BokehDecagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 10),
-        settings);
+        BokehBegin(BokehUV, 0.0));
     BokehResult = targets.edge2;
     BokehResultB = targets.edge3;
     BokehResultC = targets.edge4;
@@ -554,25 +548,22 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 1.0);
     BokehResult = BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehUV, BokehAperture(BokehUV, 10), settings);
+        BokehColorSampD, BokehUV, BokehAperture(BokehUV, 10), BokehBegin(BokehUV, 1.0));
 }
 
 #elif BOKEH_PASS == BOKEH_EXACT_EDGE
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     BokehTargets targets = BokehExactFirst(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2,
-        BokehAnyAperture(BokehUV), settings);
+        BokehAnyAperture(BokehUV), BokehBegin(BokehUV, 0.0));
     BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 #elif BOKEH_PASS == BOKEH_DEBUG
 
-// BokehDebugMode: 0 colour
-//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
 //                 2 CoC as grey: black in focus, white at BokehMaxCoC
 //                 3 near field orange, far field blue, in focus black; brighter with the CoC
 void main()
@@ -613,20 +604,18 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd, settings,
-        BokehBlurCoC > 0.5);
+    BokehResult = BokehDepthOfField(BokehColorSamp, BokehDepthSamp, BokehUV, lineEnd,
+        BokehBegin(BokehUV, 0.0), BokehBlurCoC > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_DEPTH_OF_FIELD_FINAL
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, BokehUV,
-        lineEnd, settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5);
+        lineEnd, BokehBegin(BokehUV, 0.0), BokehBlurCoC > 0.5, BokehUseMax > 0.5);
 }
 
 #elif BOKEH_PASS == BOKEH_ADAPTIVE
@@ -658,16 +647,23 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
     vec2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     vec2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
     BokehResult = BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, BokehUV, lineEndU, lineEndV,
-        settings, BokehBlurCoC > 0.5);
+        BokehBegin(BokehUV, 0.0), BokehBlurCoC > 0.5);
+}
+
+#elif BOKEH_PASS == BOKEH_STABLE_MAP
+
+void main()
+{
+    BokehUseViewport();
+    BokehResult = BokehStableMap(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehUV,
+        vec2(BokehImageWidth, BokehImageHeight), BokehStableBlend);
 }
 
 #elif BOKEH_PASS == BOKEH_LATERAL_COLOR
 
-// the last pass
 void main()
 {
     BokehUseViewport();

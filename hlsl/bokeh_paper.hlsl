@@ -31,11 +31,7 @@
 #ifndef BOKEH_PAPER_SAMPLES
 #define BOKEH_PAPER_SAMPLES 13
 #endif
-#if BOKEH_HLSL_SM == 3 // differs: one loop has 255 iterations at most
-#define BOKEH_LOOP_LIMIT 128
-#else
-#define BOKEH_LOOP_LIMIT BOKEH_PAPER_SAMPLES
-#endif
+#define BOKEH_LOOP_LIMIT 128 // differs: in shader model 3 one loop has 255 iterations at most
 #if BOKEH_PAPER_SAMPLES < 2
 #error BOKEH_PAPER_SAMPLES must be 2 or more: a line has two ends
 #endif
@@ -56,9 +52,8 @@ float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
 float4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     BokehLens lens)
 {
-    float depth = BokehPaperDepth(DepthSamp, uv);
-    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), abs(BokehSignedCoC(depth,
-        lens)));
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -100,9 +95,8 @@ float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
 //                 BokehEdgeLine returns the same
 float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float squeeze)
 {
-    float4 segment = float4(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
-        sin(angle));
-    return segment * float4(squeeze, 1.0, squeeze, 1.0);
+    float2 halfLine = float2(cos(angle), sin(angle)) * 0.5 * lineLength;
+    return float4(lineCenter, halfLine) * float4(squeeze, 1.0, squeeze, 1.0);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -125,8 +119,7 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
 //   With an even number of samples the middle of the line is not sampled, so all may be rejected.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
-//                 (Figure 7)
+//   blurCoC       true: the CoC is averaged, too; false (Figure 7): this pixel keeps its CoC
 float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool blurCoC)
 {
     float4 result = centerPixel;

@@ -30,6 +30,7 @@
 //   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
 //
 //   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
+//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
 //   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
@@ -63,15 +64,24 @@
 // bindings
 
 #if BOKEH_HLSL_SM == 3
-// BokehCoCMap_PS, BokehSignedCoCMap_PS and BokehConstantCoC_PS read colour texel by texel: set a
-// nearest filter on s0 for them, and always on s1 and s5
+// BokehCoCMap_PS, BokehSignedCoCMap_PS, BokehConstantCoC_PS, BokehStableMap_PS read texel by texel:
+// set a nearest filter on s0 for them, for the last one also on s3, and always on s1 and s5
 #define BOKEH_SLOT(type, name, index) type name : register(s##index);
 #define BOKEH_PARAMETER(type, name, index) type name : register(c##index);
+#define BOKEH_INPUT float2 uv : TEXCOORD0
+#define BOKEH_OUTPUT COLOR
+#define BOKEH_TARGET(i) COLOR##i
 #else
 SamplerState BokehLinearClamp : register(s0);
 #define BOKEH_SLOT(type, name, index) type name : register(t##index);
 #define BOKEH_PARAMETER(type, name, index) type name;
+#define BOKEH_INPUT float4 position : SV_Position, float2 uv : TEXCOORD0
+#define BOKEH_OUTPUT SV_Target
+#define BOKEH_TARGET(i) SV_Target##i
 #endif
+#define BOKEH_OUTPUTS_2 out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1)
+#define BOKEH_OUTPUTS_3 BOKEH_OUTPUTS_2, out float4 target2 : BOKEH_TARGET(2)
+#define BOKEH_OUTPUTS_4 BOKEH_OUTPUTS_3, out float4 target3 : BOKEH_TARGET(3)
 
 BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSamp, 0)
 BOKEH_SLOT(BOKEH_DEPTH_TEXTURE, BokehDepthSamp, 1)
@@ -134,21 +144,10 @@ BOKEH_PARAMETER(float, BokehDepthX, 43)
 BOKEH_PARAMETER(float, BokehDepthY, 44)
 BOKEH_PARAMETER(float, BokehDepthWidth, 45)
 BOKEH_PARAMETER(float, BokehDepthHeight, 46)
+BOKEH_PARAMETER(float, BokehStableBlend, 47)
 
-#if BOKEH_HLSL_SM == 3
-
-// what a pixel shader gets and gives
-#define BOKEH_INPUT float2 uv : TEXCOORD0
-#define BOKEH_OUTPUT COLOR
-#define BOKEH_TARGET(i) COLOR##i
-
-#else
+#if BOKEH_HLSL_SM > 3
 }
-
-#define BOKEH_INPUT float4 position : SV_Position, float2 uv : TEXCOORD0
-#define BOKEH_OUTPUT SV_Target
-#define BOKEH_TARGET(i) SV_Target##i
-
 #endif
 
 // -------------------------------------------------------------------------------------------------
@@ -218,7 +217,6 @@ float BokehPassJitter(float2 uv, float2 imageSize, float passIndex)
 BokehFilter BokehBegin(float2 uv, float passIndex)
 {
     BokehUseViewport();
-    float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
     BokehFilter settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
@@ -227,7 +225,7 @@ BokehFilter BokehBegin(float2 uv, float passIndex)
     {
         settings.spacing = BOKEH_SPACING;
     }
-    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
+    settings.jitter = BokehPassJitter(uv, float2(BokehImageWidth, BokehImageHeight), passIndex);
     settings.bleedingBias = BokehBleedingBias;
     settings.bleedingMult = BokehBleedingMult;
     return settings;
@@ -240,9 +238,8 @@ BokehPolygon BokehAperture(float2 uv, int sides)
 #ifdef BOKEH_LENS
     if (BOKEH_LENS_SHAPE > 0)
     {
-        polygon = BokehWithRoundness(polygon, BokehRoundness);
-        polygon = BokehWithCatsEye(polygon, uv, float2(BokehImageWidth, BokehImageHeight),
-            BokehCatsEye);
+        polygon = BokehWithCatsEye(BokehWithRoundness(polygon, BokehRoundness), uv,
+            float2(BokehImageWidth, BokehImageHeight), BokehCatsEye);
     }
 #endif
     return polygon;
@@ -259,7 +256,6 @@ BokehPolygon BokehAnyAperture(float2 uv)
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the lens
 BokehLens BokehPassLens()
 {
     BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
@@ -395,39 +391,34 @@ float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehSquareFirst_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
-    return BokehSquareFirst(BokehColorSamp, uv, BokehAperture(uv, 4), settings BOKEH_LINEAR).edge2;
+    return BokehSquareFirst(BokehColorSamp, uv, BokehAperture(uv, 4),
+        BokehBegin(uv, 0.0) BOKEH_LINEAR).edge2;
 }
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 1.0);
-    return BokehSquareSecond(BokehColorSamp, uv, BokehAperture(uv, 4), settings BOKEH_LINEAR);
+    return BokehSquareSecond(BokehColorSamp, uv, BokehAperture(uv, 4),
+        BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehHexagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehHexagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     BokehTargets targets = BokehHexagonFirst(BokehColorSamp, uv, BokehAperture(uv, 6),
-        settings BOKEH_LINEAR);
+        BokehBegin(uv, 0.0) BOKEH_LINEAR);
     target0 = targets.edge2;
     target1 = targets.edge3;
 }
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 1.0);
     return BokehHexagonSecond(BokehColorSamp, BokehColorSampB, uv, BokehAperture(uv, 6),
-        settings BOKEH_LINEAR);
+        BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+void BokehOctagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     BokehTargets targets = BokehOctagonFirst(BokehColorSamp, uv, BokehAperture(uv, 8),
-        settings BOKEH_LINEAR);
+        BokehBegin(uv, 0.0) BOKEH_LINEAR);
     target0 = targets.edge2;
     target1 = targets.edge3;
     target2 = targets.edge4;
@@ -435,18 +426,14 @@ void BokehOctagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 1.0);
     return BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, uv,
-        BokehAperture(uv, 8), settings BOKEH_LINEAR);
+        BokehAperture(uv, 8), BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
-    out float4 target3 : BOKEH_TARGET(3))
+void BokehDecagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     BokehTargets targets = BokehDecagonFirst(BokehColorSamp, uv, BokehAperture(uv, 10),
-        settings BOKEH_LINEAR);
+        BokehBegin(uv, 0.0) BOKEH_LINEAR);
     target0 = targets.edge2;
     target1 = targets.edge3;
     target2 = targets.edge4;
@@ -455,21 +442,18 @@ void BokehDecagonFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 1.0);
     return BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD, uv,
-        BokehAperture(uv, 10), settings BOKEH_LINEAR);
+        BokehAperture(uv, 10), BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     BokehTargets targets = BokehExactFirst(BokehColorSamp, uv, BOKEH_TARGET_INDEX + 2,
-        BokehAnyAperture(uv), settings BOKEH_LINEAR);
+        BokehAnyAperture(uv), BokehBegin(uv, 0.0) BOKEH_LINEAR);
     return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
-// BokehDebugMode: 0 colour
-//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
 //                 2 CoC as grey: black in focus, white at BokehMaxCoC
 //                 3 near field orange, far field blue, in focus black; brighter with the CoC
 float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -508,18 +492,16 @@ float4 BokehCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehDepthOfField_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
-    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, uv, lineEnd, settings, BokehBlurCoC >
-        0.5 BOKEH_LINEAR);
+    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, uv, lineEnd, BokehBegin(uv, 0.0),
+        BokehBlurCoC > 0.5 BOKEH_LINEAR);
 }
 
 float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEnd = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     return BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, uv, lineEnd,
-        settings, BokehBlurCoC > 0.5, BokehUseMax > 0.5 BOKEH_LINEAR);
+        BokehBegin(uv, 0.0), BokehBlurCoC > 0.5, BokehUseMax > 0.5 BOKEH_LINEAR);
 }
 
 float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -543,18 +525,23 @@ float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehNaiveGrid_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
     float2 lineEndU = BokehLineEnd(BokehAngle, BokehAspectRatio / BokehSqueeze);
     float2 lineEndV = BokehLineEnd(BokehAngleB, BokehAspectRatio / BokehSqueeze);
-    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, uv, lineEndU, lineEndV, settings,
-        BokehBlurCoC > 0.5 BOKEH_LINEAR);
+    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, uv, lineEndU, lineEndV,
+        BokehBegin(uv, 0.0), BokehBlurCoC > 0.5 BOKEH_LINEAR);
 }
 
 #endif
 
 #ifdef BOKEH_LENS
 
-// the last pass
+float4 BokehStableMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehUseViewport();
+    return BokehStableMap(BokehColorSamp, BokehColorSampB, BokehColorSampC, uv,
+        float2(BokehImageWidth, BokehImageHeight), BokehStableBlend BOKEH_LINEAR);
+}
+
 float4 BokehLateralColor_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
@@ -576,9 +563,7 @@ float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
-void BokehPrefilter_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
-    out float4 target3 : BOKEH_TARGET(3))
+void BokehPrefilter_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
@@ -588,8 +573,7 @@ void BokehPrefilter_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     target3 = targets.leftovers;
 }
 
-void BokehKernelReduce_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehKernelReduce_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
@@ -597,8 +581,7 @@ void BokehKernelReduce_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     target1 = targets.sums;
 }
 
-void BokehKernelRows_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehKernelRows_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
@@ -606,8 +589,7 @@ void BokehKernelRows_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     target1 = targets.sums;
 }
 
-void BokehKernelColumns_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehKernelColumns_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
@@ -615,8 +597,7 @@ void BokehKernelColumns_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     target1 = targets.sizes;
 }
 
-void BokehHoleDownsample_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+void BokehHoleDownsample_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
 {
     BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
@@ -625,8 +606,7 @@ void BokehHoleDownsample_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
     target2 = targets.shares;
 }
 
-void BokehHoleFill_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehHoleFill_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
@@ -644,8 +624,7 @@ float4 BokehSquareLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehLayerResult(uv, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
 }
 
-void BokehHexagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1))
+void BokehHexagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 3, BokehAperture(uv, 6));
     target0 = targets.edge2;
@@ -657,8 +636,7 @@ float4 BokehHexagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehLayerResult(uv, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
 }
 
-void BokehOctagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2))
+void BokehOctagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 4, BokehAperture(uv, 8));
     target0 = targets.edge2;
@@ -671,9 +649,7 @@ float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehLayerResult(uv, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
 }
 
-void BokehDecagonLayerFirst_PS(BOKEH_INPUT, out float4 target0 : BOKEH_TARGET(0),
-    out float4 target1 : BOKEH_TARGET(1), out float4 target2 : BOKEH_TARGET(2),
-    out float4 target3 : BOKEH_TARGET(3))
+void BokehDecagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 5, BokehAperture(uv, 10));
     target0 = targets.edge2;

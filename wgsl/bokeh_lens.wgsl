@@ -3,9 +3,9 @@
 // The character of a lens, WGSL. Version 0.2.0. Put it after bokeh.wgsl.
 //
 //   Curved blades and a cat's eye are functions from polygon to polygon: what they return goes
-//   wherever a BokehPolygon goes, in `exact` and in the layers. Lateral colour is a pass over the
-//   finished picture; a focus that artists can bend is another CoC in the map. Axial colour is a
-//   recipe: docs/character.md.
+//   wherever a BokehPolygon goes, in `exact` and in the layers. A focus that artists can bend is
+//   another CoC in the map; a steady map is a pass after the map, lateral colour one over the
+//   finished picture. Axial colour is a recipe: docs/character.md.
 //   Functions only: no bindings, no entry points.
 
 // -------------------------------------------------------------------------------------------------
@@ -15,24 +15,22 @@
 fn BokehClosed(polygon: BokehPolygon) -> BokehPolygon
 {
     var closed: BokehPolygon = polygon;
-    closed.corner = vec2f(0.0, 0.0);
-    for (var i: i32 = 1; i <= polygon.sides / 2; i++)
-    {
-        closed.corner -= BokehEdge(i, polygon) * 0.5;
-    }
     closed.mean = vec2f(0.0, 0.0);
     closed.area = 0.0;
-    var begin: vec2f = closed.corner;
-    for (var j: i32 = 1; j <= polygon.sides / 2; j++)
+    var begin: vec2f = vec2f(0.0, 0.0);
+    for (var i: i32 = 1; i <= polygon.sides / 2; i++)
     {
-        let edge: vec2f = BokehEdge(j, polygon);
-        if (j < polygon.sides / 2)
+        let edge: vec2f = BokehEdge(i, polygon);
+        if (i < polygon.sides / 2)
         {
             closed.mean += (begin + edge * 0.5) / (0.5 * f32(polygon.sides) - 1.0);
         }
         closed.area += begin.x * edge.y - begin.y * edge.x;
         begin += edge;
     }
+    // the outline's other half leads back: the middle is half-way
+    closed.corner = begin * -0.5;
+    closed.mean += closed.corner;
     return closed;
 }
 
@@ -116,27 +114,7 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
 }
 
 // -------------------------------------------------------------------------------------------------
-// [16] finished picture
-
-// Lens: lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
-//   The last pass after any method; bloom and tone mapping come after it.
-//   PictureSamp   linear filter, clamp
-//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
-//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
-//   returns       green and a are those of this pixel
-fn BokehLateralColor(PictureSamp: texture_2d<f32>, uv: vec2f, amount: f32,
-    BokehLinearClamp: sampler) -> vec4f
-{
-    let larger: f32 = clamp(amount, -0.1, 0.1);
-    let place: vec2f = uv - 0.5;
-    let green: vec4f = BokehFetch(PictureSamp, uv, BokehLinearClamp);
-    let red: f32 = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
-    let blue: f32 = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
-    return vec4f(red, green.g, blue, green.a);
-}
-
-// -------------------------------------------------------------------------------------------------
-// [17] focus
+// [16] the map, and the finished picture
 
 // Lens: what artists ask of the focus; x in front of it, y behind it
 //   sharpRange    metres from the focus distance that stay sharp; the CoC grows from the ends of
@@ -159,4 +137,60 @@ fn BokehFocusedCoC(depth: f32, lens: BokehLens, focus: BokehFocus) -> f32
     let CoC: f32 = BokehSignedCoC(depth, nearest);
     return clamp(min(CoC, 0.0) * focus.sideScale.x + max(CoC, 0.0) * focus.sideScale.y,
         -focus.sideMaxCoC.x, focus.sideMaxCoC.y);
+}
+
+// Lens: the map made steady, where temporal anti-aliasing has resolved colour but depth jitters
+//   A pixel that was nearer stays so while one of the 3 x 3 around it is, and forgets it slowly;
+//   what is nearer now counts at once: resolved colour holds some of it in every frame.
+//
+//      o  last frame         velocity: from o to x, uv of this frame minus uv of the last, without
+//       '--> x  this frame   jitter; negate it where an engine stores the reverse (Godot)
+//   MapSamp       from BokehSignedCoCMap; VelocitySamp: rg = velocity; both read texel by texel
+//   HistorySamp   what this returned in the last frame, of which a is read; linear filter, clamp
+//   blend         share of this frame, 0.05 (docs/inputs.md); 1 starts anew: in the first frame,
+//                 after a cut, where the viewport has changed
+//   returns       the map; a is between the nearest of the 3 x 3 and the pixel's own CoC, which
+//                 stays where the last frame did not show the place
+fn BokehStableMap(MapSamp: texture_2d<f32>, HistorySamp: texture_2d<f32>,
+    VelocitySamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f, blend: f32,
+    BokehLinearClamp: sampler) -> vec4f
+{
+    var pixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+    var nearest: f32 = pixel.a;
+    for (var y: i32 = 0; y < 3; y++)
+    {
+        for (var x: i32 = 0; x < 3; x++)
+        {
+            let place: vec2f = uv + (vec2f(f32(x), f32(y)) - 1.0) / imageSize;
+            nearest = min(nearest, BokehFetchTexel(MapSamp, BokehToTexture(place)).a);
+        }
+    }
+    let velocity: vec2f = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
+    // NaN leaves the image
+    let before: vec2f = uv - vec2f(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0,
+        2.0));
+    let history: f32 = BokehSafe(BokehFetch(HistorySamp, before, BokehLinearClamp).a, nearest,
+        pixel.a);
+    if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
+    {
+        pixel += vec4f(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));
+    }
+    return pixel;
+}
+
+// Lens: lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
+//   The last pass after any method; bloom and tone mapping come after it.
+//   PictureSamp   linear filter, clamp
+//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
+//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
+//   returns       green and a are those of this pixel
+fn BokehLateralColor(PictureSamp: texture_2d<f32>, uv: vec2f, amount: f32,
+    BokehLinearClamp: sampler) -> vec4f
+{
+    let larger: f32 = clamp(amount, -0.1, 0.1);
+    let place: vec2f = uv - 0.5;
+    let green: vec4f = BokehFetch(PictureSamp, uv, BokehLinearClamp);
+    let red: f32 = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
+    let blue: f32 = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
+    return vec4f(red, green.g, blue, green.a);
 }

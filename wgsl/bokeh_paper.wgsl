@@ -41,9 +41,8 @@ fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
 fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
     lens: BokehLens) -> vec4f
 {
-    let depth: f32 = BokehPaperDepth(DepthSamp, uv);
-    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), abs(BokehSignedCoC(depth,
-        lens)));
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -85,9 +84,8 @@ fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 //                 BokehEdgeLine returns the same
 fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
 {
-    let segment: vec4f = vec4f(lineCenter, 0.5 * lineLength * cos(angle), 0.5 * lineLength *
-        sin(angle));
-    return segment * vec4f(squeeze, 1.0, squeeze, 1.0);
+    let halfLine: vec2f = vec2f(cos(angle), sin(angle)) * 0.5 * lineLength;
+    return vec4f(lineCenter, halfLine) * vec4f(squeeze, 1.0, squeeze, 1.0);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -110,8 +108,7 @@ fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, center
 
 // Listing 3: the weighted average, or centerPixel where all weights are 0
 //   With an even number of samples the middle of the line is not sampled, so all may be rejected.
-//   blurCoC       true: the CoC is averaged with the colour; false: this pixel keeps its CoC
-//                 (Figure 7)
+//   blurCoC       true: the CoC is averaged, too; false (Figure 7): this pixel keeps its CoC
 fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
 {
     var result: vec4f = centerPixel;

@@ -29,6 +29,7 @@
 //   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
 //
 //   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
+//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
 //   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
@@ -99,6 +100,7 @@ struct BokehParameters
     BokehDepthY: f32,
     BokehDepthWidth: f32,
     BokehDepthHeight: f32,
+    BokehStableBlend: f32,
 }
 
 @group(0) @binding(0) var<uniform> bokehParameters: BokehParameters;
@@ -190,7 +192,6 @@ fn BokehPassJitter(uv: vec2f, imageSize: vec2f, passIndex: f32) -> f32
 fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehFilter
 {
     BokehUseViewport();
-    let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
     var settings: BokehFilter;
     settings.aspectRatio = bokehParameters.BokehAspectRatio;
     settings.imageHeight = bokehParameters.BokehImageHeight;
@@ -199,7 +200,8 @@ fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehFilter
     {
         settings.spacing = BOKEH_SPACING;
     }
-    settings.jitter = BokehPassJitter(uv, imageSize, passIndex);
+    settings.jitter = BokehPassJitter(uv, vec2f(bokehParameters.BokehImageWidth,
+        bokehParameters.BokehImageHeight), passIndex);
     settings.bleedingBias = bokehParameters.BokehBleedingBias;
     settings.bleedingMult = bokehParameters.BokehBleedingMult;
     return settings;
@@ -212,9 +214,9 @@ fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
         bokehParameters.BokehSqueeze);
     if (BOKEH_LENS_SHAPE > 0)
     {
-        polygon = BokehWithRoundness(polygon, bokehParameters.BokehRoundness);
-        polygon = BokehWithCatsEye(polygon, uv, vec2f(bokehParameters.BokehImageWidth,
-            bokehParameters.BokehImageHeight), bokehParameters.BokehCatsEye);
+        polygon = BokehWithCatsEye(BokehWithRoundness(polygon, bokehParameters.BokehRoundness), uv,
+            vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight),
+            bokehParameters.BokehCatsEye);
     }
     return polygon;
 }
@@ -230,7 +232,6 @@ fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
-// the lens
 fn BokehPassLens() -> BokehLens
 {
     var lens: BokehLens = BokehMakeLens(bokehParameters.BokehApertureDiameter,
@@ -364,73 +365,63 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
 
 @fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
-    return BokehSquareFirst(BokehColorSamp, input.uv, BokehAperture(input.uv, 4), settings,
-        BokehLinearClamp).edge2;
+    return BokehSquareFirst(BokehColorSamp, input.uv, BokehAperture(input.uv, 4),
+        BokehBegin(input.uv, 0.0), BokehLinearClamp).edge2;
 }
 
 @fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
-    return BokehSquareSecond(BokehColorSamp, input.uv, BokehAperture(input.uv, 4), settings,
-        BokehLinearClamp);
+    return BokehSquareSecond(BokehColorSamp, input.uv, BokehAperture(input.uv, 4),
+        BokehBegin(input.uv, 1.0), BokehLinearClamp);
 }
 
 @fragment fn BokehHexagonFirst_PS(input: BokehVertex) -> BokehTargets2
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let targets: BokehTargets = BokehHexagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
-        6), settings, BokehLinearClamp);
+        6), BokehBegin(input.uv, 0.0), BokehLinearClamp);
     return BokehTargets2(targets.edge2, targets.edge3);
 }
 
 @fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
     return BokehHexagonSecond(BokehColorSamp, BokehColorSampB, input.uv, BokehAperture(input.uv, 6),
-        settings, BokehLinearClamp);
+        BokehBegin(input.uv, 1.0), BokehLinearClamp);
 }
 
 @fragment fn BokehOctagonFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let targets: BokehTargets = BokehOctagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
-        8), settings, BokehLinearClamp);
+        8), BokehBegin(input.uv, 0.0), BokehLinearClamp);
     return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
 }
 
 @fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
     return BokehOctagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, input.uv,
-        BokehAperture(input.uv, 8), settings, BokehLinearClamp);
+        BokehAperture(input.uv, 8), BokehBegin(input.uv, 1.0), BokehLinearClamp);
 }
 
 @fragment fn BokehDecagonFirst_PS(input: BokehVertex) -> BokehTargets4
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let targets: BokehTargets = BokehDecagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
-        10), settings, BokehLinearClamp);
+        10), BokehBegin(input.uv, 0.0), BokehLinearClamp);
     return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
 @fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 1.0);
     return BokehDecagonSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        input.uv, BokehAperture(input.uv, 10), settings, BokehLinearClamp);
+        input.uv, BokehAperture(input.uv, 10), BokehBegin(input.uv, 1.0), BokehLinearClamp);
 }
 
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let targets: BokehTargets = BokehExactFirst(BokehColorSamp, input.uv, BOKEH_TARGET_INDEX + 2,
-        BokehAnyAperture(input.uv), settings, BokehLinearClamp);
+        BokehAnyAperture(input.uv), BokehBegin(input.uv, 0.0), BokehLinearClamp);
     return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
 }
 
-// BokehDebugMode: 0 colour
-//                 1 depth as grey: black at the camera, 0.5 at the focus distance, white far away
+// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
 //                 2 CoC as grey: black in focus, white at BokehMaxCoC
 //                 3 near field orange, far field blue, in focus black; brighter with the CoC
 @fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
@@ -468,21 +459,19 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
 
 @fragment fn BokehDepthOfField_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
         bokehParameters.BokehSqueeze);
-    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, input.uv, lineEnd, settings,
-        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
+    return BokehDepthOfField(BokehColorSamp, BokehDepthSamp, input.uv, lineEnd,
+        BokehBegin(input.uv, 0.0), bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
 @fragment fn BokehDepthOfFieldFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let lineEnd: vec2f = BokehLineEnd(bokehParameters.BokehAngle, bokehParameters.BokehAspectRatio /
         bokehParameters.BokehSqueeze);
     return BokehDepthOfFieldFinal(BokehColorSamp, BokehDepthSamp, BokehColorSampB, input.uv,
-        lineEnd, settings, bokehParameters.BokehBlurCoC > 0.5, bokehParameters.BokehUseMax > 0.5,
-        BokehLinearClamp);
+        lineEnd, BokehBegin(input.uv, 0.0), bokehParameters.BokehBlurCoC > 0.5,
+        bokehParameters.BokehUseMax > 0.5, BokehLinearClamp);
 }
 
 @fragment fn BokehAdaptive_PS(input: BokehVertex) -> @location(0) vec4f
@@ -507,16 +496,22 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
 
 @fragment fn BokehNaiveGrid_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let settings: BokehFilter = BokehBegin(input.uv, 0.0);
     let lineEndU: vec2f = BokehLineEnd(bokehParameters.BokehAngle,
         bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
     let lineEndV: vec2f = BokehLineEnd(bokehParameters.BokehAngleB,
         bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze);
-    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, input.uv, lineEndU, lineEndV, settings,
-        bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
+    return BokehNaiveGrid(BokehColorSamp, BokehDepthSamp, input.uv, lineEndU, lineEndV,
+        BokehBegin(input.uv, 0.0), bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
-// the last pass
+@fragment fn BokehStableMap_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    BokehUseViewport();
+    return BokehStableMap(BokehColorSamp, BokehColorSampB, BokehColorSampC, input.uv,
+        vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight),
+        bokehParameters.BokehStableBlend, BokehLinearClamp);
+}
+
 @fragment fn BokehLateralColor_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import DEPTH, EDGE, FIRST, LATERAL, SECOND
+from bokeh_validation.shaders.entries import DEPTH, EDGE, FIRST, LATERAL, SECOND, STEADY
 from bokeh_validation.shaders.passes import Pass
 
 KINDS = ("color", "depth", "table")
@@ -16,8 +16,8 @@ def of_pass(item: Pass) -> dict[str, int]:
     # the other parallelogram of a final pass, whose depth is not looked at
     others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
     samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
-    # red and blue
-    others += 2 * (item.spec.role == LATERAL)
+    # red and blue; the 3 x 3 around the pixel, and two other textures
+    others += 2 * (item.spec.role == LATERAL) + 11 * (item.spec.role == STEADY)
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
     return {
         "color": 0 if item.spec.role == DEPTH else 1 + others + samples,

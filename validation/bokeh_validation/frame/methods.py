@@ -289,6 +289,19 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     return Plan((_coc_pass(settings), gather), {})
 
 
+def steadied(full: Plan, size: tuple[int, int], blend: float) -> Plan:
+    """A plan whose CoC map, 'coc', is made steady.
+
+    It reads 'history', which is 'coc' of the frame before, and 'velocity', how far each pixel has come since then, uv.
+    `blend` is the share of this frame, 1 where there is none before.
+    """
+    first, *others = full.passes
+    inputs = {"ColorSamp": "new coc", "ColorSampB": "history", "ColorSampC": "velocity"}
+    image = {"BokehImageWidth": float(size[0]), "BokehImageHeight": float(size[1])}
+    steady = Pass("BokehStableMap", inputs, first.output, {**image, "BokehStableBlend": blend})
+    return replace(full, passes=(replace(first, output="new coc"), steady, *others))
+
+
 def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
     """A plan for an image that is a part of its textures.
 

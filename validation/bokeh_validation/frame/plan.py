@@ -13,7 +13,7 @@ import typer
 from bokeh_validation import __version__, options, paths, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
-from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, UNREAD, VIEW
+from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, STEADY, UNREAD, VIEW
 from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
 
@@ -184,7 +184,7 @@ def constants(item: Pass) -> dict[str, float]:
     known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
     counts = {name: known.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
     paper, samples, spacing = counts.values()
-    if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, VIEW):
+    if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, STEADY, VIEW):
         return known
     if paper:
         return known if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **known}

@@ -172,7 +172,7 @@ def all_frames() -> dict[str, Frame]:
     parts = {
         f"{label}, part": in_part(of_settings({**ENTRY_SETTINGS, **SWITCHES}[label], PART_SIZE)) for label in IN_PART
     }
-    return {**dict(_inputs()), **plain, **parts, **dict(_layers()), **dict(_values())}
+    return {**dict(_inputs()), **dict(_steady()), **plain, **parts, **dict(_layers()), **dict(_values())}
 
 
 def noise(size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -255,6 +255,24 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         frame = Frame((item,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
         yield f"depth, {name}", frame
     yield "depth, part", in_part(frame)
+
+
+def _steady() -> Iterator[tuple[str, Frame]]:
+    """The map made steady: moved by parts of a pixel, from beside the image, by no number, and anew."""
+    random, (width, height) = np.random.default_rng(3), SIZE
+    velocity, history = np.zeros((2, height, width, 4), np.float16)
+    velocity[..., :2] = random.uniform(-3.0, 3.0, (height, width, 2)) / SIZE
+    velocity[:, ::9, 0] = 0.4
+    velocity[2::5, ::4, 0], velocity[3::5, ::4, 1] = np.nan, -np.inf
+    history[..., 3] = random.uniform(-0.25, 0.25, (height, width))
+    for share in (0.0, 1.0, 3.0, -1.0, 0.25):
+        frame = of_settings(EXACT)
+        # less than a CoC behind the focus
+        frame.textures["color"][:, ::3, :3] = 0.0
+        passes = methods.steadied(methods.Plan(frame.passes, {}), SIZE, share).passes[:2]
+        frame = replace(frame, passes=passes, textures={**frame.textures, "velocity": velocity, "history": history})
+        yield f"steady, {share}", frame
+    yield "steady, part", in_part(frame)
 
 
 def _layers() -> Iterator[tuple[str, Frame]]:

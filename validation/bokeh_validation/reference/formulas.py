@@ -11,7 +11,7 @@ import numpy as np
 from bokeh_validation.frame.methods import FOCUS, LENS
 from bokeh_validation.reference import listings, sampling
 from bokeh_validation.reference.lines import Line, lines
-from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, TABLE, VIEW
+from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, STEADY, TABLE, VIEW
 from bokeh_validation.shaders.passes import Pass
 
 # Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times
@@ -35,6 +35,8 @@ def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
         return [_coc_map(item.entry, values, color, depth)]
     if role == LATERAL:
         return [_lateral(color, values["BokehLateral"])]
+    if role == STEADY:
+        return [_steady(*(inputs[slot] for slot in item.spec.textures), values["BokehStableBlend"])]
     if role == VIEW:
         return [_debug(color, depth, values)]
     if role in (LINE, GRID, TABLE):
@@ -183,6 +185,23 @@ def _lateral(picture: np.ndarray, amount: float) -> np.ndarray:
     for channel, scale in ((0, 1.0 + amount), (2, 1.0 - amount)):
         at_x, at_y = (x - width / 2) / scale + width / 2, (y - height / 2) / scale + height / 2
         value[..., channel] = sampling.bilinear(picture[..., channel : channel + 1], at_x, at_y)[..., 0]
+    return value
+
+
+def _steady(picture: np.ndarray, history: np.ndarray, velocity: np.ndarray, share: float) -> np.ndarray:
+    """The CoC of the last frame from where each pixel was, between the nearest of 3 x 3 and its own, and a share of
+    that; `velocity` in uv.
+    """
+    (height, width), own = picture.shape[:2], picture[..., 3]
+    moved = np.where(np.isfinite(velocity[..., :2]), velocity[..., :2], np.inf)
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    at_x, at_y = x - moved[..., 0] * width, y - moved[..., 1] * height
+    known = (at_x >= 0.0) & (at_x <= width) & (at_y >= 0.0) & (at_y <= height)
+    last = sampling.bilinear(history[..., 3:], np.where(known, at_x, x), np.where(known, at_y, y))[..., 0]
+    nearest = -sampling.neighbourhood(-own[..., None])[..., 0]
+    last = np.where(np.isnan(last), nearest, np.clip(last, nearest, own))
+    value = picture.copy()
+    value[..., 3] = np.where(known, own + (last - own) * np.clip(1.0 - share, 0.0, 1.0), own)
     return value
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-COPY, DEPTH, LATERAL, VIEW = "copy", "depth", "lateral", "view"
+COPY, DEPTH, LATERAL, STEADY, VIEW = "copy", "depth", "lateral", "steady", "view"
 LINE, ADAPTIVE, GRID, TABLE = "line", "adaptive", "grid", "table"
 FIRST, SECOND, EDGE, LAYERS = "first", "second", "edge", "layers"
 
@@ -15,10 +15,11 @@ COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "
 class Entry:
     """An entry point by its stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
 
-    role      COPY makes the CoC map of a colour; DEPTH linear depth, LATERAL lateral colour, VIEW the debug view. LINE
-              blurs along one line of a fixed number of samples, ADAPTIVE along one of any length and spacing; GRID and
-              TABLE gather in two dimensions. FIRST and SECOND are the passes of an exact polygon, EDGE one target of
-              the first; with `layers`, of a polygon of layers. LAYERS is the rest of bokeh_layers.*
+    role      COPY makes the CoC map of a colour, STEADY makes it steady; DEPTH linear depth, LATERAL lateral colour,
+              VIEW the debug view. LINE blurs along one line of a fixed number of samples, ADAPTIVE along one of any
+              length and spacing; GRID and TABLE gather in two dimensions. FIRST and SECOND are the passes of an exact
+              polygon, EDGE one target of the first; with `layers`, of a polygon of layers. LAYERS is the rest of
+              bokeh_layers.*
     textures  slots that it reads
     targets   how many it writes
     sides     of its polygon; 0 where a parameter says it, or there is none
@@ -82,6 +83,7 @@ _ALL = (
     Entry("BokehNaiveGather", TABLE, (*_COLOR_DEPTH, "KernelSamp")),
     Entry("BokehNaiveGrid", GRID, _COLOR_DEPTH),
     # bokeh_lens
+    Entry("BokehStableMap", STEADY, COLORS[:3]),
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
     # bokeh_layers
     _layers("TileMax", 1),

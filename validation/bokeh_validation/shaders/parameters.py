@@ -70,6 +70,7 @@ BLOCK = {
     "BokehDepthY": Parameter(0.0, "the same, of its height", "the same"),
     "BokehDepthWidth": Parameter(1.0, "how wide it is there, a share of its width", "the same"),
     "BokehDepthHeight": Parameter(1.0, "the same, of its height", "the same"),
+    "BokehStableBlend": Parameter(0.05, "share of this frame, 0 .. 1; 1 starts anew: after a cut", "StableMap"),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}
 

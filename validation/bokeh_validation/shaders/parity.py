@@ -68,7 +68,7 @@ _EVERYWHERE: _Rewrites = (
         r"\g<1>0; i < \2",
     ),
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
-    (r"^#if .*// differs: one loop.*(?:\n#.*){4}$", " "),
+    (r"^#define BOKEH_LOOP_LIMIT.*// differs: .*$", " "),
     (r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", r"\1 = \2;"),
     # WGSL has no preprocessor: there all files are always in the program
     (r"^#ifdef BOKEH_LENS\n((?: .*\n)* .*)\n#endif$", r"\1"),
@@ -81,7 +81,7 @@ _CODE: Mapping[str, _Rewrites] = {
         (r" BOKEH_SAMPLER\)", ", sampler BokehLinearClamp)"),
         (r" BOKEH_LINEAR\)", ", BokehLinearClamp)"),
         (r"^float4 (Bokeh\w+_PS)\(BOKEH_INPUT\) : BOKEH_OUTPUT$", r"ENTRY \1()"),
-        (r"^void (Bokeh\w+_PS)\(BOKEH_INPUT(?:,\s+out float4 target(\d) : BOKEH_TARGET\(\2\))+\)$", r"ENTRY \1()"),
+        (r"^void (Bokeh\w+_PS)\(BOKEH_INPUT, BOKEH_OUTPUTS_\d\)$", r"ENTRY \1()"),
         (r"\btarget0 = (?=[^;]*;\n\})", "return "),
     ),
     "glsl": (

@@ -26,6 +26,9 @@ def is_linear(entry: str, slot: str) -> bool:
 
     All else is fetched texel by texel, and needs a nearest filter in Direct3D 9 only.
     """
+    if entry == "BokehStableMap":
+        # only its history is between texels
+        return slot == "ColorSampB"
     return slot in COLORS and entry not in COPYING_ENTRIES
 
 

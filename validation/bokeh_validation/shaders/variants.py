@@ -31,8 +31,8 @@ SWITCHES = {
 }
 # The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
-    "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge LateralColor "
-    "TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
+    "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
+    "LateralColor TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
 )
 # In shader model 3 only exact polygons with several targets have room for a cat's eye
 NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite")}

@@ -8,6 +8,7 @@ import numpy as np
 
 from bokeh_validation import drivers, jobs, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
+from bokeh_validation.frame.methods import plan, steadied
 from bokeh_validation.pictures import Panel
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import sampling
@@ -27,7 +28,10 @@ DEFAULT = (
     "pinhole", "paper", "exact", "layered low", "layered medium", "layered medium, jitter",
     "layered high", "layered ultra",
 )  # fmt: skip
-ALIASED, ANTIALIASED, *_ = INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after")
+INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after", "before, steady")
+ALIASED, ANTIALIASED, *_, STEADY = INPUTS
+# BokehStableBlend
+FORGOTTEN = 0.05
 # The animation: left, top, width, height of a detail, and how much larger; milliseconds a frame; quality of WebP
 DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
 SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
@@ -77,7 +81,7 @@ def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator
 
 
 def results(driver: Driver, name: str, label: str, recording: Recording) -> dict[str, list[np.ndarray]]:
-    """What a method makes of a sequence: one of INPUTS -> linear frames."""
+    """What a method makes of a sequence: input -> linear frames; STEADY only of methods with a signed CoC map."""
 
     def drawn(given: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
         images = []
@@ -92,7 +96,27 @@ def results(driver: Driver, name: str, label: str, recording: Recording) -> dict
     )
     before = drawn(recording.jittered[LEAD:], recording.stable)
     after = list(resolved(jittered, recording.jittered))[LEAD:]
-    return dict(zip(INPUTS, (aliased, antialiased, before, after), strict=True))
+    found = dict(zip(INPUTS, (aliased, antialiased, before, after), strict=False))
+    signed = label.startswith(("exact", "layered"))
+    return found | {STEADY: list(_steady(driver, name, label, recording))} if signed else found
+
+
+def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iterator[np.ndarray]:
+    """What a method makes of resolved colour and jittered depth with BokehStableMap after its CoC map."""
+    size = recording.stable[0].shape[1::-1]
+    colors, history = [pinhole.color for pinhole in recording.jittered[:LEAD]] + recording.stable, None
+    for frame, (pinhole, color) in enumerate(zip(recording.jittered, colors, strict=True), -LEAD):
+        settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
+        passes = steadied(plan(settings, size), size, 1.0 if history is None else FORGOTTEN).passes
+        rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
+        velocity = np.dstack([pinhole.moved / size, np.zeros_like(pinhole.moved)]).astype(np.float16)
+        textures = {"color": rgba, "depth": pinhole.depth, "velocity": velocity}
+        textures["history"] = np.zeros_like(rgba) if history is None else history
+        used, kept = (passes, ("coc", "result")) if frame >= 0 else (passes[:2], ("coc",))
+        outputs = driver.run(used, textures, size, keep=kept)
+        history = outputs["coc"]
+        if frame >= 0:
+            yield outputs["result"][..., :3]
 
 
 def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
@@ -163,6 +187,8 @@ def table(rows: Sequence[Mapping]) -> list[str]:
 
 
 def _cell(rows: Sequence[Mapping]) -> str:
+    if not rows:
+        return "-"
     if "flip" in rows[0]:
         return f"{np.mean([row['flip'] for row in rows]):.4f}"
     return ", ".join("{:.1f} / {:.0f}".format(*rows[0][name]) for name in ("deviation", "change"))

@@ -59,6 +59,7 @@ def _pulled(scene: Scene, frame: int) -> Scene:
 
 # name -> the scene at frame 0, and at any
 MOTIONS: dict[str, tuple[Callable[[], Scene], Callable[[Scene, int], Scene]]] = {
+    "still": (street, lambda scene, frame: scene),
     "pan": (street, _sideways),
     "dolly": (street, lambda scene, frame: scene._replace(eye=(0.0, 0.0, 0.004 * frame), time=frame)),
     "focus": (street, _pulled),

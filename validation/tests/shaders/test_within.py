@@ -31,9 +31,9 @@ def test_every_entry(method, driver):
 
 
 def test_every_entry_is_there():
-    """In those frames, but for the entries of test_inputs.py and test_drivers.py."""
+    """In those frames, but for the entries of test_inputs.py, test_drivers.py and test_steady.py."""
     drawn = {item.entry for settings in ENTRY_SETTINGS.values() for item in methods.plan(settings, (61, 37)).passes}
-    assert drawn | {"BokehLinearDepth", "BokehDebug"} == set(ENTRIES)
+    assert drawn | {"BokehLinearDepth", "BokehDebug", "BokehStableMap"} == set(ENTRIES)
 
 
 @pytest.mark.parametrize("name", [name for name in REAL if name not in LANGUAGES])

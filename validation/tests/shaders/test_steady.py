@@ -1,0 +1,64 @@
+"""BokehStableMap: the outlines of a depth that jitters stand still, and leave with what they are the outlines of."""
+
+import numpy as np
+import pytest
+
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes.model import flat
+
+SIZE, SETTINGS = (40, 12), Settings("exact")
+JITTERED = (20, 21, 20, 21, 21, 20, 20, 21)
+
+
+def maps(driver, ends, blend, moved=0.0, history=1.0) -> tuple[np.ndarray, np.ndarray]:
+    """CoC of the middle row in every frame, (frames, width): of the map, and made steady.
+
+    ends     column at which something near ends, frame by frame
+    moved    pixels to the right in a frame
+    history  the CoC before the first frame
+    """
+    velocity = np.full((SIZE[1], SIZE[0], 4), moved / SIZE[0], np.float16) * np.float16([1, 0, 0, 0])
+    found, last = [], flat(SIZE, 0.0, history)
+    for end in ends:
+        depth = np.full(SIZE[::-1], 20.0, np.float32)
+        depth[:, :end] = 2.0
+        textures = {"color": flat(SIZE), "depth": depth, "velocity": velocity, "history": last}
+        passes = methods.steadied(methods.plan(SETTINGS, SIZE), SIZE, blend).passes[:2]
+        outputs = driver.run(passes, textures, SIZE, keep=("new coc", "coc"))
+        last = outputs["coc"]
+        found.append([outputs[name][SIZE[1] // 2, :, 3].astype(float) for name in ("new coc", "coc")])
+    return tuple(np.swapaxes(found, 0, 1))
+
+
+def test_stands_still(driver):
+    """Of a pixel that is near in every other frame: what is forgotten in a frame is a twentieth."""
+    new, steady = maps(driver, JITTERED * 4, 0.05)
+    step = np.ptp(new[:, 20])
+    assert step > 0.04 and np.abs(np.diff(new[:, 20])).max() == step
+    assert np.abs(np.diff(steady[8:], axis=0)).max() == pytest.approx(0.05 * 1.95 * step, rel=0.1)
+    assert (steady[8:, 22:] == new[8:, 22:]).all() and (steady[8:, :20] == new[8:, :20]).all()
+
+
+def test_goes_along(driver):
+    """With what moves; half a pixel a frame smears it over a pixel, and without velocity it is a pixel late."""
+    new, steady = maps(driver, range(10, 26), 0.05, moved=1.0)
+    assert np.abs(steady - new)[1:, 1:].max() < 0.001
+    for moved, ends in ((0.5, np.arange(20, 52) // 2), (0.0, range(25, 9, -1)), (0.0, range(25, 4, -5))):
+        new, steady = maps(driver, ends, 0.05, moved)
+        for row, (expected, end) in enumerate(zip(new, ends, strict=True)):
+            assert (steady[row, : end - 1] == expected[: end - 1]).all()
+            assert (steady[row, end + 1 :] == expected[end + 1 :]).all()
+
+
+@pytest.mark.parametrize("history", [np.nan, np.inf, -np.inf, 1.0, -1.0])
+def test_begins_anew(driver, history):
+    """After a cut, whatever the last frame held; and without one nothing gets beyond what is around it."""
+    new, steady = maps(driver, (20, 20), 1.0, history=history)
+    assert (steady == new).all()
+    new, steady = maps(driver, JITTERED, 0.05, history=history)
+    assert (steady <= new).all() and (steady >= new.min()).all()
+    assert (steady[:, 22:] == new[:, 22:]).all()
+    # from beside the image comes nothing
+    new, steady = maps(driver, (20, 20), 0.0, moved=1.0, history=history)
+    assert (steady[:, 0] == new[:, 0]).all()
