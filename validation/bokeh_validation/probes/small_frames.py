@@ -37,7 +37,8 @@ ALL = {
     "bleeding_mult": 30.0,
     "camera": Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
 }
-ADAPTIVE = {"spacing": 1.5, "jitter": 1.0, "frame": 61}
+# not the preset's spacing
+ADAPTIVE = {"spacing": 1.25, "jitter": 1.0, "frame": 61}
 CUT = {"cats_eye": 0.7, "roundness": 0.5}
 FOCUS = methods.Focus((0.5, 1.0), (0.75, 0.5), (0.0625, 0.03125))
 WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels of 50
