@@ -74,27 +74,24 @@ Shader "Hidden/BokehDepthOfField"
 
     void HexagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
     {
-        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
         BokehTargets targets = BokehHexagonFirst(_BlitTexture, input.texcoord, BokehAperture(6),
-            settings, sampler_LinearClamp);
+            BokehDefaultFilter(_BokehImageSize), sampler_LinearClamp);
         target0 = targets.edge2;
         target1 = targets.edge3;
     }
 
     float4 HexagonSecondFragment(Varyings input) : SV_Target
     {
-        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
         float4 color = BokehHexagonSecond(_BlitTexture, _BokehColorB, input.texcoord, BokehAperture(6),
-            settings, sampler_LinearClamp);
+            BokehDefaultFilter(_BokehImageSize), sampler_LinearClamp);
         return float4(color.rgb, 1.0);
     }
 
     void OctagonFirstFragment(Varyings input, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1,
         out float4 target2 : SV_Target2)
     {
-        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
         BokehTargets targets = BokehOctagonFirst(_BlitTexture, input.texcoord, BokehAperture(8),
-            settings, sampler_LinearClamp);
+            BokehDefaultFilter(_BokehImageSize), sampler_LinearClamp);
         target0 = targets.edge2;
         target1 = targets.edge3;
         target2 = targets.edge4;
@@ -102,9 +99,8 @@ Shader "Hidden/BokehDepthOfField"
 
     float4 OctagonSecondFragment(Varyings input) : SV_Target
     {
-        BokehFilter settings = BokehDefaultFilter(_BokehImageSize);
         float4 color = BokehOctagonSecond(_BlitTexture, _BokehColorB, _BokehColorC, input.texcoord, BokehAperture(8),
-            settings, sampler_LinearClamp);
+            BokehDefaultFilter(_BokehImageSize), sampler_LinearClamp);
         return float4(color.rgb, 1.0);
     }
 

@@ -89,7 +89,7 @@ SAMPLES = {
 # What a sample leaves out of the package's own passes: it has no noise, the preset's spacing, the default leakage test,
 # lines of length 1 that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is the image's
 LEFT_OUT = {
-    "= BokehAspectRatio;": "= imageSize.x / imageSize.y;",
+    "= BokehAspectRatio;": "= BokehImageWidth / BokehImageHeight;",
     "BokehBleedingBias": "0.02",
     "BokehBleedingMult": "30.0",
     r"BokehSpacing\b": "0.0",
