@@ -12,7 +12,7 @@ JITTERED = (20, 21, 20, 21, 21, 20, 20, 21)
 
 
 def maps(driver, ends, blend, moved=0.0, history=1.0) -> tuple[np.ndarray, np.ndarray]:
-    """CoC of the middle row, (frames, width), of the map and made steady. What is near ends at a column, frame by frame,
+    """CoC of the middle row, (frames, width), of the map and made steady. What is near ends at a column in each frame,
     and moves so many pixels a frame; `history` is the CoC before the first one.
     """
     velocity = np.full((SIZE[1], SIZE[0], 4), moved / SIZE[0], np.float16) * np.float16([1, 0, 0, 0])
