@@ -22,22 +22,24 @@
 //   KernelRows      1/8   both, tiles                       the same of the tiles in its row
 //   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
 //                                                           CoC of the layers
-//   HoleDownsample  1/4   map, tiles                        middle, far, shares (RG)
-//   HoleFill        1/4   middle, far, shares, tiles        middle, back: without holes
-//   LayerFirst      1/2   a layer, sizes                    exact polygon, first pass
+//   Downsample      1/4   map, tiles, both layers, sizes   middle, far; nearLevel, farLevel: for
+//                                                           wide lines of LayerFirst
+//   HoleFill        1/4   middle, far, tiles                middle, back: without holes
+//   LayerFirst      1/2   a layer, its level, sizes         exact polygon, first pass
 //   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
 //   Composite       1     map, reach, both layers,          the picture
 //                         middle, back
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
-//   layer, then for the far one.
+//   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
 
 // -------------------------------------------------------------------------------------------------
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
-//   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
+//                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
 //   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
 //                                              not lower the level of light
@@ -45,10 +47,10 @@
 //   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
-//   BOKEH_PRESET_LOW        2          8       0
-//   BOKEH_PRESET_MEDIUM     3          12      1      the default
-//   BOKEH_PRESET_HIGH       3          16      1
-//   BOKEH_PRESET_ULTRA      4          16      1
+//   BOKEH_PRESET_LOW        1          11      0
+//   BOKEH_PRESET_MEDIUM     2          11      1      the default
+//   BOKEH_PRESET_HIGH       3          18      1
+//   BOKEH_PRESET_ULTRA      4          18      1
 
 #ifndef BOKEH_VIEWPORT
 #error put bokeh.glsl before bokeh_layers.glsl
@@ -56,20 +58,20 @@
 #define BOKEH_LAYERS 1
 
 #if defined(BOKEH_PRESET_LOW)
-#define BOKEH_PRESET_RINGS 2
-#define BOKEH_PRESET_CELLS 8
+#define BOKEH_PRESET_RINGS 1
+#define BOKEH_PRESET_CELLS 11
 #define BOKEH_PRESET_CUBIC 0
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CELLS 18
 #define BOKEH_PRESET_CUBIC 1
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
-#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CELLS 18
 #define BOKEH_PRESET_CUBIC 1
 #else
-#define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 12
+#define BOKEH_PRESET_RINGS 2
+#define BOKEH_PRESET_CELLS 11
 #define BOKEH_PRESET_CUBIC 1
 #endif
 
@@ -285,14 +287,16 @@ vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayers layers)
     return vec4(found, level / (2.0 * radius + 1.0), 1.0);
 }
 
-// Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
-//   brightness    in units of the level around
+// Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
+//   unit          1 / the level around
 //   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
 //                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
 //                 subnormal half either, which some GPUs flush to 0.
-float BokehBlurWeight(float brightness, float heaviest)
+vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float unit, float heaviest)
 {
-    return min(0.01 + brightness, heaviest);
+    vec4 brightest = vec4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
+        BokehBrightest(d.rgb));
+    return min(0.01 + brightest * unit, vec4(heaviest, heaviest, heaviest, heaviest));
 }
 
 // Layers: what BokehPrefilter writes
@@ -307,6 +311,45 @@ struct BokehPrefiltered
     vec4 leftovers;
 };
 
+// Layers: BokehLayerShare of four pixels
+vec4 BokehLayerShares(vec4 CoC, float slope)
+{
+    return clamp(CoC * slope - 2.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0, 1.0, 1.0, 1.0));
+}
+
+// Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
+//   found         of the pixels before this one
+//   nearest       largest share: from a half of it a pixel is near
+vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearShare, float nearest)
+{
+    vec4 result = vec4(min(found.rgb, pixel.rgb), found.a);
+    if (nearShare < 0.5 * nearest)
+    {
+        result = vec4(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
+    }
+    return result;
+}
+
+// Layers: a near pixel without the light from behind that antialiasing has put into it
+//   around        from BokehSurroundings
+//   returns       colour, share
+vec4 BokehNearPixel(vec4 pixel, float nearShare, vec4 around)
+{
+    vec4 result = vec4(pixel.rgb, nearShare);
+    float brightest = BokehBrightest(pixel.rgb);
+    float limit = BokehBrightest(around.rgb);
+    if (around.a > brightest)
+    {
+        result = vec4(min(pixel.rgb, around.rgb), nearShare);
+        if (brightest > limit)
+        {
+            // the part of it that is not light from behind
+            result = vec4(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+        }
+    }
+    return result;
+}
+
 // Layers: near and far layer at half size, and what is known of their CoC
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
 {
@@ -317,83 +360,63 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, 
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
     float heaviest = 500000.0 / max(layers.largest, 50.0);
+    // the four pixels of this texel
+    vec4 a = BokehFetchGrid(MapSamp, middle + vec2(-0.5, -0.5), full);
+    vec4 b = BokehFetchGrid(MapSamp, middle + vec2(0.5, -0.5), full);
+    vec4 c = BokehFetchGrid(MapSamp, middle + vec2(-0.5, 0.5), full);
+    vec4 d = BokehFetchGrid(MapSamp, middle + vec2(0.5, 0.5), full);
+    vec4 s = vec4(a.a, b.a, c.a, d.a) * full.size.y;
+    vec4 nearShares = BokehLayerShares(-s, nearSlope);
+    vec4 farShares = BokehLayerShares(s, farSlope);
+    vec4 far = vec4(a.rgb, 1.0) * farShares.x + vec4(b.rgb, 1.0) * farShares.y + vec4(c.rgb, 1.0) *
+        farShares.z + vec4(d.rgb, 1.0) * farShares.w;
+    vec4 weights = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+    vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
+    vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
+    vec4 nearLeft = -s * min(4.0 - 4.0 * nearShares, one);
+    vec4 farLeft = s * min(4.0 - 4.0 * farShares, one);
+    vec2 left = max(max(vec2(nearLeft.x, farLeft.x), vec2(nearLeft.y, farLeft.y)),
+        max(vec2(nearLeft.z, farLeft.z), vec2(nearLeft.w, farLeft.w)));
+    float nearest = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
     vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
-    vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-    vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 left = vec2(0.0, 0.0);
-    float largestShare = 0.0;
-    for (int y = 0; y < 2; y++)
-    {
-        for (int x = 0; x < 2; x++)
-        {
-            vec2 place = middle + vec2(float(x) - 0.5, float(y) - 0.5);
-            vec4 pixel = BokehFetchGrid(MapSamp, place, full);
-            float s = pixel.a * full.size.y;
-            float nearShare = BokehLayerShare(-s, nearSlope);
-            float farShare = BokehLayerShare(s, farSlope);
-            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit, heaviest);
-            far += vec4(pixel.rgb, 1.0) * farShare;
-            sums += vec4(0.0, 0.0, weight * s / 8.0, weight);
-            left = max(left, vec2(-s, s) * min(vec2(4.0 - 4.0 * nearShare, 4.0 - 4.0 * farShare),
-                vec2(1.0, 1.0)));
-            largestShare = max(largestShare, nearShare);
-        }
-    }
-    if (largestShare > 0.0)
+    if (nearest > 0.0)
     {
         // an antialiased pixel of a near edge holds light of what is behind it: where that is
         // brighter, no near pixel stays brighter than the darkest one around
-        float behind = 0.0;
-        vec3 darkest = vec3(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        vec4 around = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
+        around = BokehSurroundings(around, a, nearShares.x, nearest);
+        around = BokehSurroundings(around, b, nearShares.y, nearest);
+        around = BokehSurroundings(around, c, nearShares.z, nearest);
+        around = BokehSurroundings(around, d, nearShares.w, nearest);
         for (int y = 0; y < 4; y++)
         {
             for (int x = 0; x < 4; x++)
             {
-                vec2 place = middle + vec2(float(x) - 1.5, float(y) - 1.5);
-                vec4 pixel = BokehFetchGrid(MapSamp, place, full);
-                float nearShare = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
-                if (nearShare < 0.5 * largestShare)
+                vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
+                // but those four
+                if (max(abs(offset.x), abs(offset.y)) > 1.0)
                 {
-                    behind = max(behind, BokehBrightest(pixel.rgb));
-                }
-                else
-                {
-                    darkest = min(darkest, pixel.rgb);
+                    vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
+                    around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
+                        full.size.y, nearSlope), nearest);
                 }
             }
         }
-        float limit = BokehBrightest(darkest);
-        for (int row = 0; row < 2; row++)
-        {
-            for (int column = 0; column < 2; column++)
-            {
-                vec2 place = middle + vec2(float(column) - 0.5, float(row) - 0.5);
-                vec4 pixel = BokehFetchGrid(MapSamp, place, full);
-                float s = pixel.a * full.size.y;
-                float nearShare = BokehLayerShare(-s, nearSlope);
-                float brightest = BokehBrightest(pixel.rgb);
-                vec3 color = pixel.rgb;
-                if (behind > brightest)
-                {
-                    color = min(color, darkest);
-                    if (brightest > limit)
-                    {
-                        // the part of it that is not light from behind
-                        nearShare *= (behind - brightest) / (behind - limit);
-                    }
-                }
-                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit, heaviest);
-                near += vec4(color, 1.0) * nearShare;
-                sums += vec4(-weight * s / 8.0, weight, 0.0, 0.0);
-            }
-        }
+        a = BokehNearPixel(a, nearShares.x, around);
+        b = BokehNearPixel(b, nearShares.y, around);
+        c = BokehNearPixel(c, nearShares.z, around);
+        d = BokehNearPixel(d, nearShares.w, around);
+        near = vec4(a.rgb, 1.0) * a.a + vec4(b.rgb, 1.0) * b.a + vec4(c.rgb, 1.0) * c.a +
+            vec4(d.rgb, 1.0) * d.a;
+        weights = vec4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+        sums = vec4(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
     }
     BokehPrefiltered targets;
     targets.nearLayer = near * 0.25;
     targets.farLayer = far * 0.25;
     float most = BOKEH_MAX_COLOR;
     targets.kernelSums = min(sums * 0.25, vec4(most, most, most, most));
-    targets.leftovers = vec4(min(left, vec2(most, most)), 0.0, 1.0);
+    targets.leftovers = vec4(clamp(left, vec2(0.0, 0.0), vec2(most, most)), 0.0, 1.0);
     return targets;
 }
 
@@ -508,21 +531,98 @@ BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] holes: what the near layer hides
+// [12] quarter size: levels of the layers, and what the near layer hides
 
-// Layers: what BokehHoleDownsample writes
+// Layers: CoC that the near and the far layer are blurred by here, pixels
+vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers)
+{
+    vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
+    return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0)).rg;
+}
+
+// Layers: what a layer is blurred by
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
+//   .180), with 16 too sharp (street_11: .044 for .041).
+//   sizes         from BokehLayerSizes
+//   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
+//                 y = spacing of the samples on an edge: an edge of a hexagon has at most
+//                 BOKEH_LAYER_CELLS; 1 or more
+//                 z = -1, or where the first pass reads the layer's level: weight of the texels
+//                 beside the middle one of that, so that it has a zero near 1 / spacing. More
+//                 makes edges soft, less leaves dots (hexagon, 216 pixels: ripple .16 with 1, .24
+//                 with 0, .05 so). Near lights have harder edges: from 1.15 on market_7 has .182
+//                 for .179, from 2 on dots show.
+vec3 BokehLayerBlur(vec2 sizes, bool isFar, BokehPolygon polygon)
+{
+    float CoC = 0.5 * sizes.r;
+    float least = 1.5;
+    if (isFar)
+    {
+        CoC = 0.5 * sizes.g;
+        least = 1.15;
+    }
+    // a square has one line where others have more
+    float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
+    float hard = 0.4;
+    if (polygon.sides < 6)
+    {
+        spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
+        hard = 0.2;
+    }
+    float own = 8.0;
+    float side = -1.0;
+    if (spacing > least)
+    {
+        side = clamp(0.25 * spacing - hard, 0.0, 0.6);
+        own = 22.0 + 154.0 * side / (1.0 + 2.0 * side);
+    }
+    return vec3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+}
+
+// Layers: a texel of a layer's level
+//   center        texels of the half size
+//   side          z of BokehLayerBlur
+vec4 BokehLevel(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayers layers)
+{
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    if (side > 0.0)
+    {
+        for (int y = 0; y < 3; y++)
+        {
+            for (int x = 0; x < 3; x++)
+            {
+                vec2 offset = vec2(float(x) - 1.0, float(y) - 1.0);
+                vec2 weight = 1.0 - (1.0 - side) * abs(offset);
+                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves) * (weight.x *
+                    weight.y);
+            }
+        }
+        sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
+    }
+    else
+    {
+        sum = BokehFetchGrid(LayerSamp, center, halves);
+    }
+    return sum;
+}
+
+// Layers: what BokehDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
-//   shares        rg = shares of the two, unweighted
-struct BokehHoles
+//   nearLevel, farLevel  the layers, as BokehPrefilter has them
+struct BokehLevels
 {
     vec4 middle;
     vec4 far;
-    vec4 shares;
+    vec4 nearLevel;
+    vec4 farLevel;
 };
 
-// Layers: what is not near, at quarter size, as weighted sums
+// Layers: levels of the layers; and what is not near, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKEH_TEXTURE NearSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SizesSamp, BokehPolygon polygon, BokehLayers layers)
 {
     BokehGrid full = BokehFullGrid(layers);
     vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5, 0.5);
@@ -533,7 +633,6 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, B
     float unit = exp2(-reach.b);
     vec4 middle = vec4(0.0, 0.0, 0.0, 0.0);
     vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 shares = vec2(0.0, 0.0);
     for (int y = 0; y < 4; y++)
     {
         for (int x = 0; x < 4; x++)
@@ -548,13 +647,16 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, B
             float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
             middle += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
             far += vec4(pixel.rgb, 1.0) * (weight * farShare);
-            shares += vec2(1.0 - farShare, farShare) * notNear;
         }
     }
-    BokehHoles targets;
+    vec2 center = 0.5 * middlePlace;
+    vec2 sizes = BokehLayerSizes(SizesSamp, layers);
+    BokehLevels targets;
     targets.middle = middle / 16.0;
     targets.far = far / 16.0;
-    targets.shares = vec4(shares / 16.0, 0.0, 1.0);
+    targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
+        layers);
+    targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers);
     return targets;
 }
 
@@ -573,6 +675,14 @@ int BokehOnEdge(int ring, BokehPolygon polygon)
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
+// Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
+//   without those of brightness
+vec2 BokehHoleShares(vec4 middle, vec4 far, float unit)
+{
+    return vec2(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
+        unit);
+}
+
 // Layers: what BokehHoleFill writes
 //   middle        what is between the layers; a = its share in what is around
 //   back          the far layer
@@ -583,19 +693,21 @@ struct BokehFilled
 };
 
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SharesSamp,
-    BOKEH_TEXTURE ReachSamp, BokehPolygon polygon, BokehLayers layers)
+//   MiddleSamp, FarSamp  what BokehDownsample wrote
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE ReachSamp,
+    BokehPolygon polygon, BokehLayers layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 4.0);
     vec2 center = layers.uv * grid.size;
-    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0)).r;
+    vec4 tile = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0));
+    float reach = tile.r;
+    float unit = exp2(-tile.b);
     vec2 corner = BokehRotated(polygon.corner, polygon.axis);
     vec2 direction = BokehEdgeDirection(1, polygon);
     vec2 turn = BokehTurn(1.0, polygon);
     vec4 middle = BokehFetchGrid(MiddleSamp, center, grid);
     vec4 far = BokehFetchGrid(FarSamp, center, grid);
-    vec2 shares = BokehFetchGrid(SharesSamp, center, grid).rg;
+    vec2 shares = BokehHoleShares(middle, far, unit);
     for (int ring = 1; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -614,9 +726,11 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
             for (int i = 0; i < onEdge; i++)
             {
                 vec2 place = center + corner * scale;
-                middle += BokehFetchGrid(MiddleSamp, place, grid) * weight;
-                far += BokehFetchGrid(FarSamp, place, grid) * weight;
-                shares += BokehFetchGrid(SharesSamp, place, grid).rg * weight;
+                vec4 middleTexel = BokehFetchGrid(MiddleSamp, place, grid);
+                vec4 farTexel = BokehFetchGrid(FarSamp, place, grid);
+                middle += middleTexel * weight;
+                far += farTexel * weight;
+                shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
@@ -645,22 +759,22 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   CoC           texels of the half size
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secondPass, float CoC,
-    BokehLayers layers)
+//   scale         of the texture: 2, or 4 where it is a level
+//   blur          from BokehLayerBlur
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
+    vec3 blur, BokehLayers layers)
 {
-    BokehGrid halves = BokehReducedGrid(layers, 2.0);
-    vec4 segment = BokehEdgeLine(k, polygon, secondPass);
-    float lengthInTexels = 2.0 * length(segment.zw) * CoC;
-    float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
-    float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    vec2 first = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
-    vec2 cellLength = segment.zw * CoC * (2.0 / cells);
+    BokehGrid grid = BokehReducedGrid(layers, scale);
+    vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
+    float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
+    float phase = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+    vec2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
+    vec2 cellLength = segment.zw * (4.0 / (scale * cells));
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
     for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase), halves);
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase), grid);
     }
     sum = sum / cells;
     if (secondPass)
@@ -668,22 +782,6 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secondP
         sum *= BokehEdgeArea(k, polygon);
     }
     return sum;
-}
-
-// Layers: the CoC that a layer is blurred by, texels of the half size
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
-//   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
-//   (street_11: .044 for .041).
-//   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-float BokehLayerCoC(BOKEH_TEXTURE SizesSamp, vec2 center, bool isFar, BokehLayers layers)
-{
-    vec2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers, 8.0)).rg;
-    float CoC = 0.5 * sizes.r;
-    if (isFar)
-    {
-        CoC = 0.5 * sizes.g;
-    }
-    return sqrt(max(CoC * CoC - 8.0, 0.25));
 }
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
@@ -694,35 +792,52 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
+vec4 BokehFirstLine(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
+    vec3 blur, BokehLayers layers)
+{
+    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    if (blur.z > -0.5)
+    {
+        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers);
+    }
+    else
+    {
+        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers);
+    }
+    return sum;
+}
+
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
-//   SizesSamp     sizes of BokehKernelColumns
+//   LevelSamp     nearLevel or farLevel of BokehDownsample
+//   sizes         from BokehLayerSizes
 //   isFar         false: the near layer
 //   last, returns as of BokehExactFirst
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, bool isFar, int last,
-    BokehPolygon polygon, BokehLayers layers)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, vec2 sizes,
+    bool isFar, int last, BokehPolygon polygon, BokehLayers layers)
 {
     vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
-    if (CoC > 0.5)
+    vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
         vec4 L2 = none;
         vec4 L3 = none;
         vec4 L4 = none;
-        vec4 L1 = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers);
+        vec4 L1 = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers);
+            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers);
+            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers);
+            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -743,26 +858,25 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, b
 //   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
 vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, BOKEH_TEXTURE SizesSamp, bool isFar, BokehPolygon polygon,
-    BokehLayers layers)
+    BOKEH_TEXTURE Edge5Samp, vec2 sizes, bool isFar, BokehPolygon polygon, BokehLayers layers)
 {
     vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers);
-    if (CoC > 0.5)
+    vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
-        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers);
+        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers);
+            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers);
+            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers);
+            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers);
         }
         result = result / polygon.area;
     }
@@ -771,6 +885,52 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TE
         result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0));
     }
     return result;
+}
+
+// Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
+struct BokehLayersTargets
+{
+    vec4 near2;
+    vec4 far2;
+    vec4 near3;
+    vec4 far3;
+};
+
+// Layers: BokehLayerFirst of both layers, for a square or a hexagon
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearLevelSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarLevelSamp, vec2 sizes, BokehPolygon polygon,
+    BokehLayers layers)
+{
+    int last = polygon.sides / 2;
+    BokehTargets near = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+        layers);
+    BokehTargets far = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon, layers);
+    BokehLayersTargets targets;
+    targets.near2 = near.edge2;
+    targets.far2 = far.edge2;
+    targets.near3 = near.edge3;
+    targets.far3 = far.edge3;
+    return targets;
+}
+
+// Layers: the finished layers
+struct BokehBlurred
+{
+    vec4 near;
+    vec4 far;
+};
+
+// Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp, BOKEH_TEXTURE Far2Samp,
+    BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, vec2 sizes, BokehPolygon polygon,
+    BokehLayers layers)
+{
+    BokehBlurred targets;
+    targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
+        polygon, layers);
+    targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
+        layers);
+    return targets;
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -33,9 +33,11 @@
 //   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
-//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
+//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
+//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
+//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
+//   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/parameters.md has the table with units and offsets, and the block as a struct for C++,
@@ -72,7 +74,7 @@
 #define BOKEH_KERNEL_REDUCE 26
 #define BOKEH_KERNEL_ROWS 27
 #define BOKEH_KERNEL_COLUMNS 28
-#define BOKEH_HOLE_DOWNSAMPLE 29
+#define BOKEH_DOWNSAMPLE 29
 #define BOKEH_HOLE_FILL 30
 #define BOKEH_SQUARE_LAYER_FIRST 31
 #define BOKEH_SQUARE_LAYER_SECOND 32
@@ -87,10 +89,11 @@
 #define BOKEH_KERNEL_REDUCE_ONE 41
 #define BOKEH_KERNEL_ROWS_ONE 42
 #define BOKEH_KERNEL_COLUMNS_ONE 43
-#define BOKEH_HOLE_DOWNSAMPLE_ONE 44
+#define BOKEH_DOWNSAMPLE_ONE 44
 #define BOKEH_HOLE_FILL_ONE 45
 #define BOKEH_LAYER_EDGE 46
-#define BOKEH_FULL_SCREEN 47
+#define BOKEH_LAYER_SECOND_ONE 47
+#define BOKEH_FULL_SCREEN 48
 
 // the target that _ONE and _EDGE write, 0 ..; whether BokehJitter acts, the aperture
 // has the shape of a lens, the CoC map takes all parameters
@@ -118,7 +121,7 @@
 #error put bokeh_paper.glsl before this file
 #elif BOKEH_PASS >= BOKEH_STABLE_MAP && BOKEH_PASS <= BOKEH_LATERAL_COLOR && !defined(BOKEH_LENS)
 #error put bokeh_lens.glsl before this file
-#elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_EDGE && !defined(BOKEH_LAYERS)
+#elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_SECOND_ONE && !defined(BOKEH_LAYERS)
 #error put bokeh_layers.glsl before this file
 #endif
 
@@ -235,7 +238,9 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 #endif
 
 // what a pass writes: one target, or as many as the table says
-#if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
+#if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
+#define BOKEH_TARGETS 2
+#elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST || BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_KERNEL_REDUCE || BOKEH_PASS == BOKEH_KERNEL_ROWS
 #define BOKEH_TARGETS 2
@@ -243,11 +248,11 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 #define BOKEH_TARGETS 3
-#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE
-#define BOKEH_TARGETS 3
 #elif BOKEH_PASS == BOKEH_DECAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
 #define BOKEH_TARGETS 4
-#elif BOKEH_PASS == BOKEH_PREFILTER
+#elif BOKEH_PASS == BOKEH_PREFILTER || BOKEH_PASS == BOKEH_DOWNSAMPLE
+#define BOKEH_TARGETS 4
+#elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 #define BOKEH_TARGETS 4
 #else
 #define BOKEH_TARGETS 1
@@ -432,16 +437,33 @@ BokehLayers BokehBeginTiles(vec2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayer > 0.5, last, polygon,
-        BokehBeginLayers(uv, 2.0, 0.0));
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC,
+        layers), BokehLayer > 0.5, last, polygon, layers);
 }
 
 // the polygon of a layer, second pass
-vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, int sides)
+vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Edge5Samp, BokehPolygon polygon)
 {
-    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
-        BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0));
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
+        BokehLayerSizes(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
+}
+
+// both layers, first pass, of a square or a hexagon
+BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
+}
+
+// both layers, second pass
+BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
+        BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
 
 #endif
@@ -727,15 +749,16 @@ void main()
     BokehResultB = targets.sizes;
 }
 
-#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE
+#elif BOKEH_PASS == BOKEH_DOWNSAMPLE
 
 void main()
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(BokehUV));
+    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
     BokehResult = targets.middle;
     BokehResultB = targets.far;
-    BokehResultC = targets.shares;
+    BokehResultC = targets.nearLevel;
+    BokehResultD = targets.farLevel;
 }
 
 #elif BOKEH_PASS == BOKEH_HOLE_FILL
@@ -743,7 +766,7 @@ void main()
 void main()
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
+        BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
     BokehResult = targets.middle;
     BokehResultB = targets.back;
 }
@@ -752,30 +775,38 @@ void main()
 
 void main()
 {
-    BokehResult = BokehLayerPolygon(BokehUV, 2, BokehAperture(BokehUV, 4)).edge2;
+    BokehLayersTargets targets = BokehBothPolygons(BokehUV, 4);
+    BokehResult = targets.near2;
+    BokehResultB = targets.far2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
+    BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSamp, BokehColorSampB, 4);
+    BokehResult = targets.near;
+    BokehResultB = targets.far;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 3, BokehAperture(BokehUV, 6));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
+    BokehLayersTargets targets = BokehBothPolygons(BokehUV, 6);
+    BokehResult = targets.near2;
+    BokehResultB = targets.far2;
+    BokehResultC = targets.near3;
+    BokehResultD = targets.far3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
+    BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSampC, BokehColorSampD, 6);
+    BokehResult = targets.near;
+    BokehResultB = targets.far;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
@@ -792,7 +823,7 @@ void main()
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampC, BokehAperture(BokehUV, 8));
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
@@ -810,7 +841,7 @@ void main()
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampD, BokehAperture(BokehUV, 10));
 }
 
 #elif BOKEH_PASS == BOKEH_COMPOSITE
@@ -859,13 +890,13 @@ void main()
     BokehResult = BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
-#elif BOKEH_PASS == BOKEH_HOLE_DOWNSAMPLE_ONE
+#elif BOKEH_PASS == BOKEH_DOWNSAMPLE_ONE
 
 void main()
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
+    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
+    BokehResult = BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
 }
 
 #elif BOKEH_PASS == BOKEH_HOLE_FILL_ONE
@@ -873,7 +904,7 @@ void main()
 void main()
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
+        BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
     BokehResult = BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
@@ -884,6 +915,13 @@ void main()
     BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(BokehUV));
     BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+#elif BOKEH_PASS == BOKEH_LAYER_SECOND_ONE
+
+void main()
+{
+    BokehResult = BokehLayerResult(BokehUV, BokehColorSampD, BokehAnyAperture(BokehUV));
 }
 
 #endif

@@ -22,22 +22,24 @@
 //   KernelRows      1/8   both, tiles                       the same of the tiles in its row
 //   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
 //                                                           CoC of the layers
-//   HoleDownsample  1/4   map, tiles                        middle, far, shares (RG)
-//   HoleFill        1/4   middle, far, shares, tiles        middle, back: without holes
-//   LayerFirst      1/2   a layer, sizes                    exact polygon, first pass
+//   Downsample      1/4   map, tiles, both layers, sizes   middle, far; nearLevel, farLevel: for
+//                                                           wide lines of LayerFirst
+//   HoleFill        1/4   middle, far, tiles                middle, back: without holes
+//   LayerFirst      1/2   a layer, its level, sizes         exact polygon, first pass
 //   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
 //   Composite       1     map, reach, both layers,          the picture
 //                         middle, back
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
-//   layer, then for the far one.
+//   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
 
 // -------------------------------------------------------------------------------------------------
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
-//   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
+//                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
 //   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
 //                                              not lower the level of light
@@ -45,10 +47,10 @@
 //   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
-//   BOKEH_PRESET_LOW        2          8       0
-//   BOKEH_PRESET_MEDIUM     3          12      1      the default
-//   BOKEH_PRESET_HIGH       3          16      1
-//   BOKEH_PRESET_ULTRA      4          16      1
+//   BOKEH_PRESET_LOW        1          11      0
+//   BOKEH_PRESET_MEDIUM     2          11      1      the default
+//   BOKEH_PRESET_HIGH       3          18      1
+//   BOKEH_PRESET_ULTRA      4          18      1
 
 #ifndef BOKEH_VIEWPORT
 #error put bokeh.hlsl before bokeh_layers.hlsl
@@ -56,20 +58,20 @@
 #define BOKEH_LAYERS 1
 
 #if defined(BOKEH_PRESET_LOW)
-#define BOKEH_PRESET_RINGS 2
-#define BOKEH_PRESET_CELLS 8
+#define BOKEH_PRESET_RINGS 1
+#define BOKEH_PRESET_CELLS 11
 #define BOKEH_PRESET_CUBIC 0
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CELLS 18
 #define BOKEH_PRESET_CUBIC 1
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
-#define BOKEH_PRESET_CELLS 16
+#define BOKEH_PRESET_CELLS 18
 #define BOKEH_PRESET_CUBIC 1
 #else
-#define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 12
+#define BOKEH_PRESET_RINGS 2
+#define BOKEH_PRESET_CELLS 11
 #define BOKEH_PRESET_CUBIC 1
 #endif
 
@@ -287,14 +289,16 @@ float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayers layers 
     return float4(found, level / (2.0 * radius + 1.0), 1.0);
 }
 
-// Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
-//   brightness    in units of the level around
+// Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
+//   unit          1 / the level around
 //   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
 //                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
 //                 subnormal half either, which some GPUs flush to 0.
-float BokehBlurWeight(float brightness, float heaviest)
+float4 BokehBlurWeights(float4 a, float4 b, float4 c, float4 d, float unit, float heaviest)
 {
-    return min(0.01 + brightness, heaviest);
+    float4 brightest = float4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
+        BokehBrightest(d.rgb));
+    return min(0.01 + brightest * unit, float4(heaviest, heaviest, heaviest, heaviest));
 }
 
 // Layers: what BokehPrefilter writes
@@ -309,6 +313,45 @@ struct BokehPrefiltered
     float4 leftovers;
 };
 
+// Layers: BokehLayerShare of four pixels
+float4 BokehLayerShares(float4 CoC, float slope)
+{
+    return clamp(CoC * slope - 2.0, float4(0.0, 0.0, 0.0, 0.0), float4(1.0, 1.0, 1.0, 1.0));
+}
+
+// Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
+//   found         of the pixels before this one
+//   nearest       largest share: from a half of it a pixel is near
+float4 BokehSurroundings(float4 found, float4 pixel, float nearShare, float nearest)
+{
+    float4 result = float4(min(found.rgb, pixel.rgb), found.a);
+    if (nearShare < 0.5 * nearest)
+    {
+        result = float4(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
+    }
+    return result;
+}
+
+// Layers: a near pixel without the light from behind that antialiasing has put into it
+//   around        from BokehSurroundings
+//   returns       colour, share
+float4 BokehNearPixel(float4 pixel, float nearShare, float4 around)
+{
+    float4 result = float4(pixel.rgb, nearShare);
+    float brightest = BokehBrightest(pixel.rgb);
+    float limit = BokehBrightest(around.rgb);
+    if (around.a > brightest)
+    {
+        result = float4(min(pixel.rgb, around.rgb), nearShare);
+        if (brightest > limit)
+        {
+            // the part of it that is not light from behind
+            result = float4(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+        }
+    }
+    return result;
+}
+
 // Layers: near and far layer at half size, and what is known of their CoC
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
     BokehLayers layers BOKEH_SAMPLER)
@@ -321,83 +364,63 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
     float farSlope = BokehFarSlope(reach.g);
     float unit = exp2(-reach.b);
     float heaviest = 500000.0 / max(layers.largest, 50.0);
+    // the four pixels of this texel
+    float4 a = BokehFetchGrid(MapSamp, middle + float2(-0.5, -0.5), full BOKEH_LINEAR);
+    float4 b = BokehFetchGrid(MapSamp, middle + float2(0.5, -0.5), full BOKEH_LINEAR);
+    float4 c = BokehFetchGrid(MapSamp, middle + float2(-0.5, 0.5), full BOKEH_LINEAR);
+    float4 d = BokehFetchGrid(MapSamp, middle + float2(0.5, 0.5), full BOKEH_LINEAR);
+    float4 s = float4(a.a, b.a, c.a, d.a) * full.size.y;
+    float4 nearShares = BokehLayerShares(-s, nearSlope);
+    float4 farShares = BokehLayerShares(s, farSlope);
+    float4 far = float4(a.rgb, 1.0) * farShares.x + float4(b.rgb, 1.0) * farShares.y + float4(c.rgb,
+        1.0) * farShares.z + float4(d.rgb, 1.0) * farShares.w;
+    float4 weights = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+    float4 one = float4(1.0, 1.0, 1.0, 1.0);
+    float4 sums = float4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
+    float4 nearLeft = -s * min(4.0 - 4.0 * nearShares, one);
+    float4 farLeft = s * min(4.0 - 4.0 * farShares, one);
+    float2 left = max(max(float2(nearLeft.x, farLeft.x), float2(nearLeft.y, farLeft.y)),
+        max(float2(nearLeft.z, farLeft.z), float2(nearLeft.w, farLeft.w)));
+    float nearest = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
     float4 near = float4(0.0, 0.0, 0.0, 0.0);
-    float4 far = float4(0.0, 0.0, 0.0, 0.0);
-    float4 sums = float4(0.0, 0.0, 0.0, 0.0);
-    float2 left = float2(0.0, 0.0);
-    float largestShare = 0.0;
-    for (int y = 0; y < 2; y++)
-    {
-        for (int x = 0; x < 2; x++)
-        {
-            float2 place = middle + float2(float(x) - 0.5, float(y) - 0.5);
-            float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
-            float s = pixel.a * full.size.y;
-            float nearShare = BokehLayerShare(-s, nearSlope);
-            float farShare = BokehLayerShare(s, farSlope);
-            float weight = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit, heaviest);
-            far += float4(pixel.rgb, 1.0) * farShare;
-            sums += float4(0.0, 0.0, weight * s / 8.0, weight);
-            left = max(left, float2(-s, s) * min(float2(4.0 - 4.0 * nearShare, 4.0 - 4.0 *
-                farShare), float2(1.0, 1.0)));
-            largestShare = max(largestShare, nearShare);
-        }
-    }
-    if (largestShare > 0.0)
+    if (nearest > 0.0)
     {
         // an antialiased pixel of a near edge holds light of what is behind it: where that is
         // brighter, no near pixel stays brighter than the darkest one around
-        float behind = 0.0;
-        float3 darkest = float3(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        float4 around = float4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
+        around = BokehSurroundings(around, a, nearShares.x, nearest);
+        around = BokehSurroundings(around, b, nearShares.y, nearest);
+        around = BokehSurroundings(around, c, nearShares.z, nearest);
+        around = BokehSurroundings(around, d, nearShares.w, nearest);
         for (int y = 0; y < 4; y++)
         {
             for (int x = 0; x < 4; x++)
             {
-                float2 place = middle + float2(float(x) - 1.5, float(y) - 1.5);
-                float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
-                float nearShare = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
-                if (nearShare < 0.5 * largestShare)
+                float2 offset = float2(float(x) - 1.5, float(y) - 1.5);
+                // but those four
+                if (max(abs(offset.x), abs(offset.y)) > 1.0)
                 {
-                    behind = max(behind, BokehBrightest(pixel.rgb));
-                }
-                else
-                {
-                    darkest = min(darkest, pixel.rgb);
+                    float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
+                    around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
+                        full.size.y, nearSlope), nearest);
                 }
             }
         }
-        float limit = BokehBrightest(darkest);
-        for (int row = 0; row < 2; row++)
-        {
-            for (int column = 0; column < 2; column++)
-            {
-                float2 place = middle + float2(float(column) - 0.5, float(row) - 0.5);
-                float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
-                float s = pixel.a * full.size.y;
-                float nearShare = BokehLayerShare(-s, nearSlope);
-                float brightest = BokehBrightest(pixel.rgb);
-                float3 color = pixel.rgb;
-                if (behind > brightest)
-                {
-                    color = min(color, darkest);
-                    if (brightest > limit)
-                    {
-                        // the part of it that is not light from behind
-                        nearShare *= (behind - brightest) / (behind - limit);
-                    }
-                }
-                float weight = nearShare * BokehBlurWeight(BokehBrightest(color) * unit, heaviest);
-                near += float4(color, 1.0) * nearShare;
-                sums += float4(-weight * s / 8.0, weight, 0.0, 0.0);
-            }
-        }
+        a = BokehNearPixel(a, nearShares.x, around);
+        b = BokehNearPixel(b, nearShares.y, around);
+        c = BokehNearPixel(c, nearShares.z, around);
+        d = BokehNearPixel(d, nearShares.w, around);
+        near = float4(a.rgb, 1.0) * a.a + float4(b.rgb, 1.0) * b.a + float4(c.rgb, 1.0) * c.a +
+            float4(d.rgb, 1.0) * d.a;
+        weights = float4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+        sums = float4(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
     }
     BokehPrefiltered targets;
     targets.nearLayer = near * 0.25;
     targets.farLayer = far * 0.25;
     float most = BOKEH_MAX_COLOR;
     targets.kernelSums = min(sums * 0.25, float4(most, most, most, most));
-    targets.leftovers = float4(min(left, float2(most, most)), 0.0, 1.0);
+    targets.leftovers = float4(clamp(left, float2(0.0, 0.0), float2(most, most)), 0.0, 1.0);
     return targets;
 }
 
@@ -515,21 +538,99 @@ BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] holes: what the near layer hides
+// [12] quarter size: levels of the layers, and what the near layer hides
 
-// Layers: what BokehHoleDownsample writes
+// Layers: CoC that the near and the far layer are blurred by here, pixels
+float2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers BOKEH_SAMPLER)
+{
+    float2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
+    return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0) BOKEH_LINEAR).rg;
+}
+
+// Layers: what a layer is blurred by
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
+//   .180), with 16 too sharp (street_11: .044 for .041).
+//   sizes         from BokehLayerSizes
+//   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
+//                 y = spacing of the samples on an edge: an edge of a hexagon has at most
+//                 BOKEH_LAYER_CELLS; 1 or more
+//                 z = -1, or where the first pass reads the layer's level: weight of the texels
+//                 beside the middle one of that, so that it has a zero near 1 / spacing. More
+//                 makes edges soft, less leaves dots (hexagon, 216 pixels: ripple .16 with 1, .24
+//                 with 0, .05 so). Near lights have harder edges: from 1.15 on market_7 has .182
+//                 for .179, from 2 on dots show.
+float3 BokehLayerBlur(float2 sizes, bool isFar, BokehPolygon polygon)
+{
+    float CoC = 0.5 * sizes.r;
+    float least = 1.5;
+    if (isFar)
+    {
+        CoC = 0.5 * sizes.g;
+        least = 1.15;
+    }
+    // a square has one line where others have more
+    float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
+    float hard = 0.4;
+    if (polygon.sides < 6)
+    {
+        spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
+        hard = 0.2;
+    }
+    float own = 8.0;
+    float side = -1.0;
+    if (spacing > least)
+    {
+        side = clamp(0.25 * spacing - hard, 0.0, 0.6);
+        own = 22.0 + 154.0 * side / (1.0 + 2.0 * side);
+    }
+    return float3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+}
+
+// Layers: a texel of a layer's level
+//   center        texels of the half size
+//   side          z of BokehLayerBlur
+float4 BokehLevel(BOKEH_TEXTURE LayerSamp, float2 center, float side,
+    BokehLayers layers BOKEH_SAMPLER)
+{
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    if (side > 0.0)
+    {
+        for (int y = 0; y < 3; y++)
+        {
+            for (int x = 0; x < 3; x++)
+            {
+                float2 offset = float2(float(x) - 1.0, float(y) - 1.0);
+                float2 weight = 1.0 - (1.0 - side) * abs(offset);
+                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves BOKEH_LINEAR) *
+                    (weight.x * weight.y);
+            }
+        }
+        sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
+    }
+    else
+    {
+        sum = BokehFetchGrid(LayerSamp, center, halves BOKEH_LINEAR);
+    }
+    return sum;
+}
+
+// Layers: what BokehDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
-//   shares        rg = shares of the two, unweighted
-struct BokehHoles
+//   nearLevel, farLevel  the layers, as BokehPrefilter has them
+struct BokehLevels
 {
     float4 middle;
     float4 far;
-    float4 shares;
+    float4 nearLevel;
+    float4 farLevel;
 };
 
-// Layers: what is not near, at quarter size, as weighted sums
+// Layers: levels of the layers; and what is not near, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
+BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKEH_TEXTURE NearSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SizesSamp, BokehPolygon polygon,
     BokehLayers layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
@@ -542,7 +643,6 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
     float unit = exp2(-reach.b);
     float4 middle = float4(0.0, 0.0, 0.0, 0.0);
     float4 far = float4(0.0, 0.0, 0.0, 0.0);
-    float2 shares = float2(0.0, 0.0);
     for (int y = 0; y < 4; y++)
     {
         for (int x = 0; x < 4; x++)
@@ -557,13 +657,17 @@ BokehHoles BokehHoleDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
             float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
             middle += float4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
             far += float4(pixel.rgb, 1.0) * (weight * farShare);
-            shares += float2(1.0 - farShare, farShare) * notNear;
         }
     }
-    BokehHoles targets;
+    float2 center = 0.5 * middlePlace;
+    float2 sizes = BokehLayerSizes(SizesSamp, layers BOKEH_LINEAR);
+    BokehLevels targets;
     targets.middle = middle / 16.0;
     targets.far = far / 16.0;
-    targets.shares = float4(shares / 16.0, 0.0, 1.0);
+    targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
+        layers BOKEH_LINEAR);
+    targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z,
+        layers BOKEH_LINEAR);
     return targets;
 }
 
@@ -582,6 +686,14 @@ int BokehOnEdge(int ring, BokehPolygon polygon)
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
+// Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
+//   without those of brightness
+float2 BokehHoleShares(float4 middle, float4 far, float unit)
+{
+    return float2(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
+        unit);
+}
+
 // Layers: what BokehHoleFill writes
 //   middle        what is between the layers; a = its share in what is around
 //   back          the far layer
@@ -592,20 +704,22 @@ struct BokehFilled
 };
 
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SharesSamp,
-    BOKEH_TEXTURE ReachSamp, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+//   MiddleSamp, FarSamp  what BokehDownsample wrote
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE ReachSamp,
+    BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 4.0);
     float2 center = layers.uv * grid.size;
-    float reach = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers,
-        8.0) BOKEH_LINEAR).r;
+    float4 tile = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers,
+        8.0) BOKEH_LINEAR);
+    float reach = tile.r;
+    float unit = exp2(-tile.b);
     float2 corner = BokehRotated(polygon.corner, polygon.axis);
     float2 direction = BokehEdgeDirection(1, polygon);
     float2 turn = BokehTurn(1.0, polygon);
     float4 middle = BokehFetchGrid(MiddleSamp, center, grid BOKEH_LINEAR);
     float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
-    float2 shares = BokehFetchGrid(SharesSamp, center, grid BOKEH_LINEAR).rg;
+    float2 shares = BokehHoleShares(middle, far, unit);
     for (int ring = 1; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -624,9 +738,11 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
             BOKEH_LOOP for (int i = 0; i < onEdge; i++)
             {
                 float2 place = center + corner * scale;
-                middle += BokehFetchGrid(MiddleSamp, place, grid BOKEH_LINEAR) * weight;
-                far += BokehFetchGrid(FarSamp, place, grid BOKEH_LINEAR) * weight;
-                shares += BokehFetchGrid(SharesSamp, place, grid BOKEH_LINEAR).rg * weight;
+                float4 middleTexel = BokehFetchGrid(MiddleSamp, place, grid BOKEH_LINEAR);
+                float4 farTexel = BokehFetchGrid(FarSamp, place, grid BOKEH_LINEAR);
+                middle += middleTexel * weight;
+                far += farTexel * weight;
+                shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
@@ -655,23 +771,23 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   CoC           texels of the half size
-float4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secondPass, float CoC,
-    BokehLayers layers BOKEH_SAMPLER)
+//   scale         of the texture: 2, or 4 where it is a level
+//   blur          from BokehLayerBlur
+float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
+    float3 blur, BokehLayers layers BOKEH_SAMPLER)
 {
-    BokehGrid halves = BokehReducedGrid(layers, 2.0);
-    float4 segment = BokehEdgeLine(k, polygon, secondPass);
-    float lengthInTexels = 2.0 * length(segment.zw) * CoC;
-    float cells = clamp(lengthInTexels, 2.0, float(BOKEH_LAYER_CELLS));
-    float phase = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    float2 first = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
-    float2 cellLength = segment.zw * CoC * (2.0 / cells);
+    BokehGrid grid = BokehReducedGrid(layers, scale);
+    float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
+    float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
+    float phase = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+    float2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
+    float2 cellLength = segment.zw * (4.0 / (scale * cells));
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
         sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase),
-            halves BOKEH_LINEAR);
+            grid BOKEH_LINEAR);
     }
     sum = sum / cells;
     if (secondPass)
@@ -679,24 +795,6 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, int k, BokehPolygon polygon, bool secon
         sum *= BokehEdgeArea(k, polygon);
     }
     return sum;
-}
-
-// Layers: the CoC that a layer is blurred by, texels of the half size
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
-//   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
-//   (street_11: .044 for .041).
-//   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-float BokehLayerCoC(BOKEH_TEXTURE SizesSamp, float2 center, bool isFar,
-    BokehLayers layers BOKEH_SAMPLER)
-{
-    float2 sizes = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers,
-        8.0) BOKEH_LINEAR).rg;
-    float CoC = 0.5 * sizes.r;
-    if (isFar)
-    {
-        CoC = 0.5 * sizes.g;
-    }
-    return sqrt(max(CoC * CoC - 8.0, 0.25));
 }
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
@@ -707,35 +805,52 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
+float4 BokehFirstLine(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
+    float3 blur, BokehLayers layers BOKEH_SAMPLER)
+{
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    if (blur.z > -0.5)
+    {
+        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    else
+    {
+        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    return sum;
+}
+
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
-//   SizesSamp     sizes of BokehKernelColumns
+//   LevelSamp     nearLevel or farLevel of BokehDownsample
+//   sizes         from BokehLayerSizes
 //   isFar         false: the near layer
 //   last, returns as of BokehExactFirst
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, bool isFar, int last,
-    BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, float2 sizes,
+    bool isFar, int last, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
 {
     float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 none = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers BOKEH_LINEAR);
-    if (CoC > 0.5)
+    float3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
         float4 L2 = none;
         float4 L3 = none;
         float4 L4 = none;
-        float4 L1 = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers BOKEH_LINEAR);
+        float4 L1 = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers BOKEH_LINEAR);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers BOKEH_LINEAR);
+            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers BOKEH_LINEAR);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers BOKEH_LINEAR);
+            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers BOKEH_LINEAR);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers BOKEH_LINEAR);
+            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers BOKEH_LINEAR);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -757,26 +872,26 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE SizesSamp, b
 //   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
 float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, BOKEH_TEXTURE SizesSamp, bool isFar, BokehPolygon polygon,
+    BOKEH_TEXTURE Edge5Samp, float2 sizes, bool isFar, BokehPolygon polygon,
     BokehLayers layers BOKEH_SAMPLER)
 {
     float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
-    float CoC = BokehLayerCoC(SizesSamp, center, isFar, layers BOKEH_LINEAR);
-    if (CoC > 0.5)
+    float3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
-        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers BOKEH_LINEAR);
+        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers BOKEH_LINEAR);
         }
         result = result / polygon.area;
     }
@@ -785,6 +900,53 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
         result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0) BOKEH_LINEAR);
     }
     return result;
+}
+
+// Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
+struct BokehLayersTargets
+{
+    float4 near2;
+    float4 far2;
+    float4 near3;
+    float4 far3;
+};
+
+// Layers: BokehLayerFirst of both layers, for a square or a hexagon
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearLevelSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarLevelSamp, float2 sizes, BokehPolygon polygon,
+    BokehLayers layers BOKEH_SAMPLER)
+{
+    int last = polygon.sides / 2;
+    BokehTargets near = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+        layers BOKEH_LINEAR);
+    BokehTargets far = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon,
+        layers BOKEH_LINEAR);
+    BokehLayersTargets targets;
+    targets.near2 = near.edge2;
+    targets.far2 = far.edge2;
+    targets.near3 = near.edge3;
+    targets.far3 = far.edge3;
+    return targets;
+}
+
+// Layers: the finished layers
+struct BokehBlurred
+{
+    float4 near;
+    float4 far;
+};
+
+// Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp, BOKEH_TEXTURE Far2Samp,
+    BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, float2 sizes, BokehPolygon polygon,
+    BokehLayers layers BOKEH_SAMPLER)
+{
+    BokehBlurred targets;
+    targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
+        polygon, layers BOKEH_LINEAR);
+    targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
+        layers BOKEH_LINEAR);
+    return targets;
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -33,9 +33,11 @@
 //   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
-//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
+//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
+//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
+//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
+//   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
 //   buffer in SM4 and up; the buffer has 192 bytes (docs/parameters.md has the table with units,
@@ -349,16 +351,36 @@ BokehLayers BokehBeginTiles(float2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 {
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayer > 0.5, last, polygon,
-        BokehBeginLayers(uv, 2.0, 0.0) BOKEH_LINEAR);
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC,
+        layers BOKEH_LINEAR), BokehLayer > 0.5, last, polygon, layers BOKEH_LINEAR);
 }
 
 // the polygon of a layer, second pass
-float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, int sides)
+float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Edge5Samp, BokehPolygon polygon)
 {
-    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
-        BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0) BOKEH_LINEAR);
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
+        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehLayer > 0.5, polygon,
+        layers BOKEH_LINEAR);
+}
+
+// both layers, first pass, of a square or a hexagon
+BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
+        layers BOKEH_LINEAR);
+}
+
+// both layers, second pass
+BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, int sides)
+{
+    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
+        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
+        layers BOKEH_LINEAR);
 }
 
 #endif
@@ -597,43 +619,52 @@ void BokehKernelColumns_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
     target1 = targets.sizes;
 }
 
-void BokehHoleDownsample_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
+void BokehDownsample_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(uv), BokehBeginTiles(uv) BOKEH_LINEAR);
     target0 = targets.middle;
     target1 = targets.far;
-    target2 = targets.shares;
+    target2 = targets.nearLevel;
+    target3 = targets.farLevel;
 }
 
 void BokehHoleFill_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
+        BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
     target0 = targets.middle;
     target1 = targets.back;
 }
 
-float4 BokehSquareLayerFirst_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+void BokehSquareLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
-    return BokehLayerPolygon(uv, 2, BokehAperture(uv, 4)).edge2;
+    BokehLayersTargets targets = BokehBothPolygons(uv, 4);
+    target0 = targets.near2;
+    target1 = targets.far2;
 }
 
-float4 BokehSquareLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+void BokehSquareLayerSecond_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
-    return BokehLayerResult(uv, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
+    BokehBlurred targets = BokehBothResults(uv, BokehColorSamp, BokehColorSampB, 4);
+    target0 = targets.near;
+    target1 = targets.far;
 }
 
-void BokehHexagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+void BokehHexagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 3, BokehAperture(uv, 6));
-    target0 = targets.edge2;
-    target1 = targets.edge3;
+    BokehLayersTargets targets = BokehBothPolygons(uv, 6);
+    target0 = targets.near2;
+    target1 = targets.far2;
+    target2 = targets.near3;
+    target3 = targets.far3;
 }
 
-float4 BokehHexagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+void BokehHexagonLayerSecond_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
 {
-    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
+    BokehBlurred targets = BokehBothResults(uv, BokehColorSampC, BokehColorSampD, 6);
+    target0 = targets.near;
+    target1 = targets.far;
 }
 
 void BokehOctagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
@@ -646,7 +677,7 @@ void BokehOctagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
 
 float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
+    return BokehLayerResult(uv, BokehColorSampC, BokehAperture(uv, 8));
 }
 
 void BokehDecagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
@@ -660,7 +691,7 @@ void BokehDecagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
 
 float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerResult(uv, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
+    return BokehLayerResult(uv, BokehColorSampD, BokehAperture(uv, 10));
 }
 
 float4 BokehComposite_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -699,17 +730,17 @@ float4 BokehKernelColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
-float4 BokehHoleDownsampleOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehDownsampleOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehHoles targets = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
+    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(uv), BokehBeginTiles(uv) BOKEH_LINEAR);
+    return BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
 }
 
 float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
+        BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
     return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
@@ -717,6 +748,11 @@ float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTargets targets = BokehLayerPolygon(uv, BOKEH_TARGET_INDEX + 2, BokehAnyAperture(uv));
     return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+float4 BokehLayerSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehLayerResult(uv, BokehColorSampD, BokehAnyAperture(uv));
 }
 
 #endif

@@ -22,22 +22,24 @@
 //   KernelRows      1/8   both, tiles                       the same of the tiles in its row
 //   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
 //                                                           CoC of the layers
-//   HoleDownsample  1/4   map, tiles                        middle, far, shares (RG)
-//   HoleFill        1/4   middle, far, shares, tiles        middle, back: without holes
-//   LayerFirst      1/2   a layer, sizes                    exact polygon, first pass
+//   Downsample      1/4   map, tiles, both layers, sizes   middle, far; nearLevel, farLevel: for
+//                                                           wide lines of LayerFirst
+//   HoleFill        1/4   middle, far, tiles                middle, back: without holes
+//   LayerFirst      1/2   a layer, its level, sizes         exact polygon, first pass
 //   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
 //   Composite       1     map, reach, both layers,          the picture
 //                         middle, back
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
-//   layer, then for the far one.
+//   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
 
 // -------------------------------------------------------------------------------------------------
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       3          1 .. 6  rings of the small gather at full size
-//   BOKEH_LAYER_CELLS       12         2 ..    most samples on an edge of a layer's polygon
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
+//                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
 //   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
 //                                              not lower the level of light
@@ -45,13 +47,13 @@
 //   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
-//   BOKEH_PRESET_LOW        2          8       0
-//   BOKEH_PRESET_MEDIUM     3          12      1      the default
-//   BOKEH_PRESET_HIGH       3          16      1
-//   BOKEH_PRESET_ULTRA      4          16      1
+//   BOKEH_PRESET_LOW        1          11      0
+//   BOKEH_PRESET_MEDIUM     2          11      1      the default
+//   BOKEH_PRESET_HIGH       3          18      1
+//   BOKEH_PRESET_ULTRA      4          18      1
 
-override BOKEH_LAYER_RINGS: i32 = 3;
-override BOKEH_LAYER_CELLS: i32 = 12;
+override BOKEH_LAYER_RINGS: i32 = 2;
+override BOKEH_LAYER_CELLS: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 const BOKEH_MIN_LEVEL: f32 = 0.00001;
 
@@ -253,14 +255,16 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
     return vec4f(found, level / (2.0 * radius + 1.0), 1.0);
 }
 
-// Layers: what a pixel counts for in its layer's CoC: bokeh comes from bright pixels
-//   brightness    in units of the level around
+// Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
+//   unit          1 / the level around
 //   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
 //                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
 //                 subnormal half either, which some GPUs flush to 0.
-fn BokehBlurWeight(brightness: f32, heaviest: f32) -> f32
+fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, unit: f32, heaviest: f32) -> vec4f
 {
-    return min(0.01 + brightness, heaviest);
+    let brightest: vec4f = vec4f(BokehBrightest(a.rgb), BokehBrightest(b.rgb),
+        BokehBrightest(c.rgb), BokehBrightest(d.rgb));
+    return min(0.01 + brightest * unit, vec4f(heaviest, heaviest, heaviest, heaviest));
 }
 
 // Layers: what BokehPrefilter writes
@@ -275,6 +279,45 @@ struct BokehPrefiltered
     leftovers: vec4f,
 }
 
+// Layers: BokehLayerShare of four pixels
+fn BokehLayerShares(CoC: vec4f, slope: f32) -> vec4f
+{
+    return clamp(CoC * slope - 2.0, vec4f(0.0, 0.0, 0.0, 0.0), vec4f(1.0, 1.0, 1.0, 1.0));
+}
+
+// Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
+//   found         of the pixels before this one
+//   nearest       largest share: from a half of it a pixel is near
+fn BokehSurroundings(found: vec4f, pixel: vec4f, nearShare: f32, nearest: f32) -> vec4f
+{
+    var result: vec4f = vec4f(min(found.rgb, pixel.rgb), found.a);
+    if (nearShare < 0.5 * nearest)
+    {
+        result = vec4f(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
+    }
+    return result;
+}
+
+// Layers: a near pixel without the light from behind that antialiasing has put into it
+//   around        from BokehSurroundings
+//   returns       colour, share
+fn BokehNearPixel(pixel: vec4f, nearShare: f32, around: vec4f) -> vec4f
+{
+    var result: vec4f = vec4f(pixel.rgb, nearShare);
+    let brightest: f32 = BokehBrightest(pixel.rgb);
+    let limit: f32 = BokehBrightest(around.rgb);
+    if (around.a > brightest)
+    {
+        result = vec4f(min(pixel.rgb, around.rgb), nearShare);
+        if (brightest > limit)
+        {
+            // the part of it that is not light from behind
+            result = vec4f(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+        }
+    }
+    return result;
+}
+
 // Layers: near and far layer at half size, and what is known of their CoC
 fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
     BokehLinearClamp: sampler) -> BokehPrefiltered
@@ -287,85 +330,64 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: 
     let farSlope: f32 = BokehFarSlope(reach.g);
     let unit: f32 = exp2(-reach.b);
     let heaviest: f32 = 500000.0 / max(layers.largest, 50.0);
+    // the four pixels of this texel
+    var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
+    var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
+    var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
+    var d: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, 0.5), full, BokehLinearClamp);
+    let s: vec4f = vec4f(a.a, b.a, c.a, d.a) * full.size.y;
+    let nearShares: vec4f = BokehLayerShares(-s, nearSlope);
+    let farShares: vec4f = BokehLayerShares(s, farSlope);
+    let far: vec4f = vec4f(a.rgb, 1.0) * farShares.x + vec4f(b.rgb, 1.0) * farShares.y +
+        vec4f(c.rgb, 1.0) * farShares.z + vec4f(d.rgb, 1.0) * farShares.w;
+    var weights: vec4f = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+    let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
+    var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
+    let nearLeft: vec4f = -s * min(4.0 - 4.0 * nearShares, one);
+    let farLeft: vec4f = s * min(4.0 - 4.0 * farShares, one);
+    let left: vec2f = max(max(vec2f(nearLeft.x, farLeft.x), vec2f(nearLeft.y, farLeft.y)),
+        max(vec2f(nearLeft.z, farLeft.z), vec2f(nearLeft.w, farLeft.w)));
+    let nearest: f32 = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
     var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var left: vec2f = vec2f(0.0, 0.0);
-    var largestShare: f32 = 0.0;
-    for (var y: i32 = 0; y < 2; y++)
-    {
-        for (var x: i32 = 0; x < 2; x++)
-        {
-            let place: vec2f = middle + vec2f(f32(x) - 0.5, f32(y) - 0.5);
-            let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
-            let s: f32 = pixel.a * full.size.y;
-            var nearShare: f32 = BokehLayerShare(-s, nearSlope);
-            let farShare: f32 = BokehLayerShare(s, farSlope);
-            let weight: f32 = farShare * BokehBlurWeight(BokehBrightest(pixel.rgb) * unit,
-                heaviest);
-            far += vec4f(pixel.rgb, 1.0) * farShare;
-            sums += vec4f(0.0, 0.0, weight * s / 8.0, weight);
-            left = max(left, vec2f(-s, s) * min(vec2f(4.0 - 4.0 * nearShare, 4.0 - 4.0 * farShare),
-                vec2f(1.0, 1.0)));
-            largestShare = max(largestShare, nearShare);
-        }
-    }
-    if (largestShare > 0.0)
+    if (nearest > 0.0)
     {
         // an antialiased pixel of a near edge holds light of what is behind it: where that is
         // brighter, no near pixel stays brighter than the darkest one around
-        var behind: f32 = 0.0;
-        var darkest: vec3f = vec3f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR);
+        var around: vec4f = vec4f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
+        around = BokehSurroundings(around, a, nearShares.x, nearest);
+        around = BokehSurroundings(around, b, nearShares.y, nearest);
+        around = BokehSurroundings(around, c, nearShares.z, nearest);
+        around = BokehSurroundings(around, d, nearShares.w, nearest);
         for (var y: i32 = 0; y < 4; y++)
         {
             for (var x: i32 = 0; x < 4; x++)
             {
-                let place: vec2f = middle + vec2f(f32(x) - 1.5, f32(y) - 1.5);
-                let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
-                var nearShare: f32 = BokehLayerShare(-pixel.a * full.size.y, nearSlope);
-                if (nearShare < 0.5 * largestShare)
+                let offset: vec2f = vec2f(f32(x) - 1.5, f32(y) - 1.5);
+                // but those four
+                if (max(abs(offset.x), abs(offset.y)) > 1.0)
                 {
-                    behind = max(behind, BokehBrightest(pixel.rgb));
-                }
-                else
-                {
-                    darkest = min(darkest, pixel.rgb);
+                    let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
+                        BokehLinearClamp);
+                    around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
+                        full.size.y, nearSlope), nearest);
                 }
             }
         }
-        let limit: f32 = BokehBrightest(darkest);
-        for (var row: i32 = 0; row < 2; row++)
-        {
-            for (var column: i32 = 0; column < 2; column++)
-            {
-                let place: vec2f = middle + vec2f(f32(column) - 0.5, f32(row) - 0.5);
-                let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
-                let s: f32 = pixel.a * full.size.y;
-                var nearShare: f32 = BokehLayerShare(-s, nearSlope);
-                let brightest: f32 = BokehBrightest(pixel.rgb);
-                var color: vec3f = pixel.rgb;
-                if (behind > brightest)
-                {
-                    color = min(color, darkest);
-                    if (brightest > limit)
-                    {
-                        // the part of it that is not light from behind
-                        nearShare *= (behind - brightest) / (behind - limit);
-                    }
-                }
-                let weight: f32 = nearShare * BokehBlurWeight(BokehBrightest(color) * unit,
-                    heaviest);
-                near += vec4f(color, 1.0) * nearShare;
-                sums += vec4f(-weight * s / 8.0, weight, 0.0, 0.0);
-            }
-        }
+        a = BokehNearPixel(a, nearShares.x, around);
+        b = BokehNearPixel(b, nearShares.y, around);
+        c = BokehNearPixel(c, nearShares.z, around);
+        d = BokehNearPixel(d, nearShares.w, around);
+        near = vec4f(a.rgb, 1.0) * a.a + vec4f(b.rgb, 1.0) * b.a + vec4f(c.rgb, 1.0) * c.a +
+            vec4f(d.rgb, 1.0) * d.a;
+        weights = vec4f(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+        sums = vec4f(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
     }
     var targets: BokehPrefiltered;
     targets.nearLayer = near * 0.25;
     targets.farLayer = far * 0.25;
     let most: f32 = BOKEH_MAX_COLOR;
     targets.kernelSums = min(sums * 0.25, vec4f(most, most, most, most));
-    targets.leftovers = vec4f(min(left, vec2f(most, most)), 0.0, 1.0);
+    targets.leftovers = vec4f(clamp(left, vec2f(0.0, 0.0), vec2f(most, most)), 0.0, 1.0);
     return targets;
 }
 
@@ -485,22 +507,101 @@ fn BokehKernelColumns(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] holes: what the near layer hides
+// [12] quarter size: levels of the layers, and what the near layer hides
 
-// Layers: what BokehHoleDownsample writes
+// Layers: CoC that the near and the far layer are blurred by here, pixels
+fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> vec2f
+{
+    let place: vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
+    return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
+}
+
+// Layers: what a layer is blurred by
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
+//   .180), with 16 too sharp (street_11: .044 for .041).
+//   sizes         from BokehLayerSizes
+//   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
+//                 y = spacing of the samples on an edge: an edge of a hexagon has at most
+//                 BOKEH_LAYER_CELLS; 1 or more
+//                 z = -1, or where the first pass reads the layer's level: weight of the texels
+//                 beside the middle one of that, so that it has a zero near 1 / spacing. More
+//                 makes edges soft, less leaves dots (hexagon, 216 pixels: ripple .16 with 1, .24
+//                 with 0, .05 so). Near lights have harder edges: from 1.15 on market_7 has .182
+//                 for .179, from 2 on dots show.
+fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
+{
+    var CoC: f32 = 0.5 * sizes.r;
+    var least: f32 = 1.5;
+    if (isFar)
+    {
+        CoC = 0.5 * sizes.g;
+        least = 1.15;
+    }
+    // a square has one line where others have more
+    var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
+    var hard: f32 = 0.4;
+    if (polygon.sides < 6)
+    {
+        spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
+        hard = 0.2;
+    }
+    var own: f32 = 8.0;
+    var side: f32 = -1.0;
+    if (spacing > least)
+    {
+        side = clamp(0.25 * spacing - hard, 0.0, 0.6);
+        own = 22.0 + 154.0 * side / (1.0 + 2.0 * side);
+    }
+    return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+}
+
+// Layers: a texel of a layer's level
+//   center        texels of the half size
+//   side          z of BokehLayerBlur
+fn BokehLevel(LayerSamp: texture_2d<f32>, center: vec2f, side: f32, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> vec4f
+{
+    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    if (side > 0.0)
+    {
+        for (var y: i32 = 0; y < 3; y++)
+        {
+            for (var x: i32 = 0; x < 3; x++)
+            {
+                let offset: vec2f = vec2f(f32(x) - 1.0, f32(y) - 1.0);
+                let weight: vec2f = 1.0 - (1.0 - side) * abs(offset);
+                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves, BokehLinearClamp) *
+                    (weight.x * weight.y);
+            }
+        }
+        sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
+    }
+    else
+    {
+        sum = BokehFetchGrid(LayerSamp, center, halves, BokehLinearClamp);
+    }
+    return sum;
+}
+
+// Layers: what BokehDownsample writes
 //   middle, far   what is between the layers, and the far layer: rgb times weight, weight
-//   shares        rg = shares of the two, unweighted
-struct BokehHoles
+//   nearLevel, farLevel  the layers, as BokehPrefilter has them
+struct BokehLevels
 {
     middle: vec4f,
     far: vec4f,
-    shares: vec4f,
+    nearLevel: vec4f,
+    farLevel: vec4f,
 }
 
-// Layers: what is not near, at quarter size, as weighted sums
+// Layers: levels of the layers; and what is not near, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-fn BokehHoleDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> BokehHoles
+fn BokehDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
+    FarSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, polygon: BokehPolygon,
+    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLevels
 {
     let full: BokehGrid = BokehFullGrid(layers);
     let first: vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5, 0.5);
@@ -512,7 +613,6 @@ fn BokehHoleDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, lay
     let unit: f32 = exp2(-reach.b);
     var middle: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var shares: vec2f = vec2f(0.0, 0.0);
     for (var y: i32 = 0; y < 4; y++)
     {
         for (var x: i32 = 0; x < 4; x++)
@@ -527,13 +627,17 @@ fn BokehHoleDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, lay
             let weight: f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
             middle += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
             far += vec4f(pixel.rgb, 1.0) * (weight * farShare);
-            shares += vec2f(1.0 - farShare, farShare) * notNear;
         }
     }
-    var targets: BokehHoles;
+    let center: vec2f = 0.5 * middlePlace;
+    let sizes: vec2f = BokehLayerSizes(SizesSamp, layers, BokehLinearClamp);
+    var targets: BokehLevels;
     targets.middle = middle / 16.0;
     targets.far = far / 16.0;
-    targets.shares = vec4f(shares / 16.0, 0.0, 1.0);
+    targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
+        layers, BokehLinearClamp);
+    targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers,
+        BokehLinearClamp);
     return targets;
 }
 
@@ -552,6 +656,14 @@ fn BokehOnEdge(ring: i32, polygon: BokehPolygon) -> i32
     return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5, 1.0));
 }
 
+// Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
+//   without those of brightness
+fn BokehHoleShares(middle: vec4f, far: vec4f, unit: f32) -> vec2f
+{
+    return vec2f(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
+        unit);
+}
+
 // Layers: what BokehHoleFill writes
 //   middle        what is between the layers; a = its share in what is around
 //   back          the far layer
@@ -562,21 +674,22 @@ struct BokehFilled
 }
 
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp, SharesSamp  what BokehHoleDownsample wrote
-fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, SharesSamp: texture_2d<f32>,
-    ReachSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> BokehFilled
+//   MiddleSamp, FarSamp  what BokehDownsample wrote
+fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
+    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehFilled
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 4.0);
     let center: vec2f = layers.uv * grid.size;
-    let reach: f32 = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
-        BokehLinearClamp).r;
+    let tile: vec4f = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp);
+    let reach: f32 = tile.r;
+    let unit: f32 = exp2(-tile.b);
     var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
     var direction: vec2f = BokehEdgeDirection(1, polygon);
     let turn: vec2f = BokehTurn(1.0, polygon);
     var middle: vec4f = BokehFetchGrid(MiddleSamp, center, grid, BokehLinearClamp);
     var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
-    var shares: vec2f = BokehFetchGrid(SharesSamp, center, grid, BokehLinearClamp).rg;
+    var shares: vec2f = BokehHoleShares(middle, far, unit);
     for (var ring: i32 = 1; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -595,9 +708,11 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, SharesSa
             for (var i: i32 = 0; i < onEdge; i++)
             {
                 let place: vec2f = center + corner * scale;
-                middle += BokehFetchGrid(MiddleSamp, place, grid, BokehLinearClamp) * weight;
-                far += BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp) * weight;
-                shares += BokehFetchGrid(SharesSamp, place, grid, BokehLinearClamp).rg * weight;
+                let middleTexel: vec4f = BokehFetchGrid(MiddleSamp, place, grid, BokehLinearClamp);
+                let farTexel: vec4f = BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp);
+                middle += middleTexel * weight;
+                far += farTexel * weight;
+                shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
@@ -626,22 +741,23 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, SharesSa
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   CoC           texels of the half size
-fn BokehLayerLine(tex: texture_2d<f32>, k: i32, polygon: BokehPolygon, secondPass: bool, CoC: f32,
-    layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+//   scale         of the texture: 2, or 4 where it is a level
+//   blur          from BokehLayerBlur
+fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon, secondPass: bool,
+    blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-    let segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
-    let lengthInTexels: f32 = 2.0 * length(segment.zw) * CoC;
-    let cells: f32 = clamp(lengthInTexels, 2.0, f32(BOKEH_LAYER_CELLS));
-    let phase: f32 = 0.5 + layers.jitter * clamp(lengthInTexels / cells - 1.0, 0.0, 1.0);
-    let first: vec2f = layers.uv * halves.size + (segment.xy - segment.zw) * CoC;
-    let cellLength: vec2f = segment.zw * CoC * (2.0 / cells);
+    let grid: BokehGrid = BokehReducedGrid(layers, scale);
+    let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
+    let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
+    let phase: f32 = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+    let first: vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
+        scale);
+    let cellLength: vec2f = segment.zw * (4.0 / (scale * cells));
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var i: i32 = 0; i < i32(ceil(cells)); i++)
     {
         let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), halves,
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), grid,
             BokehLinearClamp);
     }
     sum = sum / cells;
@@ -650,24 +766,6 @@ fn BokehLayerLine(tex: texture_2d<f32>, k: i32, polygon: BokehPolygon, secondPas
         sum *= BokehEdgeArea(k, polygon);
     }
     return sum;
-}
-
-// Layers: the CoC that a layer is blurred by, texels of the half size
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
-//   squared CoC. With 0 layers are too soft (market_7: FLIP .186 for .180), with 16 too sharp
-//   (street_11: .044 for .041).
-//   returns       0.5 or more; 0.5 where there is no layer, or nothing left to do
-fn BokehLayerCoC(SizesSamp: texture_2d<f32>, center: vec2f, isFar: bool, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> f32
-{
-    let sizes: vec2f = BokehFetchGrid(SizesSamp, center / 4.0, BokehReducedGrid(layers, 8.0),
-        BokehLinearClamp).rg;
-    var CoC: f32 = 0.5 * sizes.r;
-    if (isFar)
-    {
-        CoC = 0.5 * sizes.g;
-    }
-    return sqrt(max(CoC * CoC - 8.0, 0.25));
 }
 
 // Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
@@ -679,35 +777,54 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
+fn BokehFirstLine(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32,
+    polygon: BokehPolygon, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+{
+    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    if (blur.z > -0.5)
+    {
+        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    else
+    {
+        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    return sum;
+}
+
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
-//   SizesSamp     sizes of BokehKernelColumns
+//   LevelSamp     nearLevel or farLevel of BokehDownsample
+//   sizes         from BokehLayerSizes
 //   isFar         false: the near layer
 //   last, returns as of BokehExactFirst
-fn BokehLayerFirst(LayerSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, isFar: bool, last: i32,
-    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes: vec2f,
+    isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehTargets
 {
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
-    let CoC: f32 = BokehLayerCoC(SizesSamp, center, isFar, layers, BokehLinearClamp);
-    if (CoC > 0.5)
+    let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
         var L2: vec4f = none;
         var L3: vec4f = none;
         var L4: vec4f = none;
-        let L1: vec4f = BokehLayerLine(LayerSamp, 1, polygon, false, CoC, layers, BokehLinearClamp);
+        let L1: vec4f = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers,
+            BokehLinearClamp);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, 2, polygon, false, CoC, layers, BokehLinearClamp);
+            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers, BokehLinearClamp);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, 3, polygon, false, CoC, layers, BokehLinearClamp);
+            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers, BokehLinearClamp);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, 4, polygon, false, CoC, layers, BokehLinearClamp);
+            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers, BokehLinearClamp);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -729,26 +846,29 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, isFar
 //   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
 fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, SizesSamp: texture_2d<f32>, isFar: bool,
+    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, sizes: vec2f, isFar: bool,
     polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    let CoC: f32 = BokehLayerCoC(SizesSamp, center, isFar, layers, BokehLinearClamp);
-    if (CoC > 0.5)
+    let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
+    if (blur.x > 0.5)
     {
-        result = BokehLayerLine(Edge2Samp, 2, polygon, true, CoC, layers, BokehLinearClamp);
+        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 3, polygon, true, CoC, layers, BokehLinearClamp);
+            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers,
+                BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 4, polygon, true, CoC, layers, BokehLinearClamp);
+            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers,
+                BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 5, polygon, true, CoC, layers, BokehLinearClamp);
+            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers,
+                BokehLinearClamp);
         }
         result = result / polygon.area;
     }
@@ -757,6 +877,53 @@ fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
         result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0), BokehLinearClamp);
     }
     return result;
+}
+
+// Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
+struct BokehLayersTargets
+{
+    near2: vec4f,
+    far2: vec4f,
+    near3: vec4f,
+    far3: vec4f,
+}
+
+// Layers: BokehLayerFirst of both layers, for a square or a hexagon
+fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearLevelSamp: texture_2d<f32>,
+    FarSamp: texture_2d<f32>, FarLevelSamp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
+    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLayersTargets
+{
+    let last: i32 = polygon.sides / 2;
+    let near: BokehTargets = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+        layers, BokehLinearClamp);
+    let far: BokehTargets = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon,
+        layers, BokehLinearClamp);
+    var targets: BokehLayersTargets;
+    targets.near2 = near.edge2;
+    targets.far2 = far.edge2;
+    targets.near3 = near.edge3;
+    targets.far3 = far.edge3;
+    return targets;
+}
+
+// Layers: the finished layers
+struct BokehBlurred
+{
+    near: vec4f,
+    far: vec4f,
+}
+
+// Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
+fn BokehLayersSecond(Near2Samp: texture_2d<f32>, Far2Samp: texture_2d<f32>,
+    Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
+    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehBlurred
+{
+    var targets: BokehBlurred;
+    targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
+        polygon, layers, BokehLinearClamp);
+    targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
+        layers, BokehLinearClamp);
+    return targets;
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -32,9 +32,11 @@
 //   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes; the
-//   second pass over a layer has sizes in ColorSampE. BokehLayer: 0 near, 1 far. Tile dilation runs
-//   twice: BokehAxis 0, 1. What ends in One or Edge writes target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
+//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
+//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
+//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
+//   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
 //   (docs/parameters.md has the table with units, and the struct for C++, C#, Rust and JavaScript).
@@ -322,17 +324,38 @@ fn BokehBeginTiles(uv: vec2f) -> BokehLayers
 //   last          as in BokehExactFirst
 fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, bokehParameters.BokehLayer > 0.5, last,
-        polygon, BokehBeginLayers(uv, 2.0, 0.0), BokehLinearClamp);
+    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC, layers,
+        BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
+        BokehLinearClamp);
 }
 
 // the polygon of a layer, second pass
-fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d<f32>,
-    Edge5Samp: texture_2d<f32>, sides: i32) -> vec4f
+fn BokehLayerResult(uv: vec2f, Edge5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
 {
-    return BokehLayerSecond(BokehColorSamp, Edge3Samp, Edge4Samp, Edge5Samp, BokehColorSampE,
-        bokehParameters.BokehLayer > 0.5, BokehAperture(uv, sides), BokehBeginLayers(uv, 2.0, 1.0),
-        BokehLinearClamp);
+    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
+        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
+        0.5, polygon, layers, BokehLinearClamp);
+}
+
+// both layers, first pass, of a square or a hexagon
+fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
+{
+    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
+        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
+        layers, BokehLinearClamp);
+}
+
+// both layers, second pass
+fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<f32>,
+    sides: i32) -> BokehBlurred
+{
+    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
+        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
+        layers, BokehLinearClamp);
 }
 
 @fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
@@ -559,40 +582,43 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
     return BokehTargets2(targets.reach, targets.sizes);
 }
 
-@fragment fn BokehHoleDownsample_PS(input: BokehVertex) -> BokehTargets3
+@fragment fn BokehDownsample_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehTargets3(targets.middle, targets.far, targets.shares);
+    let targets: BokehLevels = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv), BokehBeginTiles(input.uv),
+        BokehLinearClamp);
+    return BokehTargets4(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
 }
 
 @fragment fn BokehHoleFill_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0),
-        BokehLinearClamp);
+        BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0), BokehLinearClamp);
     return BokehTargets2(targets.middle, targets.back);
 }
 
-@fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> BokehTargets2
 {
-    return BokehLayerPolygon(input.uv, 2, BokehAperture(input.uv, 4)).edge2;
+    let targets: BokehLayersTargets = BokehBothPolygons(input.uv, 4);
+    return BokehTargets2(targets.near2, targets.far2);
 }
 
-@fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> BokehTargets2
 {
-    return BokehLayerResult(input.uv, BokehColorSamp, BokehColorSamp, BokehColorSamp, 4);
+    let targets: BokehBlurred = BokehBothResults(input.uv, BokehColorSamp, BokehColorSampB, 4);
+    return BokehTargets2(targets.near, targets.far);
 }
 
-@fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 3, BokehAperture(input.uv, 6));
-    return BokehTargets2(targets.edge2, targets.edge3);
+    let targets: BokehLayersTargets = BokehBothPolygons(input.uv, 6);
+    return BokehTargets4(targets.near2, targets.far2, targets.near3, targets.far3);
 }
 
-@fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> BokehTargets2
 {
-    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampB, BokehColorSampB, 6);
+    let targets: BokehBlurred = BokehBothResults(input.uv, BokehColorSampC, BokehColorSampD, 6);
+    return BokehTargets2(targets.near, targets.far);
 }
 
 @fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
@@ -603,7 +629,7 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
 
 @fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampC, BokehColorSampC, 8);
+    return BokehLayerResult(input.uv, BokehColorSampC, BokehAperture(input.uv, 8));
 }
 
 @fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
@@ -614,7 +640,7 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
 
 @fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerResult(input.uv, BokehColorSampB, BokehColorSampC, BokehColorSampD, 10);
+    return BokehLayerResult(input.uv, BokehColorSampD, BokehAperture(input.uv, 10));
 }
 
 @fragment fn BokehComposite_PS(input: BokehVertex) -> @location(0) vec4f
@@ -653,18 +679,18 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
     return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
 }
 
-@fragment fn BokehHoleDownsampleOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehDownsampleOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehHoles = BokehHoleDownsample(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehPickTarget(targets.middle, targets.far, targets.shares, targets.shares);
+    let targets: BokehLevels = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+        BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv), BokehBeginTiles(input.uv),
+        BokehLinearClamp);
+    return BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
 }
 
 @fragment fn BokehHoleFillOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0),
-        BokehLinearClamp);
+        BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0), BokehLinearClamp);
     return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
 }
 
@@ -673,4 +699,9 @@ fn BokehLayerResult(uv: vec2f, Edge3Samp: texture_2d<f32>, Edge4Samp: texture_2d
     let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(input.uv));
     return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+}
+
+@fragment fn BokehLayerSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerResult(input.uv, BokehColorSampD, BokehAnyAperture(input.uv));
 }

@@ -52,12 +52,10 @@ static const std::vector<Pass> LAYERED_HEXAGON = {
     {"BokehKernelReduce_PS", "sums leftovers", "tile_leftovers tile_sums", 8, {}},
     {"BokehKernelRows_PS", "tile_leftovers tile_sums reach", "row_leftovers row_sums", 8, {}},
     {"BokehKernelColumns_PS", "row_leftovers row_sums reach", "reaches sizes", 8, {}},
-    {"BokehHoleDownsample_PS", "coc reach", "middle_with_holes far_with_holes shares", 4, {}},
-    {"BokehHoleFill_PS", "middle_with_holes far_with_holes shares reach", "middle back", 4, {{&BokehParameters::Sides, 6.0f}}},
-    {"BokehHexagonLayerFirst_PS", "near sizes", "near_target_2 near_target_3", 2, {{&BokehParameters::Layer, 0.0f}}},
-    {"BokehHexagonLayerSecond_PS", "near_target_2 near_target_3 - - sizes", "near_blurred", 2, {{&BokehParameters::Layer, 0.0f}}},
-    {"BokehHexagonLayerFirst_PS", "far sizes", "far_target_2 far_target_3", 2, {{&BokehParameters::Layer, 1.0f}}},
-    {"BokehHexagonLayerSecond_PS", "far_target_2 far_target_3 - - sizes", "far_blurred", 2, {{&BokehParameters::Layer, 1.0f}}},
+    {"BokehDownsample_PS", "coc reach near far sizes", "middle_with_holes far_with_holes near_level far_level", 4, {{&BokehParameters::Sides, 6.0f}}},
+    {"BokehHoleFill_PS", "middle_with_holes far_with_holes reach", "middle back", 4, {{&BokehParameters::Sides, 6.0f}}},
+    {"BokehHexagonLayerFirst_PS", "near near_level far far_level sizes", "near_target_2 far_target_2 near_target_3 far_target_3", 2, {}},
+    {"BokehHexagonLayerSecond_PS", "near_target_2 far_target_2 near_target_3 far_target_3 sizes", "near_blurred far_blurred", 2, {}},
     {"BokehComposite_PS", "coc reaches near_blurred far_blurred middle back", "result", 1, {{&BokehParameters::Sides, 6.0f}}},
 };
 

@@ -1,9 +1,11 @@
 """How many texels the passes fetch."""
 
+from math import ceil, pi, sin
+
 import numpy as np
 
 from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import DEPTH, EDGE, FIRST, LATERAL, SECOND, STEADY
+from bokeh_validation.shaders.entries import BOTH, DEPTH, EDGE, FIRST, LATERAL, SECOND, STEADY
 from bokeh_validation.shaders.passes import Pass
 
 KINDS = ("color", "depth", "table")
@@ -51,18 +53,21 @@ def _of_layers(item: Pass) -> int:
 
     if item.spec.role in (FIRST, SECOND, EDGE):
         edges = item.constants["BOKEH_TARGET_INDEX"] + 1 if item.spec.role == EDGE else sides // 2 - 1
-        return 1 + max(edges * cells, 1)
+        # a square's lines are twice as dense
+        along_edge = ceil(cells * (1.4142136 / 0.708 if sides == 4 else 2.0 * sin(pi / sides)))
+        both = 2 if item.spec.sides in BOTH else 1
+        return 1 + both * edges * along_edge
     filled = 1 + ring_samples(2)
     # of several targets, those of each alone: its program leaves out what only the others need
     counts = {
         "TileMax": (8 * 8,),
         "TileDilate": (along,),
-        "Prefilter": (1 + 2 * 2 + 4 * 4 + 2 * 2, 25, 5, 25, 5),
+        "Prefilter": (1 + 4 * 4, 17, 5, 17, 5),
         "KernelReduce": (2 * 4 * 4, 16, 16),
         "KernelRows": (1 + 2 * along, along, 1 + along),
         "KernelColumns": (2 + 2 * along, 1 + along, 2 + along),
-        "HoleDownsample": (1 + 4 * 4, 17, 17, 17),
-        "HoleFill": (1 + 3 * filled, 1 + 3 * filled, 1 + 2 * filled),
+        "Downsample": (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10),
+        "HoleFill": (1 + 2 * filled, 1 + 2 * filled, 1 + 2 * filled),
         "Composite": (2 + 2 * (5 if cubic else 1) + ring_samples(rings) + 2,),
     }[(item.spec.whole or item.entry).removeprefix("Bokeh")]
     return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

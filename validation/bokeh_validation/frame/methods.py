@@ -8,7 +8,7 @@ import numpy as np
 
 from bokeh_validation.frame import apertures
 from bokeh_validation.frame.aperture import LinePass, decompose
-from bokeh_validation.shaders.entries import COLORS, EXACT
+from bokeh_validation.shaders.entries import BOTH, COLORS, EXACT
 from bokeh_validation.shaders.passes import Pass
 
 # The shaders' names for the fields of Camera, in the same order
@@ -16,7 +16,7 @@ LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "Boke
 FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
 PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
-PRESETS = {"low": (2, 8, 0), "medium": (3, 12, 1), "high": (3, 16, 1), "ultra": (4, 16, 1)}
+PRESETS = {"low": (1, 11, 0), "medium": (2, 11, 1), "high": (3, 18, 1), "ultra": (4, 18, 1)}
 # Of exact -> samples on a line at most, pixels between them
 EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
 EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
@@ -244,7 +244,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
         values = {**common, **changed}
         read = dict(zip(COLORS, inputs, strict=False))
-        if len(outputs) == 1 or settings.targets:
+        if settings.targets or (len(outputs) == 1 and entry != stem + "First"):
             passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
             return
         one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
@@ -259,15 +259,27 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     add(8, "BokehKernelReduce", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
     add(8, "BokehKernelRows", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
     add(8, "BokehKernelColumns", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
-    add(4, "BokehHoleDownsample", ("coc", "reach"), ("middle with holes", "far with holes", "shares"))
-    add(4, "BokehHoleFill", ("middle with holes", "far with holes", "shares", "reach"), ("middle", "back"))
-    for index, layer in enumerate(("near", "far")):
-        names = tuple(f"{layer} target {k}" for k in range(2, sides // 2 + 1))
-        add(2, stem + "First", (layer, "sizes"), names, BokehLayer=float(index))
+    holes = ("middle with holes", "far with holes")
+    add(4, "BokehDownsample", ("coc", "reach", "near", "far", "sizes"), (*holes, "near level", "far level"))
+    add(4, "BokehHoleFill", (*holes, "reach"), ("middle", "back"))
+    blurred = {layer: [f"{layer} target {k}" for k in range(2, sides // 2 + 1)] for layer in ("near", "far")}
+    together = settings.targets and sides in BOTH
+    for index, (layer, names) in enumerate(blurred.items()):
+        inputs, outputs, values = (layer, f"{layer} level"), (f"{layer} blurred",), {"BokehLayer": float(index)}
+        if together:
+            # near, far of edge 2, then of edge 3
+            names = [name for pair in zip(*blurred.values(), strict=True) for name in pair]
+            inputs, outputs, values = ("near", "near level", "far", "far level"), ("near blurred", "far blurred"), {}
+        add(2, stem + "First", (*inputs, "sizes"), tuple(names), **values)
         # the CoC are in the fifth slot, whatever the number of targets
-        read = dict(zip(COLORS, names, strict=False)) | {"ColorSampE": "sizes"}
-        values = {**common, "BokehLayer": float(index)}
-        passes.append(Pass(stem + "Second", read, f"{layer} blurred", values, settings.count, defines, scale=2))
+        second, read = stem + "Second", dict(zip(COLORS, names, strict=False))
+        if not settings.targets:
+            # one program for all polygons: it does not read the last target again
+            second, read = "BokehLayerSecondOne", dict(zip(COLORS, names + names[-1:] * 3, strict=False))
+        read = {slot: read[slot] for slot in COLORS[:4] if slot in read} | {"ColorSampE": "sizes"}
+        passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=2))
+        if together:
+            break
     add(1, "BokehComposite", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
     return Plan(tuple(passes), {})
 

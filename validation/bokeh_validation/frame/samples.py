@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from bokeh_validation import shaders
 from bokeh_validation.frame import methods, plan
-from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT, Entry
+from bokeh_validation.shaders.entries import ADAPTIVE, BOTH, COLORS, COPY, EDGE, ENTRIES, EXACT, Entry
 from bokeh_validation.shaders.passes import Pass
 
 # What the samples call what they hand to a frame: the engine's depth buffer, and metres for paper
@@ -16,7 +16,7 @@ DEPTH = "depthKind, nearPlane, farPlane"
 # No sample has noise on its samples' places, which this numbers
 LEFT_OUT = "BokehPassIndex"
 # Entries of the layers that read BokehSides, where each pass may be of another polygon
-SIDED = ("BokehHoleFill", "BokehComposite")
+SIDED = ("BokehDownsample", "BokehHoleFill", "BokehComposite")
 SIZE = (64, 64)
 
 
@@ -177,7 +177,13 @@ def call(item: Pass, names: dict[str, str]) -> str:
             sampled = textures.get(next(slots), sampled)
         argument = {
             "BOKEH_TEXTURE": sampled,
-            "vec2": "uv" if name == "uv" else "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
+            "vec2": f"BokehLayerSizes({names['sizes']}, layers)"
+            if name == "sizes"
+            else "uv"
+            if name == "uv"
+            else "vec2(0.0, 1.0)"
+            if values["BokehAxis"]
+            else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
             "int": f"{_last(item)}",
         }.get(kind, name)
@@ -203,7 +209,8 @@ def _function(entry: Entry) -> str:
     """The function of the library that an entry calls."""
     if entry.role == EDGE:
         return "BokehLayerFirst" if entry.layers else "BokehExactFirst"
-    return re.sub("(?:Square|Hexagon|Octagon|Decagon)(?=Layer)", "", entry.whole or entry.name)
+    layer = "Layers" if entry.sides in BOTH else "Layer"
+    return re.sub("(?:Square|Hexagon|Octagon|Decagon)Layer", layer, (entry.whole or entry.name).removesuffix("One"))
 
 
 def _last(item: Pass) -> int:

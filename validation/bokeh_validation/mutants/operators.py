@@ -24,7 +24,7 @@ NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
 ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerShare\()(?<!BokehRotated\()"
 PAIRS = "+ -, * /, && ||, == !=, true false, min max, sin cos, floor ceil"
 SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx"
-MEMBERS = ".edge2 .edge3, .edge4 .edge5, .nearLayer .farLayer, .reach .sizes, .far .shares"
+MEMBERS = ".edge2 .edge3, .edge4 .edge5, .nearLayer .farLayer, .reach .sizes, .far .nearLevel, .nearLevel .farLevel"
 OTHER = {
     "<": ">",
     ">": "<",
@@ -68,7 +68,7 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
         _other,
     ),
     "axis": (
-        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|edge\d|(?:near|far)Layer|(?:kernelS|s)ums|reach|sizes|far|shares|back)\b(?!\()",
+        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|edge\d|(?:near|far)Layer|(?:kernelS|s)ums|reach|sizes|far|(?:near|far)Level|back)\b(?!\()",
         _other,
     ),
     "constant": (r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])", _number),

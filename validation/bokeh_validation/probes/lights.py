@@ -15,7 +15,7 @@ AMBIENT = 0.125
 # ------------------------------------------------------------------------------------------------------ isolated lights
 
 LIGHT_COCS = (-80, -24, -12, 12, 24, 80)
-# Pixels across -> least overlap asked for at 80 pixels with 16 samples an edge, 2.5 pixels apart: a sample is a tent of
+# Pixels across -> least overlap asked for at 80 pixels with 18 samples an edge, 2.2 pixels apart: a sample is a tent of
 # 4 pixels, and more of them make dots
 LIGHT_PIXELS = {1: 0.9, 3: 0.94, 9: 0.97}
 LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
@@ -38,7 +38,7 @@ def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
     light = block(((size[0] - 1) // 2, (size[1] - 1) // 2), pixels)
     color[light][..., :3] = 0.0, 0.0, LIGHT + (AMBIENT if coc > 0 else 0.0)
     depth[light] = metres(coc, side)
-    label = f"{pixels} px at CoC {coc}" + (", 16 samples" if preset == "high" else "")
+    label = f"{pixels} px at CoC {coc}" + (", 18 samples" if preset == "high" else "")
     return Case(label, settings(preset=preset), color, depth)
 
 
@@ -63,10 +63,10 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
         lit = blue - AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
         checks.append(Check(f"light kept, {label}", lit.sum() / total, 0.99, 1.01, "asked for"))
         if preset == "high":
-            least, why = LIGHT_PIXELS[pixels], "asked for at 16 samples"
+            least, why = LIGHT_PIXELS[pixels], "asked for at 18 samples"
         elif abs(coc) < 80:
-            # far light below 12.4 pixels is gathered, in rings 1/7 of the CoC apart
-            least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 14.0) if 0 < coc < 12.4 else 0.5)
+            # far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart
+            least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
         else:
             continue

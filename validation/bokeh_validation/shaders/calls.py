@@ -15,7 +15,9 @@ def found_functions(text: str) -> Iterator[tuple[str, re.Match]]:
     for match in shaders.FUNCTION.finditer(text):
         name = match["name"]
         if name == "main":
-            name = _MAIN[re.findall(r"BOKEH_PASS == (\w+)", text[: match.start()])[-1]]
+            branch = re.findall(r"BOKEH_PASS == (\w+)", text[: match.start()])[-1]
+            # an older text has entries that are gone
+            name = _MAIN.get(branch, branch)
         yield name, match
 
 

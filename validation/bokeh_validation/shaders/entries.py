@@ -8,6 +8,8 @@ FIRST, SECOND, EDGE, LAYERS = "first", "second", "edge", "layers"
 
 # Sides of the polygons that are exact, with the name that their entries begin with
 EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
+# Of layers: those whose targets of both layers are four or fewer
+BOTH = (4, 6)
 COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
 
 
@@ -37,13 +39,18 @@ class Entry:
 
 
 def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]:
-    """The two passes of an exact polygon; those of a layer have the CoC in a slot of their own, the second's fifth."""
-    between = sides // 2 - 1
+    """The two passes of an exact polygon; those of layers, of both where sides are in BOTH, have the CoC in a slot of
+    their own, the second's fifth.
+    """
+    both = 2 if layers and sides in BOTH else 1
+    between = both * (sides // 2 - 1)
     stem = f"Bokeh{word.capitalize()}{'Layer' if layers else ''}"
-    first, second = (COLORS[:2], (*COLORS[:between], COLORS[4])) if layers else (COLORS[:1], COLORS[:between])
+    first, second = COLORS[:1], COLORS[:between]
+    if layers:
+        first, second = COLORS[: 2 * both + 1], (*second, COLORS[4])
     return (
         Entry(f"{stem}First", FIRST, first, between, sides, layers),
-        Entry(f"{stem}Second", SECOND, second, 1, sides, layers),
+        Entry(f"{stem}Second", SECOND, second, both, sides, layers),
     )
 
 
@@ -56,15 +63,15 @@ _SEVERAL = (
     _layers("KernelReduce", 2, 2),
     _layers("KernelRows", 3, 2),
     _layers("KernelColumns", 3, 2),
-    _layers("HoleDownsample", 2, 3),
-    _layers("HoleFill", 4, 2),
+    _layers("Downsample", 5, 4),
+    _layers("HoleFill", 3, 2),
 )
 # Slots that one of the targets alone does not need, target by target
 UNREAD = {
     "BokehKernelReduce": (COLORS[:1], COLORS[1:2]),
     "BokehKernelRows": (COLORS[1:3], COLORS[:1]),
     "BokehKernelColumns": (COLORS[1:2], COLORS[:1]),
-    "BokehHoleFill": ((), COLORS[2:3]),
+    "BokehDownsample": (COLORS[2:5], COLORS[2:5], (*COLORS[:2], COLORS[3]), COLORS[:3]),
 }
 _COLOR_DEPTH = ("ColorSamp", "DepthSamp")
 _ALL = (
@@ -93,7 +100,8 @@ _ALL = (
     _layers("Composite", 6),
     # one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
-    Entry("BokehLayerEdge", EDGE, COLORS[:2], layers=True),
+    Entry("BokehLayerEdge", EDGE, COLORS[:3], layers=True),
+    Entry("BokehLayerSecondOne", SECOND, COLORS[:5], layers=True),
 )
 ENTRIES = {entry.name: entry for entry in _ALL}
 # With so many samples whatever their spacing: BOKEH_PAPER_SAMPLES

@@ -41,7 +41,9 @@ BLOCK = {
     "BokehImageHeight": Parameter(1.0, "pixels", "the same; all with BOKEH_VIEWPORT 1"),
     "BokehJitter": Parameter(0.0, "amount of noise on the samples' places, 0 .. 1", "Adaptive, exact, layered"),
     "BokehFrame": Parameter(0.0, "number of the frame ([jitter](#jitter))", "the same"),
-    "BokehSides": Parameter(6.0, "4, 6, 8 or 10; 0 is 6", "ExactEdge, HoleFill, LayerEdge, Composite"),
+    "BokehSides": Parameter(
+        6.0, "4, 6, 8 or 10; 0 is 6", "ExactEdge, Downsample, HoleFill, LayerEdge, LayerSecondOne, Composite"
+    ),
     "BokehDepthKind": Parameter(
         0.0,
         "what the depth buffer holds: 0 metres, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic, "
@@ -56,7 +58,11 @@ BLOCK = {
     "BokehTextureHeight": Parameter(1.0, "pixels", "the same"),
     "BokehPassIndex": Parameter(0.0, "0, 1 ..: number of the pass ([jitter](#jitter))", "Adaptive"),
     "BokehAxis": Parameter(0.0, "0: along rows, 1: along columns", "TileDilate"),
-    "BokehLayer": Parameter(0.0, "0: the near layer, 1: the far one", "all with LayerFirst or LayerSecond, LayerEdge"),
+    "BokehLayer": Parameter(
+        0.0,
+        "0: the near layer, 1: the far one",
+        "passes of one layer",
+    ),
     "BokehCatsEye": Parameter(0.0, "BOKEH_LENS_SHAPE 1: share cut off in corners, 0 .. 0.9", "exact, HoleFill and on"),
     "BokehRoundness": Parameter(1.0, "of octagons: 0 a square, 1 regular", "the same"),
     "BokehLateral": Parameter(0.0, "how much larger red is than green, and blue smaller, -0.1 .. 0.1", "LateralColor"),

@@ -82,8 +82,8 @@ LENS = {
 }
 LAYERS = {
     "the first comment": "// Layers: where [[the=>an]] image lies",
-    "a row of the presets": "//   BOKEH_PRESET_LOW        [[2=>1]] ",
-    "the configuration": ("#define BOKEH_PRESET_CELLS [[8=>9]]", "override BOKEH_LAYER_CELLS: i32 = [[12=>13]];"),
+    "a row of the presets": "//   BOKEH_PRESET_LOW        [[1=>2]] ",
+    "the configuration": ("#define BOKEH_PRESET_CELLS [[11=>9]]", "override BOKEH_LAYER_CELLS: i32 = [[11=>13]];"),
 }
 PASSES = {
     "the sides": ("uv, [[8=>6]])", "BokehUV, [[8=>6]])", "uv, [[8=>6]])"),
