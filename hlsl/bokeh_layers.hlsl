@@ -548,7 +548,7 @@ float2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers BOKEH_SAMPLER
 }
 
 // Layers: what a layer is blurred by
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
 //   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
 //   .180), with 16 too sharp (street_11: .044 for .041).
 //   sizes         from BokehLayerSizes
@@ -577,12 +577,12 @@ float3 BokehLayerBlur(float2 sizes, bool isFar, BokehPolygon polygon)
         spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
         hard = 0.2;
     }
-    float own = 8.0;
+    float own = 9.0;
     float side = -1.0;
     if (spacing > least)
     {
         side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own = 22.0 + 154.0 * side / (1.0 + 2.0 * side);
+        own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
     }
     return float3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -771,15 +771,11 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
-float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-    bool secondPass, float3 blur, BokehLayers layers BOKEH_SAMPLER)
+//   scale         of the texture: 2, or 4 where it is a level
+//   blur          from BokehLayerBlur
+float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
+    float3 blur, BokehLayers layers BOKEH_SAMPLER)
 {
-    float scale = 2.0;
-    if (blur.z > -0.5)
-    {
-        scale = 4.0;
-    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
     float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -790,17 +786,8 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPo
     BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        float2 place = first + cellLength * (float(i) + cell * phase);
-        float4 texel = float4(0.0, 0.0, 0.0, 0.0);
-        if (blur.z > -0.5)
-        {
-            texel = BokehFetchGrid(LevelSamp, place, grid BOKEH_LINEAR);
-        }
-        else
-        {
-            texel = BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
-        }
-        sum += cell * texel;
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase),
+            grid BOKEH_LINEAR);
     }
     sum = sum / cells;
     if (secondPass)
@@ -816,6 +803,22 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 {
     float4 w = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
+}
+
+// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
+float4 BokehFirstLine(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
+    float3 blur, BokehLayers layers BOKEH_SAMPLER)
+{
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    if (blur.z > -0.5)
+    {
+        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    else
+    {
+        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    return sum;
 }
 
 // Layers: first pass over a layer
@@ -836,19 +839,18 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, f
         float4 L2 = none;
         float4 L3 = none;
         float4 L4 = none;
-        float4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur,
-            layers BOKEH_LINEAR);
+        float4 L1 = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers BOKEH_LINEAR);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers BOKEH_LINEAR);
+            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers BOKEH_LINEAR);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers BOKEH_LINEAR);
+            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers BOKEH_LINEAR);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers BOKEH_LINEAR);
+            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers BOKEH_LINEAR);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -876,24 +878,20 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     float3 blur = BokehLayerBlur(sizes, isFar, polygon);
-    float3 own = float3(blur.x, blur.y, -1.0);
     if (blur.x > 0.5)
     {
-        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers BOKEH_LINEAR);
+        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own,
-                layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own,
-                layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own,
-                layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers BOKEH_LINEAR);
         }
         result = result / polygon.area;
     }
@@ -992,19 +990,23 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
     return result;
 }
 
-// Layers: how far a CoC spreads, pixels, without the blur that linear filtering adds by itself
-float BokehSpreadRadius(float s)
+// Layers: 1 / radius^2 of what two CoC spread over, pixels
+//   For r = CoC / 2 that is (r^2 + 0.8) / r^4: pixels and the linear filter blur by themselves. 0.8
+//   suits input of one sample a pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
+//   .116 and .0620).
+float2 BokehSpreadInverse(float2 CoC)
 {
-    return max(0.5 * abs(s) - 0.5, 0.0);
+    float2 inverse = 1.0 / max(CoC * CoC, float2(0.000001, 0.000001));
+    return inverse * (inverse * 12.8 + 4.0);
 }
 
-// Layers: radius of a ring of the gather, pixels
-//   power         1: evenly spaced, the last ring half a step within the radius; 2: closer to the
-//                 middle. No two rings are closer than a pixel.
-float BokehRingRadius(int ring, float radius, float power)
+// Layers: outer border of a ring of the gather, pixels; 0: of the middle
+//   spacing       between rings
+//   narrowing     0: evenly spaced; 1: closer to the middle, but not closer than a pixel
+float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 {
-    float share = float(ring) / (float(BOKEH_LAYER_RINGS) + 0.5);
-    return max(radius * exp2(power * log2(share)), float(ring));
+    float even = spacing * (float(ring) + 0.5);
+    return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
 }
 
 // Layers: the last pass: a gather over what is in no layer, and all of it together
@@ -1031,60 +1033,56 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
         float farSlope = BokehFarSlope(tile.g);
         float nearShare = BokehLayerShare(-s, nearSlope);
         float farShare = BokehLayerShare(s, farSlope);
-        // at a near pixel the far layer is added too: it lies beyond it
-        float addFar = max(farShare, nearShare);
-        float4 near = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(layers,
-            2.0) BOKEH_LINEAR);
-        float4 far = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(layers,
-            2.0) BOKEH_LINEAR);
-
         // the gather reaches as far as what is in no layer
-        float ownRadius = BokehSpreadRadius(s);
-        float restRadius = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare);
-        float radius = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
-        if (near.a > 0.998)
-        {
-            // wholly covered
-            radius = 0.0;
-        }
-        float power = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
-        float before = 0.0;
-        float current = BokehRingRadius(1, radius, power);
+        float ownInverse = BokehSpreadInverse(float2(s, s)).x;
+        float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+            sqrt(ownInverse);
+        float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
+        float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        // rings closer than a pixel find nothing new (1.3: moderate blur .116 for .114)
+        float spacing = max(min(radius / 1.5, 1.0), radius / (float(BOKEH_LAYER_RINGS) + 0.5));
+        float inner = BokehRingBorder(0, radius, spacing, narrowing);
         // what spreads less than the inner radius of the first ring reaches no other pixel
-        float least = 0.5 * current;
-        float share = least / max(ownRadius, least);
-        float weight = (1.0 - nearShare) * (1.0 - farShare * addFar) * share * share;
-        float4 sum = float4(centerPixel.rgb, 1.0) * weight;
+        float most = 1.0 / (inner * inner);
+        float least = 1.0 / (radius * radius);
+        float weight = (1.0 - nearShare) * min(ownInverse / most, 1.0);
+        // of what is in the far layer, that layer takes the place: one of its pixels alone would
+        // shine
+        float farWeight = weight * farShare;
+        float4 sum = float4(centerPixel.rgb, 1.0) * (weight - farWeight);
+        float4 front = float4(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
-        float steepness = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 * clamp((tile.r -
-            16.0) / 16.0, 0.0, 1.0);
+        float edges = max(tile.r, tile.g - 16.0);
+        float steepness = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+            0.0, 1.0);
+        float2 none = float2(0.0, 0.0);
+        float2 whole = float2(1.0, 1.0);
         float2 stretch = float2(polygon.squeeze, 1.0);
         float2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
         float2 direction = BokehEdgeDirection(1, polygon) * 2.0;
         float2 turn = BokehTurn(1.0, polygon);
         BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
         {
-            //   ring        1     2     3
-            //   |--.--|-----.-----|--.--|     a ring has the area half way to its neighbours
-            //   inner outer
-            float next = BokehRingRadius(ring + 1, radius, power);
-            float inner = 0.5 * (before + current);
-            float outer = 0.5 * (current + next);
-            if (ring == BOKEH_LAYER_RINGS)
-            {
-                outer = 1.5 * current - 0.5 * before;
-            }
-            if (inner > radius)
+            //   |-----|--.--|--.--|     each ring in the middle of its borders; a sample counts by
+            //  middle   1     2         as much of the ring as its own disc covers, over that disc
+            if (inner >= radius)
             {
                 break;
             }
+            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+            float current = 0.5 * (inner + outer);
+            float innerSquare = inner * inner;
+            float area = outer * outer - innerSquare;
             int onEdge = BokehOnEdge(ring, polygon);
             // of its edges each gets what lies in the triangle from the middle to it
-            float cell = (outer * outer - inner * inner) / (8.0 * polygon.area * float(onEdge));
-            float slope = 1.0 / (outer - inner);
-            float start = inner * slope;
+            float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
             float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+            if (ring == 1)
+            {
+                // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+                phase += 0.5;
+            }
             float2 scale = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
             BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
@@ -1097,35 +1095,52 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
                 {
                     float2 place = first + along * float(i);
                     float2 texel = floor(place);
-                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-                        steepness, float2(0.0, 0.0), float2(1.0, 1.0));
-                    for (int side = 0; side < 2; side++)
-                    {
-                        float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset,
-                            full BOKEH_LINEAR);
-                        float isBehind = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
-                            (1.0 - nearShare);
-                        float spread = abs(pixel.a) * (0.5 * height) - 0.5;
-                        spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
-                        float kept = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
-                            BokehLayerShare(pixel.a, farSlope * height) * addFar;
-                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * edgeCell /
-                            (spread * spread);
-                        sum += float4(pixel.rgb, 1.0) * weight;
-                        offset = -offset;
-                    }
+                    // 0.49: places just between two texels go to one of them
+                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+                        steepness, none, whole);
+                    // both at once: this one and the one opposite to it
+                    float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
+                    float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
+                    float2 CoC = float2(pixel.a, other.a) * height;
+                    float2 isBehind = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 - nearShare);
+                    float2 inverse = BokehSpreadInverse(CoC);
+                    inverse += (ownInverse - inverse) * isBehind;
+                    inverse = clamp(inverse, float2(least, least), float2(most, most));
+                    float2 covers = edgeCell * max(min(1.0 - innerSquare * inverse, area * inverse),
+                        none);
+                    float2 inFar = covers * clamp(CoC * farSlope - 2.0, none, whole);
+                    covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
+                    farWeight += inFar.x + inFar.y;
+                    float4 part = float4(pixel.rgb, 1.0) * covers.x;
+                    float4 otherPart = float4(other.rgb, 1.0) * covers.y;
+                    sum += part + otherPart;
+                    float2 before = clamp(s - 0.5 - CoC, none, whole);
+                    front += part * before.x + otherPart * before.y;
                 }
                 corner += alongEdge;
                 direction = BokehRotated(direction, turn);
             }
-            before = current;
-            current = next;
+            inner = outer;
         }
 
-        float4 plain = sum + far * addFar;
+        float4 near = float4(0.0, 0.0, 0.0, 0.0);
+        float4 far = float4(0.0, 0.0, 0.0, 0.0);
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        {
+            BokehGrid halves = BokehReducedGrid(layers, 2.0);
+            near = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+            far = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
+        }
+        // at a pixel of a layer, that layer itself is added below
+        sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+        float4 plain = sum + far * farShare;
         if (plain.a >= 0.001)
         {
-            result = plain.rgb / plain.a;
+            // what is in front covers the rest by as much as it has weight
+            float rest = plain.a - front.a;
+            float open = max(1.0 - front.a, 0.0) / max(rest, 0.1);
+            result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
+                0.001);
         }
         if (nearShare > 0.0)
         {
@@ -1134,18 +1149,14 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             BokehGrid quarters = BokehReducedGrid(layers, 4.0);
             float4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters BOKEH_LINEAR);
             float4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters BOKEH_LINEAR);
-            float empty = clamp(1.0 - sum.a, 0.0, 1.0);
-            float cover = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-            float farAlpha = min(far.a, 1.0);
-            float missing = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
+            float inNear = near.a * min(2.0 - 2.0 * nearShare, 1.0);
+            float empty = max(1.0 - sum.a - inNear, 0.0);
+            float cover = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
+            float missing = max(1.0 - 2.0 * far.a, 0.0);
             float3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
                 missing;
-            float3 stack = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background * (empty -
-                cover);
-            if (plain.a < 0.001)
-            {
-                result = stack;
-            }
+            float3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
+                max(sum.a + empty, 0.000001);
             result += (stack - result) * nearShare;
         }
         // half floats leave a covered pixel at .999: without 1.002 a light behind would shine

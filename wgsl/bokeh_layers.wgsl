@@ -518,7 +518,7 @@ fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
 }
 
 // Layers: what a layer is blurred by
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 8 is their share of the
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
 //   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
 //   .180), with 16 too sharp (street_11: .044 for .041).
 //   sizes         from BokehLayerSizes
@@ -547,12 +547,12 @@ fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
         spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
         hard = 0.2;
     }
-    var own: f32 = 8.0;
+    var own: f32 = 9.0;
     var side: f32 = -1.0;
     if (spacing > least)
     {
         side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own = 22.0 + 154.0 * side / (1.0 + 2.0 * side);
+        own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
     }
     return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -741,15 +741,11 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSam
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
-fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
-    secondPass: bool, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+//   scale         of the texture: 2, or 4 where it is a level
+//   blur          from BokehLayerBlur
+fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon, secondPass: bool,
+    blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
-    var scale: f32 = 2.0;
-    if (blur.z > -0.5)
-    {
-        scale = 4.0;
-    }
     let grid: BokehGrid = BokehReducedGrid(layers, scale);
     let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
     let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -761,17 +757,8 @@ fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, poly
     for (var i: i32 = 0; i < i32(ceil(cells)); i++)
     {
         let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        let place: vec2f = first + cellLength * (f32(i) + cell * phase);
-        var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (blur.z > -0.5)
-        {
-            texel = BokehFetchGrid(LevelSamp, place, grid, BokehLinearClamp);
-        }
-        else
-        {
-            texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
-        }
-        sum += cell * texel;
+        sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), grid,
+            BokehLinearClamp);
     }
     sum = sum / cells;
     if (secondPass)
@@ -788,6 +775,22 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
 {
     let w: vec4f = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
+}
+
+// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
+fn BokehFirstLine(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32,
+    polygon: BokehPolygon, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+{
+    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    if (blur.z > -0.5)
+    {
+        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    else
+    {
+        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    return sum;
 }
 
 // Layers: first pass over a layer
@@ -809,22 +812,19 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes
         var L2: vec4f = none;
         var L3: vec4f = none;
         var L4: vec4f = none;
-        let L1: vec4f = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers,
+        let L1: vec4f = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers,
             BokehLinearClamp);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers,
-                BokehLinearClamp);
+            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers, BokehLinearClamp);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers,
-                BokehLinearClamp);
+            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers, BokehLinearClamp);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers,
-                BokehLinearClamp);
+            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers, BokehLinearClamp);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -852,24 +852,22 @@ fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-    let own: vec3f = vec3f(blur.x, blur.y, -1.0);
     if (blur.x > 0.5)
     {
-        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers,
-            BokehLinearClamp);
+        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers,
+            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers,
+            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers,
+            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         result = result / polygon.area;
@@ -974,19 +972,23 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
     return result;
 }
 
-// Layers: how far a CoC spreads, pixels, without the blur that linear filtering adds by itself
-fn BokehSpreadRadius(s: f32) -> f32
+// Layers: 1 / radius^2 of what two CoC spread over, pixels
+//   For r = CoC / 2 that is (r^2 + 0.8) / r^4: pixels and the linear filter blur by themselves. 0.8
+//   suits input of one sample a pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
+//   .116 and .0620).
+fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
-    return max(0.5 * abs(s) - 0.5, 0.0);
+    let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
+    return inverse * (inverse * 12.8 + 4.0);
 }
 
-// Layers: radius of a ring of the gather, pixels
-//   power         1: evenly spaced, the last ring half a step within the radius; 2: closer to the
-//                 middle. No two rings are closer than a pixel.
-fn BokehRingRadius(ring: i32, radius: f32, power: f32) -> f32
+// Layers: outer border of a ring of the gather, pixels; 0: of the middle
+//   spacing       between rings
+//   narrowing     0: evenly spaced; 1: closer to the middle, but not closer than a pixel
+fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
 {
-    let share: f32 = f32(ring) / (f32(BOKEH_LAYER_RINGS) + 0.5);
-    return max(radius * exp2(power * log2(share)), f32(ring));
+    let even: f32 = spacing * (f32(ring) + 0.5);
+    return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
 }
 
 // Layers: the last pass: a gather over what is in no layer, and all of it together
@@ -1013,61 +1015,56 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         let farSlope: f32 = BokehFarSlope(tile.g);
         let nearShare: f32 = BokehLayerShare(-s, nearSlope);
         let farShare: f32 = BokehLayerShare(s, farSlope);
-        // at a near pixel the far layer is added too: it lies beyond it
-        let addFar: f32 = max(farShare, nearShare);
-        let near: vec4f = BokehFetchLayer(NearSamp, 0.5 * center, BokehReducedGrid(layers, 2.0),
-            BokehLinearClamp);
-        let far: vec4f = BokehFetchLayer(FarSamp, 0.5 * center, BokehReducedGrid(layers, 2.0),
-            BokehLinearClamp);
-
         // the gather reaches as far as what is in no layer
-        let ownRadius: f32 = BokehSpreadRadius(s);
-        let restRadius: f32 = ownRadius * clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 -
-            nearShare);
-        var radius: f32 = max(restRadius, 0.5 * max(tile.b, tile.a * farShare));
-        if (near.a > 0.998)
-        {
-            // wholly covered
-            radius = 0.0;
-        }
-        let power: f32 = 1.0 + clamp(log2(max(radius, 1.0) / max(restRadius, 1.0)), 0.0, 1.0);
-        var before: f32 = 0.0;
-        var current: f32 = BokehRingRadius(1, radius, power);
+        let ownInverse: f32 = BokehSpreadInverse(vec2f(s, s)).x;
+        let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+            sqrt(ownInverse);
+        let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
+        let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        // rings closer than a pixel find nothing new (1.3: moderate blur .116 for .114)
+        let spacing: f32 = max(min(radius / 1.5, 1.0), radius / (f32(BOKEH_LAYER_RINGS) + 0.5));
+        var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
         // what spreads less than the inner radius of the first ring reaches no other pixel
-        let least: f32 = 0.5 * current;
-        let share: f32 = least / max(ownRadius, least);
-        var weight: f32 = (1.0 - nearShare) * (1.0 - farShare * addFar) * share * share;
-        var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * weight;
+        let most: f32 = 1.0 / (inner * inner);
+        let least: f32 = 1.0 / (radius * radius);
+        let weight: f32 = (1.0 - nearShare) * min(ownInverse / most, 1.0);
+        // of what is in the far layer, that layer takes the place: one of its pixels alone would
+        // shine
+        var farWeight: f32 = weight * farShare;
+        var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * (weight - farWeight);
+        var front: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
-        let steepness: f32 = 3.0 * clamp((tile.r - 6.0) / 6.0, 0.0, 1.0) + 100.0 * clamp((tile.r -
-            16.0) / 16.0, 0.0, 1.0);
+        let edges: f32 = max(tile.r, tile.g - 16.0);
+        let steepness: f32 = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+            16.0, 0.0, 1.0);
+        let none: vec2f = vec2f(0.0, 0.0);
+        let whole: vec2f = vec2f(1.0, 1.0);
         let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
         var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
         var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
         let turn: vec2f = BokehTurn(1.0, polygon);
         for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS; ring++)
         {
-            //   ring        1     2     3
-            //   |--.--|-----.-----|--.--|     a ring has the area half way to its neighbours
-            //   inner outer
-            let next: f32 = BokehRingRadius(ring + 1, radius, power);
-            let inner: f32 = 0.5 * (before + current);
-            var outer: f32 = 0.5 * (current + next);
-            if (ring == BOKEH_LAYER_RINGS)
-            {
-                outer = 1.5 * current - 0.5 * before;
-            }
-            if (inner > radius)
+            //   |-----|--.--|--.--|     each ring in the middle of its borders; a sample counts by
+            //  middle   1     2         as much of the ring as its own disc covers, over that disc
+            if (inner >= radius)
             {
                 break;
             }
+            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+            let current: f32 = 0.5 * (inner + outer);
+            let innerSquare: f32 = inner * inner;
+            let area: f32 = outer * outer - innerSquare;
             let onEdge: i32 = BokehOnEdge(ring, polygon);
             // of its edges each gets what lies in the triangle from the middle to it
-            let cell: f32 = (outer * outer - inner * inner) / (8.0 * polygon.area * f32(onEdge));
-            let slope: f32 = 1.0 / (outer - inner);
-            let start: f32 = inner * slope;
-            let phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
+            let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
+            var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
+            if (ring == 1)
+            {
+                // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+                phase += 0.5;
+            }
             let scale: vec2f = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
             for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
@@ -1080,35 +1077,55 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
                 {
                     let place: vec2f = first + along * f32(i);
                     let texel: vec2f = floor(place);
-                    var offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-                        steepness, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
-                    for (var side: i32 = 0; side < 2; side++)
-                    {
-                        let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
-                            BokehLinearClamp);
-                        let isBehind: f32 = clamp(pixel.a * (2.0 * height) - 2.0 * s, 0.0, 1.0) *
-                            (1.0 - nearShare);
-                        var spread: f32 = abs(pixel.a) * (0.5 * height) - 0.5;
-                        spread = max(min(spread + (ownRadius - spread) * isBehind, radius), least);
-                        let kept: f32 = 1.0 - BokehLayerShare(-pixel.a, nearSlope * height) -
-                            BokehLayerShare(pixel.a, farSlope * height) * addFar;
-                        weight = kept * clamp(spread * slope - start, 0.0, 1.0) * edgeCell /
-                            (spread * spread);
-                        sum += vec4f(pixel.rgb, 1.0) * weight;
-                        offset = -offset;
-                    }
+                    // 0.49: places just between two texels go to one of them
+                    let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+                        steepness, none, whole);
+                    // both at once: this one and the one opposite to it
+                    let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
+                        BokehLinearClamp);
+                    let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+                        BokehLinearClamp);
+                    let CoC: vec2f = vec2f(pixel.a, other.a) * height;
+                    let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 -
+                        nearShare);
+                    var inverse: vec2f = BokehSpreadInverse(CoC);
+                    inverse += (ownInverse - inverse) * isBehind;
+                    inverse = clamp(inverse, vec2f(least, least), vec2f(most, most));
+                    var covers: vec2f = edgeCell * max(min(1.0 - innerSquare * inverse, area *
+                        inverse), none);
+                    let inFar: vec2f = covers * clamp(CoC * farSlope - 2.0, none, whole);
+                    covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
+                    farWeight += inFar.x + inFar.y;
+                    let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
+                    let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
+                    sum += part + otherPart;
+                    let before: vec2f = clamp(s - 0.5 - CoC, none, whole);
+                    front += part * before.x + otherPart * before.y;
                 }
                 corner += alongEdge;
                 direction = BokehRotated(direction, turn);
             }
-            before = current;
-            current = next;
+            inner = outer;
         }
 
-        let plain: vec4f = sum + far * addFar;
+        var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        {
+            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+            near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+            far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
+        }
+        // at a pixel of a layer, that layer itself is added below
+        sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+        let plain: vec4f = sum + far * farShare;
         if (plain.a >= 0.001)
         {
-            result = plain.rgb / plain.a;
+            // what is in front covers the rest by as much as it has weight
+            let rest: f32 = plain.a - front.a;
+            let open: f32 = max(1.0 - front.a, 0.0) / max(rest, 0.1);
+            result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
+                0.001);
         }
         if (nearShare > 0.0)
         {
@@ -1118,18 +1135,14 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             let middle: vec4f = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters,
                 BokehLinearClamp);
             let back: vec4f = BokehFetchGrid(BackSamp, 0.25 * center, quarters, BokehLinearClamp);
-            let empty: f32 = clamp(1.0 - sum.a, 0.0, 1.0);
-            let cover: f32 = empty * nearShare * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-            let farAlpha: f32 = min(far.a, 1.0);
-            let missing: f32 = (1.0 - farAlpha) * (1.0 - 0.25 * min(farAlpha / 0.05, 1.0));
+            let inNear: f32 = near.a * min(2.0 - 2.0 * nearShare, 1.0);
+            let empty: f32 = max(1.0 - sum.a - inNear, 0.0);
+            let cover: f32 = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
+            let missing: f32 = max(1.0 - 2.0 * far.a, 0.0);
             let background: vec3f = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
                 missing;
-            let stack: vec3f = sum.rgb / max(sum.a, 1.0) + middle.rgb * cover + background *
-                (empty - cover);
-            if (plain.a < 0.001)
-            {
-                result = stack;
-            }
+            let stack: vec3f = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
+                max(sum.a + empty, 0.000001);
             result += (stack - result) * nearShare;
         }
         // half floats leave a covered pixel at .999: without 1.002 a light behind would shine

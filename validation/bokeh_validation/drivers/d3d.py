@@ -38,9 +38,9 @@ class Direct3D(Driver):
         try:
             code = fxc.bytecode(shaders.hlsl(self.model, values), f"{stage}_{self.model}_0", entry)
         except RuntimeError as error:
-            if self.model > 3 or not values.get("BOKEH_LENS_SHAPE"):
+            if self.model > 3 or not (values.get("BOKEH_LENS_SHAPE") or values.get("BOKEH_VIEWPORT")):
                 raise
-            # it has no room for all of a lens's character
+            # variants.NO_ROOM
             raise Unavailable(str(error).splitlines()[-1]) from error
         shutil.copy(code, self.server.folder)
         return code.name

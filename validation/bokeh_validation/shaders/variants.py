@@ -34,8 +34,9 @@ SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
     "LateralColor TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
 )
-# In shader model 3 only exact polygons with several targets have room for a cat's eye
-NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite")}
+# In shader model 3 only exact polygons with several targets have room for a cat's eye, and the last pass of layered
+# none for a viewport
+NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite"), "viewport": ("Composite",)}
 
 # Language, profile, main compilers, the others. The main ones are those that users of the language have.
 VARIANTS = (
