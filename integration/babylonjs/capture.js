@@ -26,9 +26,9 @@ async function stopped(kind) {
 
 // One frame with another PolygonBokeh, of these options
 async function draw(sample, options, [width, height]) {
-  const { engine, scene, subject, library } = sample;
+  const { engine, scene, subject } = sample;
   sample.bokeh.dispose();
-  sample.bokeh = addBokeh(library, scene.activeCamera, options);
+  sample.bokeh = addBokeh(scene.activeCamera, options);
   sample.bokeh.focusOn(subject.position);
   engine.setSize(width, height);
   while (!scene.isReady()) {

@@ -1,6 +1,6 @@
 """The command `validation/run release`: archives of files that are in the repository.
 
-Only the library as ES modules, for npm, and Unity's .meta files are made for them.
+Only Unity's .meta files are made for them.
 """
 
 import hashlib
@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, paths, shaders, terminal
+from bokeh_validation import __version__, paths, terminal
 from bokeh_validation.errors import UserError
 
 INTEGRATION = paths.ROOT / "integration"
@@ -68,20 +68,14 @@ def archives() -> dict[str, Files]:
             for stem in ("bokeh", "bokeh_paper"):
                 files[f"{root}/Shaders/{stem}.ush"] = paths.shader("hlsl", stem)
         made[f"{engine}-{Path(root).name}-{__version__}.zip"] = files
-    return made | dict([unity(), npm("threejs"), npm("babylonjs"), npm("playcanvas")])
+    return made | dict([unity(), npm()])
 
 
-def npm(engine: str) -> tuple[str, Files]:
-    """What `files` of package.json lists, of the engine's folder or of the one above, which all have in common."""
-    manifest = INTEGRATION / engine / "package.json"
-    named = json.loads(manifest.read_bytes())
-    files = _with_guide("package", engine) | {"package/package.json": manifest}
-    for name in named["files"]:
-        own = manifest.with_name(name)
-        files[f"package/{name}"] = own if own.exists() else INTEGRATION / name
-    # those of the samples fetch the text
-    files |= {f"package/{language}.js": _module(language) for language in ("glsl", "wgsl")}
-    return f"{named['name']}-{__version__}.tgz", files
+def npm() -> tuple[str, Files]:
+    """The package of integration/web: all but what npm leaves in the folder."""
+    folder = INTEGRATION / "web"
+    own = [path for path in folder.iterdir() if path.name not in ("node_modules", "package-lock.json")]
+    return f"polygonal-bokeh-{__version__}.tgz", {f"package/{path.name}": path for path in own}
 
 
 def unity() -> tuple[str, Files]:
@@ -104,9 +98,3 @@ def unity() -> tuple[str, Files]:
 def _with_guide(root: str, engine: str) -> Files:
     """The licence and an engine's guide."""
     return {f"{root}/LICENSE": paths.ROOT / "LICENSE", f"{root}/README.md": INTEGRATION / engine / "README.md"}
-
-
-def _module(language: str) -> str:
-    """The library as an ES module."""
-    text = "".join(shaders.file_text(language, stem) for stem in ("bokeh", "bokeh_paper", "bokeh_layers"))
-    return f"// SPDX-License-Identifier: MIT\nexport const library = {json.dumps(text)};\n"
