@@ -8,7 +8,7 @@ import { CHOICES, diameter, pulled } from './common.js';
 const FLOAT = 1015;
 
 // alpha         true: colour has a share of the page in alpha, premultiplied, and is blurred with it. Twice the cost.
-// depthTexture  of the scene, or a function that returns it for each frame, where it is not the composer's
+// depthTexture  of the scene, where it is not that of the composer's target: for PolygonBokehPass alone
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
 export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>

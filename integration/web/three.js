@@ -3,8 +3,8 @@
 // Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer, made of the functions of the GLSL
 // library. It stands after the RenderPass, before bloom and before OutputPass.
 
-import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, RedFormat, Raycaster } from 'three';
-import { PlaneGeometry, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
+import { AlwaysDepth, FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, RedFormat } from 'three';
+import { PlaneGeometry, Raycaster, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
 import { checked, uniformsOf } from './common.js';
 import { METRES, declared, frame, library, stored, views } from './frames.js';
@@ -38,19 +38,47 @@ void main()
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
-const NO_DEPTH =
-  'polygonal-bokeh: no depth, so nothing is blurred. Give the composer a target with a depthTexture, or the option ' +
-  'depthTexture; where a pass stands between RenderPass and the bokeh, depthTexture: depthOf(renderPass).';
+const GIVE_DEPTH =
+  'Give the composer a target with a depthTexture, or the option depthTexture; where a pass stands between RenderPass ' +
+  'and the bokeh, depthTexture: depthOf(renderPass).';
+const NO_DEPTH = `polygonal-bokeh: no depth, so nothing is blurred. ${GIVE_DEPTH}`;
+const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so all is blurred as if it were far away. ${GIVE_DEPTH}`;
+// The frame in which it looks whether the depth is empty: by then there is something in most scenes
+const LOOK = 30;
 
-// For the option depthTexture: that of the target which a RenderPass last drew into
+// WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
+const FLOAT = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
+
+// A quad that copies depth into colour and, by the options of its material, into a depth buffer
+const copier = (options) =>
+  new FullScreenQuad(
+    new ShaderMaterial({
+      uniforms: { depth: { value: null } },
+      vertexShader: 'varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }',
+      fragmentShader: `uniform highp sampler2D depth; varying vec2 at;
+        void main() { gl_FragDepth = texture2D(depth, at).r; gl_FragColor = vec4(gl_FragDepth); }`,
+      ...options,
+    }),
+  );
+
+// For the option depthTexture, where passes stand between a RenderPass and the bokeh, which clear the depth that it drew:
+// a copy of that depth
 export function depthOf(renderPass) {
-  const { render } = renderPass;
-  let depthTexture = null;
+  const { render, dispose } = renderPass;
+  const target = new WebGLRenderTarget(1, 1, { ...FLOAT, depthBuffer: false });
+  const quad = copier({ depthTest: false });
   renderPass.render = (renderer, writeBuffer, readBuffer, ...others) => {
-    ({ depthTexture } = readBuffer);
     render.call(renderPass, renderer, writeBuffer, readBuffer, ...others);
+    target.setSize(readBuffer.width, readBuffer.height);
+    quad.material.uniforms.depth.value = readBuffer.depthTexture;
+    renderer.setRenderTarget(target);
+    quad.render(renderer);
   };
-  return () => depthTexture;
+  renderPass.dispose = () => {
+    for (const own of [quad.material, quad, target]) own.dispose();
+    dispose.call(renderPass);
+  };
+  return target.texture;
 }
 
 export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vector3 }) {
@@ -78,6 +106,7 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
       imageSize: { value: new Vector2(1, 1) },
     };
     this.quad = new FullScreenQuad();
+    this.frames = 0;
     Object.assign(this, this.made(this.options));
   }
 
@@ -85,13 +114,11 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
   made(options) {
     for (const [name, value] of Object.entries(uniformsOf(options))) this.uniforms[name] ??= { value };
     const rows = [...(options.method === 'paper' ? [METRES] : []), ...frame(options)];
-    // WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
-    const float = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
     const textures = { color: { value: null }, depth: { value: null } };
     const targets = {};
     for (const [writes] of rows.slice(0, -1)) {
       if (targets[writes]) continue;
-      const type = writes[0] === 'metres' ? float : { type: HalfFloatType };
+      const type = writes[0] === 'metres' ? FLOAT : { type: HalfFloatType };
       targets[writes] = new WebGLRenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });
       writes.forEach((name, i) => (textures[name] = { value: targets[writes].textures[i] }));
     }
@@ -128,7 +155,9 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
     this.changing = made;
     if (renderer) {
       const quads = new Group();
-      for (const { material } of made.passes) quads.add(new Mesh(new PlaneGeometry(2, 2), material));
+      // as a FullScreenQuad's: a geometry with normals would be another program
+      const geometry = new PlaneGeometry(2, 2).deleteAttribute('normal');
+      for (const { material } of made.passes) quads.add(new Mesh(geometry, material));
       const before = renderer.getRenderTarget();
       renderer.setRenderTarget(made.passes[0].target); // colour space and tone mapping are those of a target
       const compiled = renderer.compileAsync(quads, this.camera);
@@ -159,13 +188,15 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
     uniforms.farPlane.value = this.camera.far;
     if (uniforms.frame) uniforms.frame.value += 1;
     textures.color.value = readBuffer.texture;
-    textures.depth.value = (typeof depthTexture === 'function' ? depthTexture() : depthTexture) ?? readBuffer.depthTexture;
+    textures.depth.value = depthTexture ?? readBuffer.depthTexture;
+    this.frames += 1;
     const diameter = uniforms.apertureDiameter.value;
     if (!textures.depth.value) {
-      if (!this.warned) console.warn(NO_DEPTH);
-      this.warned = true;
+      if (this.frames === 1) console.warn(NO_DEPTH);
       uniforms.apertureDiameter.value = 0;
-    }
+    } else if (this.frames === LOOK && !depthTexture) this.look(renderer);
+    const { autoClearDepth } = renderer;
+    renderer.autoClearDepth = false; // in old versions of three.js the composer's two targets share depth: SharpPass
     const output = this.renderToScreen ? null : writeBuffer;
     const view = this.views[uniforms.debugMode.value - 1];
     for (const { material, target = output } of view ? [...this.beforeView, view] : this.passes) {
@@ -174,6 +205,18 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
       this.quad.render(renderer);
     }
     uniforms.apertureDiameter.value = diameter;
+    renderer.autoClearDepth = autoClearDepth;
+  }
+
+  // Warns where the depth buffer holds the same everywhere: seen at 16 x 16 points, beside the frames that follow.
+  async look(renderer) {
+    const target = new WebGLRenderTarget(16, 16, { type: HalfFloatType, depthBuffer: false });
+    this.quad.material = this.views[0].material;
+    renderer.setRenderTarget(target);
+    this.quad.render(renderer);
+    const seen = await renderer.readRenderTargetPixelsAsync(target, 0, 0, 16, 16, new Uint16Array(4 * 16 * 16));
+    if (seen.every((value, i) => value === seen[i % 4])) console.warn(EMPTY_DEPTH);
+    target.dispose();
   }
 
   // What the depth texture holds, as BokehLinearDepth counts. three.js itself leaves the logarithm of 1 + metres out
@@ -194,6 +237,43 @@ export class PolygonBokehPass extends withLens(Pass, { Raycaster, Vector2, Vecto
 
   dispose() {
     this.discard(this);
+    this.quad.dispose();
+  }
+}
+
+// After the bokeh: what is on a layer of its own is drawn sharp over the picture, behind what is before it. For glass and
+// other transparents, which write no depth.
+export class SharpPass extends Pass {
+  // bokeh  the pass whose depth counts
+  // layer  of the objects: object.layers.set(layer). The scene's lights are put on it too.
+  constructor(bokeh, scene, layer = 1) {
+    super();
+    Object.assign(this, { bokeh, scene, layer, needsSwap: false });
+    this.quad = copier({ colorWrite: false, depthFunc: AlwaysDepth });
+  }
+
+  render(renderer, writeBuffer, readBuffer) {
+    const { scene, layer, bokeh } = this;
+    const { camera } = bokeh;
+    const { autoClear } = renderer;
+    const { background } = scene;
+    const { mask } = camera.layers;
+    scene.traverse((object) => object.isLight && object.layers.enable(layer));
+    const depth = bokeh.textures.depth.value;
+    this.quad.material.uniforms.depth.value = depth;
+    renderer.setRenderTarget(readBuffer);
+    renderer.autoClear = false;
+    if (readBuffer.depthTexture?.source !== depth.source) this.quad.render(renderer);
+    scene.background = null;
+    camera.layers.set(layer);
+    renderer.render(scene, camera);
+    Object.assign(scene, { background });
+    camera.layers.mask = mask;
+    renderer.autoClear = autoClear;
+  }
+
+  dispose() {
+    this.quad.material.dispose();
     this.quad.dispose();
   }
 }

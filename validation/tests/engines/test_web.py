@@ -5,6 +5,8 @@ what its classes promise.
 import base64
 import json
 import shutil
+from math import inf, nan
+from pathlib import Path
 
 import pytest
 from support import needed
@@ -93,3 +95,142 @@ def test_shaders_are_small():
     program = """import * as languages from './shaders.js';
 console.log(JSON.stringify(Object.values(languages).map((files) => Object.values(files).join('').length)));"""
     assert max(json.loads(node(WEB, program))) <= 60_000
+
+
+# ---- what the classes for three.js promise ----
+
+
+PAGES = Path(__file__).parent
+MAP = """<!doctype html><script type="importmap">{ "imports": { "polygonal-bokeh/": "/integration/web/",
+"polygonal-bokeh/three": "/integration/web/three.js",
+"polygonal-bokeh/three-webgpu": "/integration/web/three-webgpu.js",
+"three": "/MODULES/THREE/build/three.NAME.js", "three/addons/": "/MODULES/THREE/examples/jsm/",
+"three/webgpu": "/MODULES/THREE/build/three.webgpu.js", "three/tsl": "/MODULES/THREE/build/three.tsl.js" } }
+</script><script type="module" src="PAGE"></script>"""
+
+
+def opened(version, script, flags=()):
+    """A page of this folder, with a three.js of the package's node_modules."""
+    with needed("npm"):
+        modules = pages.installed(WEB)
+    name = "webgpu" if flags else "module"
+    text = MAP.replace("THREE", version).replace("NAME", name).replace("PAGE", script).encode()
+    places = [("page.html", text), ("MODULES/", modules), ("integration/", INTEGRATION), ("", PAGES)]
+    with needed("chromium"):
+        return browser.Session("page.html", places, flags=flags, limit=pages.RUN_LIMIT)
+
+
+@pytest.fixture(scope="module", params=["three", "three-oldest"])
+def webgl(request):
+    """The page for WebGLRenderer, of the newest and the oldest three.js."""
+    with opened(request.param, "web_page.js") as page:
+        yield page
+
+
+REFUSED = [
+    ({"preset": "high"}, 'preset is "high". Give "MEDIUM", "LOW", "HIGH", "ULTRA"'),
+    ({"sides": 5}, "sides is 5. Give 6, 4, 8, 10"),
+    ({"sides": 12}, "sides is 12. Give 6, 4, 8, 10"),
+    ({"method": "foo"}, 'method is "foo". Give "layered", "exact", "paper"'),
+    ({"method": "paper", "sides": 4}, "paper has no 4 sides. Give 6, 8"),
+    ({"side": 6}, 'there is no option side. Give "method", "sides"'),
+    ({"opaque": 1}, "opaque is 1. Give true, false"),
+    ({"extras": "jitter"}, 'extras is "jitter", not a list. Give "jitter", "catsEye"'),
+    ({"extras": ["cats"]}, 'extras is "cats". Give "jitter", "catsEye"'),
+]
+
+
+def test_options_are_checked(webgl):
+    """What no option can be is told in one line, with what it can be."""
+    for options, said in REFUSED:
+        assert f"polygonal-bokeh, PolygonBokehPass: {said}" in webgl.call("refused", options), options
+    assert "f-stop of 0" in webgl.call("stops")
+
+
+def test_depth(webgl):
+    """Without depth: nothing blurred, and said so once. Empty: said so. Right: not a word. A pass between: depthOf."""
+    found = webgl.call("warned")
+    assert [len(found[name]["said"]) for name in ("none", "empty", "right")] == [1, 1, 0], found
+    assert "no depth" in found["none"]["said"][0] and "depth is empty" in found["empty"]["said"][0]
+    assert found["none"]["off"] == 0 < found["right"]["off"]
+    assert webgl.call("between") == [0, 0]
+
+
+def test_focus(webgl):
+    """Of a nested object, from a camera in a scaled rig: the depth that is drawn."""
+    found = webgl.call("focus")
+    assert found["focus"] == pytest.approx(found["drawn"], rel=1e-4) == found["place"]
+    oldest = int(webgl.call("revision")) < 180
+    assert found["focus"] == pytest.approx(50.0 if oldest else 5.0, rel=1e-4)
+
+
+def test_pull(webgl):
+    """It recovers from a NaN and a 0, and takes no step to what is no depth."""
+    cases = [(nan, 0.1, [4]), (0, 0.1, [4]), (-1, 0.1, [4]), (inf, inf, [4]), (2, inf, [nan, 3, 0, -1]), (2, 0.1, []), (2, nan, [4])]
+    assert webgl.call("pulls", cases) == [4, 4, 4, 4, 3, 2, 2]
+    assert webgl.call("pulls", [(2, inf, [inf])]) == [inf]
+
+
+@pytest.mark.parametrize("change", [{"preset": "LOW"}, {"sides": 8}, {"method": "exact"}, {"extras": ["lateral"]}], ids=str)
+def test_change(webgl, change):
+    """As from the beginning, and no shader is compiled by the frame that follows."""
+    found = webgl.call("changed", change)
+    assert found["off"] == 0 and found["added"] == 0, found
+
+
+def test_changes_race(webgl):
+    """The last change counts; a refused one rejects, and changes nothing."""
+    found = webgl.call("raced")
+    assert (found["sides"], found["preset"]) == (4, "MEDIUM") and 'preset is "low"' in found["error"]
+
+
+def test_camera(webgl):
+    """Another camera, of another kind."""
+    assert webgl.call("camera") == 0
+
+
+EXTRAS = [
+    ("jitter", {"jitter": 0}, {"jitter": 1}, {"method": "exact", "preset": "LOW"}),
+    ("catsEye", {"catsEye": 0}, {"catsEye": 0.8}, {}),
+    ("catsEye", {"catsEye": 0, "roundness": 1}, {"catsEye": 0, "roundness": 0}, {"sides": 8}),
+    ("lateral", {"lateral": 0}, {"lateral": 0.02}, {}),
+    ("focusRange", {}, {"frontRange": 1, "backRange": 8}, {}),
+    ("focusRange", {}, {"nearScale": 0}, {}),
+]
+
+
+@pytest.mark.parametrize("extra", EXTRAS, ids=str)
+def test_extras(webgl, extra):
+    """Each acts, and at its neutral value changes nothing but by rounding of half floats."""
+    neutral, acting = webgl.call("extra", extra)
+    assert neutral < 0.005 < acting
+
+
+def test_memory(webgl):
+    """Of exact: map and two targets, RGBA16F; the result is the composer's."""
+    assert webgl.call("memory") == {"bytes": 3 * 8 * 96 * 64, "passes": 3}
+
+
+@pytest.mark.parametrize("method", ["exact", "layered"])
+def test_alpha(webgl, method):
+    """Over the page's colour as if that had been in the scene: alpha is blurred as colour is."""
+    found = webgl.call("alpha", {"method": method})
+    assert found["shares"] == pytest.approx([0, 1], abs=1e-3) and found["inside"] > 300
+    assert found["off"] < 0.01, found
+
+
+def test_glass(webgl):
+    """Drawn sharp over the picture, and not where the subject is before it; scene and camera are as they were."""
+    said = webgl.call("glass")
+    found = said["found"]
+    for name in ("behind", "beside"):
+        assert found[name][0] == found[name][1], name
+    before, after = found["glass"]
+    assert after == pytest.approx([0.5 * before[0], 0.5 * before[1] + 0.5, 0.5 * before[2]], abs=2e-3)
+    assert said["background"] and said["mask"] == 1
+
+
+def test_multisampled(webgl):
+    """Four samples a pixel: the subject as sharp, and as much light."""
+    found = webgl.call("samples")
+    assert found["middle"] < 0.002 and found["kept"][0] == pytest.approx(found["kept"][1], abs=0.01)
