@@ -5,7 +5,7 @@
 
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
-import { outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
+import { nodeObject, outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 import { checked, uniformsOf } from './common.js';
 import { METRES, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
@@ -20,7 +20,6 @@ const LOGARITHMIC =
 
 // no blending: alpha is the circle of confusion, or a layer's share
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
-const quad = new QuadMesh();
 let rendererState;
 
 export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vector3 }) {
@@ -86,7 +85,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     const ofDepth = text.replace(/(?<=alias BokehDepthTexture = )[^;]+/, depthType);
     const libraries = [wgsl(text), wgsl(ofDepth)];
     [...passes, ...shown].forEach((drawn, i) => {
-      drawn.material ??= material(this.fragment(drawn.row, i, options, inputs, libraries, depthType));
+      drawn.quad ??= new QuadMesh(material(this.fragment(drawn.row, i, options, inputs, libraries, depthType)));
     });
   }
 
@@ -99,13 +98,16 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     if (renderer) {
       this.fill(made);
       this.resize(made.passes);
-      rendererState = RendererUtils.resetRendererState(renderer, rendererState);
-      const compiled = made.passes.map(({ target, material }) => {
+      for (const { target, quad } of made.passes) {
+        rendererState = RendererUtils.resetRendererState(renderer, rendererState);
         renderer.setRenderTarget(target);
-        return renderer.compileAsync(new QuadMesh(material), quad.camera);
-      });
-      RendererUtils.restoreRendererState(renderer, rendererState);
-      await Promise.all(compiled);
+        const { depth } = renderer;
+        renderer.depth = false; // compileAsync takes this for the target's
+        const compiled = renderer.compileAsync(quad, quad.camera);
+        renderer.depth = depth;
+        RendererUtils.restoreRendererState(renderer, rendererState);
+        await compiled; // three.js compiles one at a time
+      }
     }
     // a later change is not undone by an earlier one whose shaders took longer
     this.discard(this.changing === made ? this : made);
@@ -153,7 +155,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     // only what is named: three.js binds all that it gets, and a pass may read 16 textures
     const given = Object.fromEntries(named.map((name) => [name, inputs[name]]));
     // toVar() would call it in the shader of the canvas as well, where setup() runs
-    const value = new VarNode(wgslFn(code, ['depth' in given ? libraryOfDepth : library])(given));
+    const value = nodeObject(new VarNode(wgslFn(code, ['depth' in given ? libraryOfDepth : library])(given)));
     if (several) return outputStruct(...writes.map((_, i) => value.element(i)));
     return options.opaque && !options.alpha && writes[0] === 'result' ? vec4(value.rgb, 1) : value;
   }
@@ -175,10 +177,9 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
     const view = this.views[debugMode.value - 1];
-    for (const { material, target } of view ? [...this.beforeView, view] : this.passes) {
-      quad.material = material;
+    for (const { quad, target } of view ? [...this.beforeView, view] : this.passes) {
       renderer.setRenderTarget(target);
-      quad.render(renderer);
+      renderer.render(quad, quad.camera); // quad.render has a vertex shader that compileAsync does not know
     }
     RendererUtils.restoreRendererState(renderer, rendererState);
   }
@@ -189,9 +190,9 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   }
 
   discard({ passes, views: shown }) {
-    for (const { target, material } of [...passes, ...shown]) {
+    for (const { target, quad } of [...passes, ...shown]) {
       if (target !== this.result) target.dispose();
-      material?.dispose();
+      quad?.material.dispose();
     }
   }
 

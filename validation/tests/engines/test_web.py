@@ -127,6 +127,13 @@ def webgl(request):
         yield page
 
 
+@pytest.fixture(scope="module", params=["three", "three-oldest"])
+def webgpu(request):
+    """The page for WebGPURenderer, likewise."""
+    with opened(request.param, "web_page_webgpu.js", pages.CANVAS) as page:
+        yield page
+
+
 REFUSED = [
     ({"preset": "high"}, 'preset is "high". Give "MEDIUM", "LOW", "HIGH", "ULTRA"'),
     ({"sides": 5}, "sides is 5. Give 6, 4, 8, 10"),
@@ -171,7 +178,10 @@ def test_pull(webgl):
     assert webgl.call("pulls", [(2, inf, [inf])]) == [inf]
 
 
-@pytest.mark.parametrize("change", [{"preset": "LOW"}, {"sides": 8}, {"method": "exact"}, {"extras": ["lateral"]}], ids=str)
+CHANGES = [{"preset": "LOW"}, {"sides": 8}, {"method": "exact"}, {"extras": ["lateral"]}]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=str)
 def test_change(webgl, change):
     """As from the beginning, and no shader is compiled by the frame that follows."""
     found = webgl.call("changed", change)
@@ -214,7 +224,11 @@ def test_memory(webgl):
 @pytest.mark.parametrize("method", ["exact", "layered"])
 def test_alpha(webgl, method):
     """Over the page's colour as if that had been in the scene: alpha is blurred as colour is."""
-    found = webgl.call("alpha", {"method": method})
+    assert_alpha(webgl.call("alpha", {"method": method}))
+
+
+def assert_alpha(found):
+    """What `alpha` found."""
     assert found["shares"] == pytest.approx([0, 1], abs=1e-3) and found["inside"] > 300
     assert found["off"] < 0.01, found
 
@@ -234,3 +248,40 @@ def test_multisampled(webgl):
     """Four samples a pixel: the subject as sharp, and as much light."""
     found = webgl.call("samples")
     assert found["middle"] < 0.002 and found["kept"][0] == pytest.approx(found["kept"][1], abs=0.01)
+
+
+def test_node_says_errors(webgpu):
+    """To the caller, which three.js only logs: options, WebGL 2, a logarithmic depth buffer."""
+    assert 'PolygonBokehNode: preset is "high"' in webgpu.call("refused", {"preset": "high"})
+    without_webgpu, logarithmic = webgpu.call("errors")
+    assert "needs WebGPU" in without_webgpu and "cannot read logarithmicDepthBuffer" in logarithmic
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=str)
+def test_node_changes(webgpu, change):
+    """As from the beginning, and the frame that follows makes no pipeline."""
+    found = webgpu.call("changed", change)
+    assert found["off"] == found["added"] == 0 < found["acts"], found
+
+
+def test_node_camera(webgpu):
+    """It follows the camera of its scene's pass."""
+    assert webgpu.call("camera") == {"off": 0, "kind": 5, "far": 40}
+
+
+@pytest.mark.parametrize("extra", EXTRAS, ids=str)
+def test_node_extras(webgpu, extra):
+    """As of the pass."""
+    neutral, acting = webgpu.call("extra", extra)
+    assert neutral < 0.005 < acting
+
+
+@pytest.mark.parametrize("method", ["exact", "layered"])
+def test_node_alpha(webgpu, method):
+    """As of the pass."""
+    assert_alpha(webgpu.call("alpha", {"method": method}))
+
+
+def test_node_memory(webgpu):
+    """Of exact: map, two targets and the result."""
+    assert webgpu.call("memory") == {"bytes": 4 * 8 * 96 * 64, "passes": 3}
