@@ -17,6 +17,7 @@ from bokeh_validation.engines import pages
 
 INTEGRATION = paths.ROOT / "integration"
 WEB = INTEGRATION / "web"
+PAGES = Path(__file__).parent
 # Sample -> statements that draw a frame of it, after its imports
 ENTRIES = {
     "threejs": """import { renderer, composer } from './webgl.js';
@@ -90,6 +91,18 @@ def test_bundled(project, tmp_path, bundler, sample):
     assert_picture(drawn, INTEGRATION / sample / "picture.png")
 
 
+def test_types(project):
+    """Strict, without a word about the package or its user; what no option may be is an error."""
+    shutil.copy(PAGES / "web_types.ts", project)
+    tsc = "../node_modules/.bin/tsc --strict --noEmit --target esnext --module esnext --moduleResolution bundler"
+    # the engines' own types have errors; the last word shows that it came to an end
+    said = process.run(
+        ["sh", "-c", f"{tsc} web_types.ts; {tsc} --skipLibCheck web_types.ts && echo right"], 300.0, project
+    )
+    ours = [line for line in said.splitlines() if "polygonal-bokeh" in line or "web_types" in line]
+    assert not ours and said.splitlines()[-1] == "right", "\n".join(ours)
+
+
 def test_shaders_are_small():
     """Of one language at most 60 kB."""
     program = """import * as languages from './shaders.js';
@@ -100,7 +113,6 @@ console.log(JSON.stringify(Object.values(languages).map((files) => Object.values
 # ---- what the classes for three.js promise ----
 
 
-PAGES = Path(__file__).parent
 MAP = """<!doctype html><script type="importmap">{ "imports": { "polygonal-bokeh/": "/integration/web/",
 "polygonal-bokeh/three": "/integration/web/three.js",
 "polygonal-bokeh/three-webgpu": "/integration/web/three-webgpu.js",
@@ -173,7 +185,15 @@ def test_focus(webgl):
 
 def test_pull(webgl):
     """It recovers from a NaN and a 0, and takes no step to what is no depth."""
-    cases = [(nan, 0.1, [4]), (0, 0.1, [4]), (-1, 0.1, [4]), (inf, inf, [4]), (2, inf, [nan, 3, 0, -1]), (2, 0.1, []), (2, nan, [4])]
+    cases = [
+        (nan, 0.1, [4]),
+        (0, 0.1, [4]),
+        (-1, 0.1, [4]),
+        (inf, inf, [4]),
+        (2, inf, [nan, 3, 0, -1]),
+        (2, 0.1, []),
+        (2, nan, [4]),
+    ]
     assert webgl.call("pulls", cases) == [4, 4, 4, 4, 3, 2, 2]
     assert webgl.call("pulls", [(2, inf, [inf])]) == [inf]
 
