@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from bokeh_validation import __version__, paths, terminal
-from bokeh_validation.errors import UserError
+from bokeh_validation.files import new_folder
 
 INTEGRATION = paths.ROOT / "integration"
 # Path in an archive -> a file or folder of the repository, or the text itself. All paths begin with the same folder.
@@ -24,19 +24,14 @@ def release(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="A folder that is new or empty.")],
 ) -> None:
     """Make the archives that users install: npm, UPM, plug-in, add-on, and one of the shaders alone."""
-    if not output.parent.is_dir():
-        raise UserError(f"--output {output}: there is no folder {output.parent}. Make it first.")
-    if output.exists() and not (output.is_dir() and not any(output.iterdir())):
-        raise UserError(f"--output {output}: is not empty. Name a folder that is new or empty.")
-    with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
-        for name, files in archives().items():
-            pack(Path(folder, name), files)
-        try:
-            shutil.copytree(folder, output, dirs_exist_ok=True)
-        except OSError as error:
-            raise UserError(f"--output {output}: cannot be written ({error}). Name another place.") from error
+    new_folder("--output", output, _pack_all)
     for path in sorted(output.iterdir()):
         terminal.tell(f"{path.name:45}{path.stat().st_size / 1e3:8.0f} kB")
+
+
+def _pack_all(folder: Path) -> None:
+    for name, named in archives().items():
+        pack(folder / name, named)
 
 
 def pack(archive: Path, files: Files) -> None:
