@@ -254,17 +254,21 @@ def bench(
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Default: 960x540; in software 400x225.")] = None,
     rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
     json_file: terminal.JsonFile = None,
-    pack_folder: Annotated[Path | None, typer.Option("--pack", metavar="DIR", help="Write what times a GPU.")] = None,
-    wheels: Annotated[bool, typer.Option("--wheels", help="What it needs on Linux x86-64 too, 5 MB.")] = False,
+    folder: Annotated[
+        Path | None, typer.Option("--pack", metavar="DIR", help="Write a folder that times a GPU.")
+    ] = None,
+    wheels: Annotated[
+        bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs for it, 5 MB.")
+    ] = False,
 ) -> None:
     """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
     given = terminal.parsed_size(size, 16, 8192) if size else None
-    if pack_folder:
+    if folder:
         if driver or adapter or json_file:
             raise UserError("--pack: nothing is timed. Leave out --driver, --adapter, --json.")
         pictures = [textures(pixels) for pixels in ([given] if given else PACK_SIZES)]
-        files.new_folder("--pack", pack_folder, lambda folder: pack.fill(folder, settings(), pictures, wheels))
-        return terminal.tell(f"{pack_folder}: the first lines of bench.py there say how")
+        files.new_folder("--pack", folder, lambda made: pack.fill(made, settings(), pictures, wheels))
+        return terminal.tell(f"{folder}: the first lines of bench.py there say how")
     if wheels:
         raise UserError("--wheels: no effect without --pack DIR. Give both.")
     names = terminal.chosen("--driver", driver, DRIVERS, ("osmesa", "wgpu"))
