@@ -22,16 +22,32 @@ PAGES = Path(__file__).parent
 ENTRIES = {
     "threejs": """import { renderer, composer } from './webgl.js';
 const canvas = renderer.domElement, draw = () => composer.render();""",
+    "postprocessing": """import { renderer, composer } from './postprocessing.js';
+const canvas = renderer.domElement, draw = () => composer.render();""",
+    "react": """import { show } from './react.jsx';
+let canvas;
+const draw = async (options = {}) => {
+  show(options);
+  for (let seen, equal = 0; equal < 20; ) {
+    await new Promise(requestAnimationFrame);
+    canvas = document.querySelector('div canvas');
+    const now = canvas?.toDataURL();
+    equal = now && now === seen ? equal + 1 : 0;
+    seen = now;
+  }
+};""",
     "babylonjs": """import { sample } from './webgl.js';
 const canvas = sample.engine.getRenderingCanvas(), draw = () => sample.scene.render();
 await sample.scene.whenReadyAsync();""",
     "playcanvas": """import { app } from './sample.js';
 const canvas = app.graphicsDevice.canvas, draw = () => { app.renderNextFrame = true; app.tick(performance.now()); };""",
 }
+SAMPLES = ("threejs", "babylonjs", "playcanvas")
 # Programs of Node.js that make OUT/main.js of ENTRY
 BUNDLERS = {
     "esbuild": """import { build } from 'esbuild';
-await build({ entryPoints: ['ENTRY'], bundle: true, minify: true, format: 'esm', outfile: 'OUT/main.js' });""",
+await build({ entryPoints: ['ENTRY'], bundle: true, minify: true, format: 'esm', outfile: 'OUT/main.js',
+  jsx: 'automatic', define: { 'process.env.NODE_ENV': '"production"' } });""",
     "vite": """import { build } from 'vite';
 const lib = { entry: 'ENTRY', formats: ['es'], fileName: () => 'main.js' };
 await build({ logLevel: 'warn', build: { outDir: 'OUT', minify: true, lib } });""",
@@ -57,7 +73,7 @@ def project(tmp_path_factory):
         folder.mkdir()
         (folder / "package.json").write_text('{"type": "module"}')
         pages.call_npm(folder, "install", "--install-links", WEB)
-    for name in ENTRIES:
+    for name in SAMPLES:
         shutil.copytree(INTEGRATION / name, folder / name, ignore=shutil.ignore_patterns("*.json", "node_modules"))
     return folder
 
@@ -69,26 +85,34 @@ def node(folder, program):
 
 @pytest.mark.parametrize(
     ("bundler", "sample"),
-    [*((bundler, "threejs") for bundler in BUNDLERS), ("esbuild", "babylonjs"), ("esbuild", "playcanvas")],
+    [
+        *((bundler, "threejs") for bundler in BUNDLERS),
+        *(("esbuild", sample) for sample in ENTRIES if sample != "threejs"),
+    ],
 )
 def test_bundled(project, tmp_path, bundler, sample):
     """No warning; a page without an import map draws the guide's picture, and the console stays empty.
 
     Of the shaders there is one language where the engine has one.
     """
-    entry, out = f"{sample}/{bundler}.js", f"out-{bundler}-{sample}"
-    program = f"{ENTRIES[sample]}\nwindow.bokeh = {{ picture: () => (draw(), canvas.toDataURL()) }};\n"
+    engine = sample if sample in SAMPLES else "threejs"
+    entry, out = f"{engine}/{bundler}-{sample}.js", f"out-{bundler}-{sample}"
+    picture = "async (options) => { await draw(options); return canvas.toDataURL(); }"
+    program = f"{ENTRIES[sample]}\nwindow.bokeh = {{ picture: {picture} }};\n"
     (project / entry).write_text(program)
     said = node(project, BUNDLERS[bundler].replace("ENTRY", entry).replace("OUT", out))
     assert "warn" not in said.lower(), said
     text = (project / out / "main.js").read_text(encoding="utf-8")
-    assert "vec4 BokehFetchTexel" in text and ("fn BokehFetchTexel" in text) == (sample != "threejs")
+    assert "vec4 BokehFetchTexel" in text and ("fn BokehFetchTexel" in text) == (engine != "threejs")
     places = [("page.html", PAGE), ("", project / out)]
     with browser.Session("page.html", places, limit=pages.RUN_LIMIT) as session:
         url = session.call("picture")
+        if sample == "react":  # its properties change
+            other = session.call("picture", {"sides": 4, "method": "exact"})
+            assert url != other and session.call("picture", {}) == url
     drawn = tmp_path / "picture.png"
     drawn.write_bytes(base64.b64decode(url.partition(",")[2]))
-    assert_picture(drawn, INTEGRATION / sample / "picture.png")
+    assert_picture(drawn, INTEGRATION / engine / "picture.png")
 
 
 def test_types(project):

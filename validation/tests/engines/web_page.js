@@ -84,8 +84,11 @@ window.bokeh = {
     for (const [name, settings] of Object.entries({ none: { depth: false }, empty: { between: 1 }, right: {} })) {
       warnings.length = 0;
       const made = chain(world, {}, settings);
+      const { look } = made.bokeh;
+      let looked;
+      made.bokeh.look = (...given) => (looked = look.apply(made.bokeh, given));
       const result = drawn(made, 31);
-      await new Promise((done) => setTimeout(done, 500));
+      await looked;
       const said = warnings.filter((text) => text.startsWith('polygonal-bokeh'));
       found[name] = { said, off: off(result, drawn(chain(world, {}, { depth: false }))) };
     }

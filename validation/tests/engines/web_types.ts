@@ -4,8 +4,12 @@ import { FreeCamera } from '@babylonjs/core/Cameras/freeCamera.js';
 import { AppBase, CameraComponent, Vec3 } from 'playcanvas';
 import { PolygonBokeh } from 'polygonal-bokeh/babylon';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
+import { PolygonBokehPass as PmndrsPass } from 'polygonal-bokeh/postprocessing';
+import { PolygonBokeh as Component } from 'polygonal-bokeh/react';
 import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
+import * as pmndrs from 'postprocessing';
+import { createElement, createRef } from 'react';
 import { Mesh, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
@@ -45,6 +49,14 @@ export function others(app: AppBase, component: CameraComponent, free: FreeCamer
   bokeh.uniforms.rotation = bokeh.depthOf(free.position);
 }
 
+export function react(composer: pmndrs.EffectComposer): unknown {
+  composer.addPass(new PmndrsPass(camera, { preset: 'LOW' }));
+  const focus = createRef<Mesh>();
+  return createElement(Component, { fStop: 2, focus, tau: 0.2, sides: 8, maxCoC: 0.05, ref: createRef<PmndrsPass>() });
+}
+
+// @ts-expect-error
+createElement(Component, { sides: 5 });
 // @ts-expect-error
 new PolygonBokehPass(camera, { preset: 'high' });
 // @ts-expect-error
