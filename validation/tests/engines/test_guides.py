@@ -15,7 +15,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
-NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
+NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web"})
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # How the programs of the Direct3D 9 guide begin

@@ -115,6 +115,16 @@ def test_bundled(project, tmp_path, bundler, sample):
     assert_picture(drawn, INTEGRATION / engine / "picture.png")
 
 
+def test_copied(project):
+    """The folder copied into a project, and linked there by npm: it finds the project's three.js."""
+    folder = project.parent / "copied"
+    shutil.copytree(WEB, folder / "web", ignore=shutil.ignore_patterns("node_modules"))
+    (folder / "package.json").write_text("{}")
+    pages.call_npm(folder, "install", "./web")
+    (folder / "entry.js").write_text("export * from 'polygonal-bokeh/three';")
+    node(folder, BUNDLERS["esbuild"].replace("ENTRY", "entry.js").replace("OUT", "out"))
+
+
 def test_types(project):
     """Strict, without a word about the package or its user; what no option may be is an error."""
     shutil.copy(PAGES / "web_types.ts", project)
