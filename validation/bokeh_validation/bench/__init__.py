@@ -255,11 +255,9 @@ def bench(
     rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
     json_file: terminal.JsonFile = None,
     folder: Annotated[
-        Path | None, typer.Option("--pack", metavar="DIR", help="Write a folder that times a GPU.")
+        Path | None, typer.Option("--pack", metavar="DIR", help="Write a folder that times GPUs.")
     ] = None,
-    wheels: Annotated[
-        bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs for it, 5 MB.")
-    ] = False,
+    wheels: Annotated[bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs, 5 MB.")] = False,
 ) -> None:
     """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
     given = terminal.parsed_size(size, 16, 8192) if size else None
