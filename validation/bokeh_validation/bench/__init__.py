@@ -254,9 +254,7 @@ def bench(
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Default: 960x540; in software 400x225.")] = None,
     rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
     json_file: terminal.JsonFile = None,
-    folder: Annotated[
-        Path | None, typer.Option("--pack", metavar="DIR", help="Write a folder that times GPUs.")
-    ] = None,
+    folder: Annotated[Path | None, typer.Option("--pack", metavar="DIR", help="A folder that times any GPU.")] = None,
     wheels: Annotated[bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs, 5 MB.")] = False,
 ) -> None:
     """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
