@@ -11,6 +11,7 @@ import { METRES, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
 import { THREE_CHOICES, withLens } from './three-common.js';
 
+const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
 const WEBGL = 'polygonal-bokeh: PolygonBokehNode needs WebGPU, since it is WGSL. Use PolygonBokehPass.';
@@ -28,12 +29,15 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   }
 
   // scenePass  pass(scene, camera)
-  // options    those of PolygonBokehPass but for depthTexture
+  // options    those of PolygonBokehPass but for depthTexture, and
+  //   sharpLayer  a layer that is drawn sharp over the picture, behind what is before it: for glass and other
+  //               transparents, which write no depth: object.layers.set(1), and here 1. From the second frame on, and
+  //               after a resize: three.js makes the target that shares depth anew.
   constructor(scenePass, options) {
     super('vec4');
     this.updateBeforeType = NodeUpdateType.FRAME;
     this.scenePass = scenePass;
-    this.options = checked('PolygonBokehNode', options, THREE_CHOICES);
+    this.options = checked('PolygonBokehNode', options, CHOICES);
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
     // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
@@ -46,6 +50,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     };
     // the same for all options: it is what later nodes read
     this.result = new RenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false });
+    this.sharp = this.options.sharpLayer === undefined ? null : new RenderTarget(1, 1, { type: HalfFloatType });
     Object.assign(this, this.made(this.options));
   }
 
@@ -131,7 +136,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       this.depthType = samples > 1 ? 'texture_depth_multisampled_2d' : 'texture_depth_2d';
       this.fill(this);
     }
-    return passTexture(this, this.result.texture);
+    return passTexture(this, (this.sharp ?? this.result).texture);
   }
 
   // A pass as a node: a function around its call. three.js reads the names and types of the parameters out of the text,
@@ -181,7 +186,33 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       renderer.setRenderTarget(target);
       renderer.render(quad, quad.camera); // quad.render has a vertex shader that compileAsync does not know
     }
+    if (this.sharp) this.drawSharp(renderer);
     RendererUtils.restoreRendererState(renderer, rendererState);
+  }
+
+  // The picture once more, and over it the layer, with the depth that the scene has
+  drawSharp(renderer) {
+    const { sharp, camera } = this;
+    const { scene, renderTarget } = this.scenePass;
+    const { depthTexture, width, height } = renderTarget;
+    const { mask } = camera.layers;
+    const { background } = scene;
+    sharp.setSize(width, height);
+    if (sharp.depthTexture !== depthTexture) {
+      this.copy = new QuadMesh(material(texture(this.result.texture)));
+      Object.assign(this.copy.material, { depthTest: false, depthWrite: false });
+      sharp.depthTexture = depthTexture;
+      depthTexture.renderTarget = renderTarget; // whose it remains
+    }
+    scene.traverse((object) => object.isLight && object.layers.enable(this.options.sharpLayer));
+    renderer.setRenderTarget(sharp);
+    renderer.autoClear = false;
+    renderer.render(this.copy, this.copy.camera);
+    scene.background = null;
+    camera.layers.set(this.options.sharpLayer);
+    renderer.render(scene, camera);
+    camera.layers.mask = mask;
+    Object.assign(scene, { background });
   }
 
   resize(passes) {
@@ -198,7 +229,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   dispose() {
     this.discard(this);
-    this.result.dispose();
+    for (const own of [this.result, this.sharp, this.copy?.material]) own?.dispose();
     super.dispose();
   }
 }

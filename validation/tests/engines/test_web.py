@@ -339,3 +339,20 @@ def test_node_alpha(webgpu, method):
 def test_node_memory(webgpu):
     """Of exact: map, two targets and the result."""
     assert webgpu.call("memory") == {"bytes": 4 * 8 * 96 * 64, "passes": 3}
+
+
+def test_node_glass(webgpu):
+    """As SharpPass, by the option sharpLayer; from the second frame on, since three.js makes the shared target anew."""
+    said = webgpu.call("glass")
+    for name in ("behind", "beside"):
+        before, _, after = said["found"][name]
+        assert before == after, name
+    before, _, after = said["found"]["glass"]
+    assert after == pytest.approx([0.5 * before[0], 0.5 * before[1] + 0.5, 0.5 * before[2]], abs=2e-3)
+    assert said["background"] and said["mask"] == 1
+
+
+def test_node_multisampled(webgpu):
+    """As of the pass: a scene without highlights, whose light edges do not change."""
+    found = webgpu.call("samples")
+    assert found["middle"] < 0.002 and found["light"] == pytest.approx(1, abs=0.02)

@@ -32,8 +32,8 @@ function makeScene(camera = new THREE.PerspectiveCamera(45, SIZE[0] / SIZE[1], 0
   return { scene, camera, subject };
 }
 
-function chain({ scene, camera, subject }, options, other = renderer) {
-  const bokeh = new PolygonBokehNode(pass(scene, camera), options);
+function chain({ scene, camera, subject }, options, other = renderer, settings = {}) {
+  const bokeh = new PolygonBokehNode(pass(scene, camera, settings), options);
   bokeh.setLens(0.07);
   bokeh.focusOn(subject);
   return { bokeh, pipeline: new Pipeline(other, bokeh), scene };
@@ -44,8 +44,8 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   other.setRenderTarget(target);
   await (pipeline.render() ?? 0);
   other.setRenderTarget(null);
-  const { width, height } = bokeh.result;
-  const halves = await other.readRenderTargetPixelsAsync(bokeh.result, 0, 0, width, height);
+  const shown = bokeh.sharp ?? bokeh.result;
+  const halves = await other.readRenderTargetPixelsAsync(shown, 0, 0, shown.width, shown.height);
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
@@ -115,6 +115,31 @@ window.bokeh = {
     const shares = clear.filter((_, i) => i % 4 === 3);
     const inside = shares.filter((share) => share > 0.01 && share < 0.99).length;
     return { off: off(over, truth), inside, shares: [Math.min(...shares), Math.max(...shares)] };
+  },
+
+  // Glass on layer 1, half behind the subject: the picture without it and with it, at three places
+  async glass() {
+    const world = makeScene();
+    const without = await drawn(chain(world, {}));
+    const material = new THREE.MeshBasicMaterial({ color: 0x00ff00, transparent: true, opacity: 0.5, depthWrite: false });
+    const pane = new THREE.Mesh(new THREE.PlaneGeometry(1.2, 1.2), material);
+    pane.position.set(0.7, 0, -4.5);
+    pane.layers.set(1);
+    world.scene.add(pane);
+    const made = chain(world, { sharpLayer: 1 });
+    const frames = [await drawn(made), await drawn(made)];
+    const at = (image, x) => image.slice(4 * (32 * SIZE[0] + x), 4 * (32 * SIZE[0] + x) + 3);
+    const places = { behind: 50, glass: 66, beside: 8 };
+    const found = Object.entries(places).map(([name, x]) => [name, [without, ...frames].map((image) => at(image, x))]);
+    return { found: Object.fromEntries(found), background: Boolean(world.scene.background), mask: world.camera.layers.mask };
+  },
+
+  // Four samples a pixel: how far from one in the middle of the subject, and what share of the light is kept
+  async samples() {
+    const total = (image) => image.reduce((sum, value, i) => (i % 4 < 3 ? sum + value : sum), 0);
+    const [several, one] = [await drawn(chain(makeScene(), {}, renderer, { samples: 4 })), await drawn(chain(makeScene(), {}))];
+    const middle = 4 * (32 * SIZE[0] + 48);
+    return { middle: off(several.slice(middle, middle + 3), one.slice(middle, middle + 3)), light: total(several) / total(one) };
   },
 
   memory: async () => {
