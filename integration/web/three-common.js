@@ -79,7 +79,7 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
 
     // Bytes of its targets
     get memory() {
-      const targets = new Set(this.passes.map(({ target }) => target).filter(Boolean));
+      const targets = new Set([...this.passes.map(({ target }) => target), this.sharp].filter(Boolean));
       const bytes = ({ width, height, textures }) => textures.length * width * height * (textures[0].type === FLOAT ? 4 : 8);
       return [...targets].reduce((sum, target) => sum + bytes(target), 0);
     }

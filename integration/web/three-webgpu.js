@@ -97,7 +97,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   // Other options, of those of the constructor. It resolves when the next frame is drawn with them: until then the
   // frames are as before, and the shaders are compiled beside them.
   async change(options) {
-    const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, THREE_CHOICES));
+    const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, CHOICES));
     const { renderer } = this;
     this.changing = made;
     if (renderer) {

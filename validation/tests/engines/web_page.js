@@ -137,13 +137,15 @@ window.bokeh = {
     const world = makeScene();
     const made = chain(world, {});
     drawn(made);
-    const [{ geometries, textures }, before] = [{ ...renderer.info.memory }, made.bokeh.passes.length];
+    const { textures } = renderer.info.memory;
     await made.bokeh.change(change);
     const programs = renderer.info.programs.length;
     const result = drawn(made);
     const added = renderer.info.programs.length - programs;
-    const result2 = drawn(chain(world, change));
-    return { off: off(result, result2), added, passes: [before, made.bokeh.passes.length], geometries, textures };
+    await made.bokeh.change({ preset: 'MEDIUM', sides: 6, method: 'layered', extras: [] });
+    drawn(made);
+    const leaked = renderer.info.memory.textures - textures;
+    return { off: off(result, drawn(chain(world, change))), added, leaked };
   },
 
   // Two changes at once: the last one counts. One that is refused changes nothing.
