@@ -25,11 +25,12 @@ async function stopped(kind) {
 }
 
 // One frame with another PolygonBokeh, of these options
-async function draw(sample, options, [width, height]) {
-  const { engine, scene, subject, library } = sample;
+async function draw(sample, options, [width, height], uniforms = {}) {
+  const { engine, scene, subject } = sample;
   sample.bokeh.dispose();
-  sample.bokeh = addBokeh(library, scene.activeCamera, options);
+  sample.bokeh = addBokeh(scene.activeCamera, options);
   sample.bokeh.focusOn(subject.position);
+  Object.assign(sample.bokeh.uniforms, uniforms);
   engine.setSize(width, height);
   while (!scene.isReady()) {
     const errors = sample.bokeh.passes.map(({ wrapper }) => wrapper.effect.getCompilationError());
@@ -206,4 +207,15 @@ export async function interaction(kind) {
   }
   const depth = Vector3.TransformCoordinates(box.position, view).z;
   return { before, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
+}
+
+// What a frame of these options and uniforms shows, or why there is none
+export async function shown([kind, options, uniforms]) {
+  const sample = await stopped(kind);
+  try {
+    await draw(sample, options, [96, 72], uniforms);
+  } catch ({ message }) {
+    return message;
+  }
+  return base64((await readFrame(sample)).result);
 }

@@ -3,12 +3,12 @@
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { ImageProcessingConfiguration } from '@babylonjs/core/Materials/imageProcessingConfiguration.js';
 import { ImageProcessingPostProcess } from '@babylonjs/core/PostProcesses/imageProcessingPostProcess.js';
-import { PolygonBokeh } from 'bokeh-babylonjs/PolygonBokeh.js';
+import { PolygonBokeh } from 'polygonal-bokeh/babylon';
 import { makeScene } from './scene.js';
 
 // Depth of field for what the camera sees. `options` are those of PolygonBokeh.
-export function addBokeh(library, camera, options) {
-  const bokeh = new PolygonBokeh(library, camera, options);
+export function addBokeh(camera, options) {
+  const bokeh = new PolygonBokeh(camera, options);
   bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   return bokeh;
 }
@@ -30,10 +30,10 @@ export function depthsUnder(points, { scene, bokeh }) {
   });
 }
 
-export async function start(engine, library) {
+export async function start(engine) {
   engine.setSize(640, 480);
   const { scene, camera, subject, box } = makeScene(engine);
-  const sample = { engine, library, scene, camera, subject, box, bokeh: addBokeh(library, camera) };
+  const sample = { engine, scene, camera, subject, box, bokeh: addBokeh(camera) };
   sample.tone = addTone(camera);
   sample.bokeh.focusOn(subject.position);
 
@@ -49,7 +49,7 @@ export async function start(engine, library) {
     if (!'0123'.includes(key)) return;
     const { uniforms } = sample.bokeh;
     sample.bokeh.dispose();
-    sample.bokeh = addBokeh(library, camera, { view: [undefined, 'depth', 'coc', 'focus'][key] });
+    sample.bokeh = addBokeh(camera, { view: [undefined, 'depth', 'coc', 'focus'][key] });
     Object.assign(sample.bokeh.uniforms, uniforms);
   });
 

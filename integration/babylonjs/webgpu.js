@@ -1,11 +1,10 @@
 // The sample on WebGPU.
 
 import { WebGPUEngine } from '@babylonjs/core/Engines/webgpuEngine.js';
-import { library } from 'bokeh-babylonjs/wgsl.js';
 import { start } from './sample.js';
 
 const canvas = document.createElement('canvas');
 document.body.append(canvas);
 const engine = new WebGPUEngine(canvas);
 await engine.initAsync();
-export const sample = await start(engine, library);
+export const sample = await start(engine);

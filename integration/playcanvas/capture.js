@@ -2,7 +2,7 @@
 
 import { FILLMODE_NONE, PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
 import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
-import { addBokeh, app, box, camera, depthsUnder, frame as shown, subject } from './sample.js';
+import { addBokeh, app, box, camera, depthsUnder, frame as first, subject } from './sample.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
@@ -19,7 +19,7 @@ const SHAPES = {
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
 // One frame of a new camera frame, which is destroyed before the next one; change(frame) is called before it is drawn
-let last = shown;
+let last = first;
 async function draw(options, [width, height], change = () => {}) {
   last.destroy();
   app.setCanvasFillMode(FILLMODE_NONE, width, height);
@@ -187,12 +187,22 @@ export async function interaction() {
   const { x, y } = camera.worldToScreen(box.getPosition());
   const { canvas } = app.graphicsDevice;
   const { left, top } = canvas.getBoundingClientRect();
-  const before = shown.uniforms.focusDistance;
+  const before = first.uniforms.focusDistance;
   canvas.dispatchEvent(new MouseEvent('click', { clientX: left + x, clientY: top + y }));
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
-  while (shown.uniforms.focusDistance === before) await drawn();
+  while (first.uniforms.focusDistance === before) await drawn();
   // until the pull is over
-  for (let then; then !== shown.uniforms.focusDistance; await drawn()) then = shown.uniforms.focusDistance;
+  for (let then; then !== first.uniforms.focusDistance; await drawn()) then = first.uniforms.focusDistance;
   const depth = -camera.viewMatrix.transformPoint(new Vec3().copy(box.getPosition())).z;
-  return { before, after: shown.uniforms.focusDistance, box: depth, mode: shown.debugMode };
+  return { before, after: first.uniforms.focusDistance, box: depth, mode: first.debugMode };
+}
+
+// What a frame of these options and uniforms shows, or why there is none
+export async function shown([, options, uniforms]) {
+  try {
+    const { result } = await read(await draw(options, [96, 72], (frame) => Object.assign(frame.uniforms, uniforms)));
+    return base64(result);
+  } catch ({ message }) {
+    return message;
+  }
 }

@@ -2,7 +2,7 @@
 
 import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
 import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
-import { PolygonBokehFrame } from 'bokeh-playcanvas/PolygonBokehFrame.js';
+import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
 import { makeScene } from './scene.js';
 
 const canvas = document.querySelector('canvas');
@@ -14,12 +14,9 @@ app.init(options);
 app.autoRender = false; // nothing moves: a frame is drawn when it is asked for
 app.start();
 
-const { isWebGPU } = options.graphicsDevice;
-const { library } = await (isWebGPU ? import('bokeh-playcanvas/wgsl.js') : import('bokeh-playcanvas/glsl.js'));
-
 // The camera with depth of field. `options` are those of PolygonBokehFrame.
 export function addBokeh(app, camera, options) {
-  const frame = new PolygonBokehFrame(app, camera, library, options);
+  const frame = new PolygonBokehFrame(app, camera, options);
   frame.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   frame.rendering.toneMapping = TONEMAP_ACES; // which is done after the bokeh, with sRGB
   frame.update();

@@ -1,7 +1,6 @@
 // For the validation suite only: every method and shape, and what went into it, as raw pixels.
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
-import { depthsUnder } from './scene.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
@@ -174,7 +173,7 @@ export async function capture(kind) {
 function pulled(bokeh, { scene, camera }, bottomUp) {
   const { focusDistance } = bokeh.uniforms;
   const points = [[0.9, -0.31], [0.19, 0.07]];
-  const depths = depthsUnder(points, scene, camera);
+  const depths = bokeh.depthsUnder(points, scene);
   const [frame, seconds, from, distances] = [1 / 30, 0.2, focusDistance.value, []];
   for (let i = 0; i < 12; i++) {
     bokeh.pullFocus(frame, depths, seconds);

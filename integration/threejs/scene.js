@@ -12,12 +12,10 @@ import {
   NearestFilter,
   PerspectiveCamera,
   PlaneGeometry,
-  Raycaster,
   RepeatWrapping,
   Scene,
   SphereGeometry,
   TorusKnotGeometry,
-  Vector2,
 } from 'three';
 
 const COLORS = [0xff7a30, 0xffe0a0, 0x60a0ff, 0xff3050, 0x70ffb0];
@@ -76,38 +74,4 @@ export function makeScene(aspect) {
   camera.position.set(0, 1.4, 0);
   camera.lookAt(0, 1.25, -5);
   return { scene, camera, subject };
-}
-
-// Depths along the view axis under points of the view, (-1, -1) lower left; Infinity where nothing is.
-export function depthsUnder(points, scene, camera) {
-  const caster = new Raycaster();
-  return points.map((point) => {
-    caster.setFromCamera(new Vector2(...point), camera);
-    const [hit] = caster.intersectObjects(scene.children);
-    return hit ? -camera.worldToLocal(hit.point).z : Infinity;
-  });
-}
-
-// A click focuses on what is there, on the nearest of some points around it: pull(dt, depths) is called for each frame
-// of a second, five time constants, at the end with an infinite dt. { pulling: whether that is going on }
-export function focusByClicks(canvas, scene, camera, pull) {
-  const state = { pulling: false };
-  let [depths, last, end] = [[], 0, 0];
-  const frame = () => {
-    const now = performance.now();
-    state.pulling = now < end;
-    pull(state.pulling ? (now - last) / 1000 : Infinity, depths);
-    last = now;
-    if (state.pulling) requestAnimationFrame(frame);
-  };
-  canvas.addEventListener('click', ({ offsetX, offsetY }) => {
-    const [x, y, d] = [(2 * offsetX) / canvas.clientWidth - 1, 1 - (2 * offsetY) / canvas.clientHeight, 0.02];
-    const points = [[x, y], [x - d, y], [x + d, y], [x, y - d], [x, y + d]];
-    depths = depthsUnder(points, scene, camera);
-    end = performance.now() + 1000;
-    if (state.pulling) return;
-    last = performance.now();
-    frame();
-  });
-  return state;
 }

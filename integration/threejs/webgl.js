@@ -5,9 +5,8 @@ import { WebGLRenderer, WebGLRenderTarget } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
-import { PolygonBokehPass } from 'bokeh-threejs/PolygonBokehPass.js';
-import { library } from 'bokeh-threejs/glsl.js';
-import { focusByClicks, makeScene } from './scene.js';
+import { PolygonBokehPass } from 'polygonal-bokeh/three';
+import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
@@ -17,7 +16,7 @@ export function addBokeh(renderer, scene, camera, options) {
   const depthTexture = new DepthTexture(1, 1, FloatType);
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
   const composer = new EffectComposer(renderer, target);
-  const bokeh = new PolygonBokehPass(library, camera, options);
+  const bokeh = new PolygonBokehPass(camera, options);
   bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
@@ -34,14 +33,11 @@ export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
 export const { composer, bokeh } = addBokeh(renderer, scene, camera);
 composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
 
-bokeh.focusOn(subject.position);
+bokeh.focusOn(subject);
 composer.render();
 
 // A click focuses on what is there.
-export const focus = focusByClicks(renderer.domElement, scene, camera, (dt, depths) => {
-  bokeh.pullFocus(dt, depths);
-  composer.render();
-});
+export const focus = bokeh.focusByClicks(renderer.domElement, scene, () => composer.render());
 
 // Keys 0 to 3 choose the debug view.
 addEventListener('keydown', ({ key }) => {

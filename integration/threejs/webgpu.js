@@ -2,16 +2,15 @@
 
 import { ACESFilmicToneMapping, RenderPipeline, WebGPURenderer } from 'three/webgpu';
 import { pass } from 'three/tsl';
-import { PolygonBokehNode } from 'bokeh-threejs/PolygonBokehNode.js';
-import { library } from 'bokeh-threejs/wgsl.js';
-import { focusByClicks, makeScene } from './scene.js';
+import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
+import { makeScene } from './scene.js';
 
 const WIDTH = 640;
 const HEIGHT = 480;
 
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {
-  const bokeh = new PolygonBokehNode(library, pass(scene, camera), options);
+  const bokeh = new PolygonBokehNode(pass(scene, camera), options);
   bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
   const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
   return { pipeline, bokeh };
@@ -26,14 +25,11 @@ await renderer.init();
 export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
 export const { pipeline, bokeh } = addBokeh(renderer, scene, camera);
 
-bokeh.focusOn(subject.position);
+bokeh.focusOn(subject);
 pipeline.render();
 
 // A click focuses on what is there.
-export const focus = focusByClicks(renderer.domElement, scene, camera, (dt, depths) => {
-  bokeh.pullFocus(dt, depths);
-  pipeline.render();
-});
+export const focus = bokeh.focusByClicks(renderer.domElement, scene, () => pipeline.render());
 
 // Keys 0 to 3 choose the debug view.
 addEventListener('keydown', ({ key }) => {

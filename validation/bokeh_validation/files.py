@@ -1,6 +1,8 @@
 """Files that appear complete or not at all."""
 
 import os
+import shutil
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,6 +33,21 @@ def check_writable(path: Path) -> None:
         raise UserError(f"{path}: there is no folder {folder}. Make it first.")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
         raise UserError(f"{path}: may not be written. Check the permissions, or name another place.")
+
+
+def new_folder(option: str, folder: Path, fill: Callable[[Path], object]) -> None:
+    """Call `fill` with a temporary folder and move what it leaves there to `folder`, which is new or empty."""
+    check_folder(option, folder.parent)
+    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        raise UserError(f"{option} {folder}: is not empty. Name a folder that is new or empty.")
+    with tempfile.TemporaryDirectory(prefix="bokeh-") as parent:
+        made = Path(parent, "made")
+        made.mkdir()
+        fill(made)
+        try:
+            shutil.copytree(made, folder, dirs_exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{option} {folder}: cannot be written ({error}). Name another place.") from error
 
 
 def check_folder(option: str, folder: Path | None) -> None:

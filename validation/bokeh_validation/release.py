@@ -1,6 +1,6 @@
 """The command `validation/run release`: archives of files that are in the repository.
 
-Only the library as ES modules, for npm, and Unity's .meta files are made for them.
+Only Unity's .meta files are made for them.
 """
 
 import hashlib
@@ -12,8 +12,8 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import __version__, paths, shaders, terminal
-from bokeh_validation.errors import UserError
+from bokeh_validation import __version__, paths, terminal
+from bokeh_validation.files import new_folder
 
 INTEGRATION = paths.ROOT / "integration"
 # Path in an archive -> a file or folder of the repository, or the text itself. All paths begin with the same folder.
@@ -24,19 +24,14 @@ def release(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="A folder that is new or empty.")],
 ) -> None:
     """Make the archives that users install: npm, UPM, plug-in, add-on, and one of the shaders alone."""
-    if not output.parent.is_dir():
-        raise UserError(f"--output {output}: there is no folder {output.parent}. Make it first.")
-    if output.exists() and not (output.is_dir() and not any(output.iterdir())):
-        raise UserError(f"--output {output}: is not empty. Name a folder that is new or empty.")
-    with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
-        for name, files in archives().items():
-            pack(Path(folder, name), files)
-        try:
-            shutil.copytree(folder, output, dirs_exist_ok=True)
-        except OSError as error:
-            raise UserError(f"--output {output}: cannot be written ({error}). Name another place.") from error
+    new_folder("--output", output, _pack_all)
     for path in sorted(output.iterdir()):
         terminal.tell(f"{path.name:45}{path.stat().st_size / 1e3:8.0f} kB")
+
+
+def _pack_all(folder: Path) -> None:
+    for name, named in archives().items():
+        pack(folder / name, named)
 
 
 def pack(archive: Path, files: Files) -> None:
@@ -68,20 +63,14 @@ def archives() -> dict[str, Files]:
             for stem in ("bokeh", "bokeh_paper"):
                 files[f"{root}/Shaders/{stem}.ush"] = paths.shader("hlsl", stem)
         made[f"{engine}-{Path(root).name}-{__version__}.zip"] = files
-    return made | dict([unity(), npm("threejs"), npm("babylonjs"), npm("playcanvas")])
+    return made | dict([unity(), npm()])
 
 
-def npm(engine: str) -> tuple[str, Files]:
-    """What `files` of package.json lists, of the engine's folder or of the one above, which all have in common."""
-    manifest = INTEGRATION / engine / "package.json"
-    named = json.loads(manifest.read_bytes())
-    files = _with_guide("package", engine) | {"package/package.json": manifest}
-    for name in named["files"]:
-        own = manifest.with_name(name)
-        files[f"package/{name}"] = own if own.exists() else INTEGRATION / name
-    # those of the samples fetch the text
-    files |= {f"package/{language}.js": _module(language) for language in ("glsl", "wgsl")}
-    return f"{named['name']}-{__version__}.tgz", files
+def npm() -> tuple[str, Files]:
+    """The package of integration/web: all but what npm leaves in the folder."""
+    folder = INTEGRATION / "web"
+    own = [path for path in folder.iterdir() if path.name not in ("node_modules", "package-lock.json")]
+    return f"polygonal-bokeh-{__version__}.tgz", {f"package/{path.name}": path for path in own}
 
 
 def unity() -> tuple[str, Files]:
@@ -104,9 +93,3 @@ def unity() -> tuple[str, Files]:
 def _with_guide(root: str, engine: str) -> Files:
     """The licence and an engine's guide."""
     return {f"{root}/LICENSE": paths.ROOT / "LICENSE", f"{root}/README.md": INTEGRATION / engine / "README.md"}
-
-
-def _module(language: str) -> str:
-    """The library as an ES module."""
-    text = "".join(shaders.file_text(language, stem) for stem in ("bokeh", "bokeh_paper", "bokeh_layers"))
-    return f"// SPDX-License-Identifier: MIT\nexport const library = {json.dumps(text)};\n"

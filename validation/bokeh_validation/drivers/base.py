@@ -37,14 +37,12 @@ PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
 class Timing:
     """How long a job took, seconds, each for one draw of all its passes.
 
-    wall   of the clock, from the first command to the device's being done
-    cpu    of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
-    query  of the device's own timer; None where it has none
+    wall  of the clock, from the first command to the device's being done
+    cpu   of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
     """
 
     wall: float
     cpu: float
-    query: float | None
 
 
 class Driver:
@@ -195,8 +193,9 @@ class TimedDriver(Driver):
     def draw(self, steps: Sequence) -> None:
         """Give the steps to the device; does not wait."""
 
-    def timer(self, steps: Sequence, repeats: int) -> tuple[Callable[[], None], Callable[[], float | None]]:
-        """What draws the steps so often without a pause; and what then gives the device's own seconds, if it can."""
+    def recorded(self, steps: Sequence, repeats: int) -> Callable[[], None]:
+        """What draws the steps so often without a pause."""
+        return lambda: [self.draw(steps) for _ in range(repeats)]
 
     def wait(self) -> None:
         """Return when all that was given to the device is done."""
@@ -219,21 +218,15 @@ class Prepared:
         self.handles = [*uploaded, *map(driver.texture, self.images[len(uploaded) :])]
         self.steps = [driver.step(draw, self.handles) for draw in draws]
 
-    def timed(self, repeats: int, number: int | None = None) -> Timing:
-        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time.
-
-        number  of the one pass that is drawn, which reads what the others left when all were drawn; None: all
-        """
+    def timed(self, repeats: int) -> Timing:
+        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time."""
         self.driver.make_current()
-        draw, queried = self.driver.timer(self.steps if number is None else self.steps[number : number + 1], repeats)
+        draw = self.driver.recorded(self.steps, repeats)
         self.driver.wait()
         wall, cpu = time.perf_counter(), time.process_time()
         draw()
         self.driver.wait()
-        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        # asked for afterwards: a device's answer may take a while
-        query = queried()
-        return Timing(wall / repeats, cpu / repeats, None if query is None else query / repeats)
+        return Timing((time.perf_counter() - wall) / repeats, (time.process_time() - cpu) / repeats)
 
     def read(self, name: str) -> np.ndarray:
         """A target after the last draw, (H, W, 4) of its own size, a copy."""

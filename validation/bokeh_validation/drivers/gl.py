@@ -75,16 +75,6 @@ class GLDriver(TimedDriver):
             target.use()
             array.render(moderngl.TRIANGLES, vertices=3)
 
-    def timer(self, steps: Sequence["Step"], repeats: int):
-        query = self.context.query(time=True)
-
-        def draw() -> None:
-            with query:
-                for _ in range(repeats):
-                    self.draw(steps)
-
-        return draw, lambda: query.elapsed * 1e-9
-
     def wait(self) -> None:
         self.context.finish()
 

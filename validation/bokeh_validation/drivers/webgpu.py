@@ -14,8 +14,7 @@ from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS,
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
 # half-float targets, but two of 32 bits.
 ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
-# Features: filtering of 32-bit floats, and the device's timer, which not all have
-FILTERABLE, TIMER = "float32-filterable", "timestamp-query"
+FILTERABLE = "float32-filterable"
 
 
 def _import():
@@ -60,11 +59,9 @@ class WGPU(TimedDriver):
         self.wgpu = _import()
         chosen = _choose(adapter)
         self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        self.has_timer = TIMER in chosen.features
         self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
         self.device = chosen.request_device_sync(
-            required_features=[FILTERABLE, TIMER] if self.has_timer else [FILTERABLE],
-            required_limits={ATTACHMENT_BYTES: self.attachment_bytes},
+            required_features=[FILTERABLE], required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
         )
         self.programs: dict[tuple, object] = {}
         self.module = lru_cache(PROGRAMS)(lambda code: self.device.create_shader_module(code=code))
@@ -146,8 +143,8 @@ class WGPU(TimedDriver):
         kept = {"load_op": "load", "store_op": "store"}
         attachments = [{"view": target.create_view(), **kept} for target in targets]
 
-        def record(encoder, stamps: dict | None) -> None:
-            render = encoder.begin_render_pass(color_attachments=attachments, timestamp_writes=stamps)
+        def record(encoder) -> None:
+            render = encoder.begin_render_pass(color_attachments=attachments)
             render.set_pipeline(pipeline)
             render.set_bind_group(0, bindings)
             render.set_viewport(*draw.area, 0.0, 1.0)  # a triangle is clipped to it
@@ -157,33 +154,15 @@ class WGPU(TimedDriver):
         return record
 
     def draw(self, steps: Sequence[Callable]) -> None:
+        self.recorded(steps, 1)()
+
+    def recorded(self, steps: Sequence[Callable], repeats: int) -> Callable[[], None]:
+        """See TimedDriver: one command buffer."""
         encoder = self.device.create_command_encoder()
-        for record in steps:
-            record(encoder, None)
-        self.device.queue.submit([encoder.finish()])
-
-    def timer(self, steps: Sequence[Callable], repeats: int):
-        """See TimedDriver: the time from the beginning of the first pass to the end of the last."""
-        encoder, queue, usage = self.device.create_command_encoder(), self.device.queue, self.wgpu.BufferUsage
-        stamps = [{} for _ in steps] * repeats
-        if self.has_timer:
-            queries = self.device.create_query_set(type="timestamp", count=2)
-            stamps[0] = {"query_set": queries, "beginning_of_pass_write_index": 0}
-            stamps[-1] = {**stamps[-1], "query_set": queries, "end_of_pass_write_index": 1}
-        for record, stamp in zip([*steps] * repeats, stamps, strict=True):
-            record(encoder, stamp or None)
-        if self.has_timer:
-            resolved = self.device.create_buffer(size=16, usage=usage.QUERY_RESOLVE | usage.COPY_SRC)
-            encoder.resolve_query_set(queries, 0, 2, resolved, 0)
+        for record in [*steps] * repeats:
+            record(encoder)
         commands = encoder.finish()
-
-        def queried() -> float | None:
-            if not self.has_timer:
-                return None
-            begin, end = (int(stamp) for stamp in np.frombuffer(queue.read_buffer(resolved), np.uint64))
-            return (end - begin) * 1e-9
-
-        return lambda: queue.submit([commands]), queried
+        return lambda: self.device.queue.submit([commands])
 
     def wait(self) -> None:
         """See TimedDriver: a read of four bytes, which the queue puts behind all that was submitted.

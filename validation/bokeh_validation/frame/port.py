@@ -47,7 +47,7 @@ def out_of_date() -> dict[str, str]:
 
     Raises UserError where a region's markers are not there once each.
     """
-    texts = godot_shaders()
+    texts = godot_shaders() | {"integration/web/shaders.js": web_shaders()}
     for method, aperture in PLANNED:
         planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
         head = {"generated": f"by validation/run port from {FRAME}"}
@@ -98,7 +98,7 @@ TABLES = (
     ("integration/panda3d/bokeh_panda3d/apertures.py", samples.PYTHON, FLAT_OTHERS),
     ("integration/jmonkeyengine/BokehFilter.java", samples.JAVA, HEXAGON),
     ("integration/jmonkeyengine/Apertures.java", samples.JAVA, OTHERS),
-    ("integration/frames.js", samples.SCRIPT, UPPER),
+    ("integration/web/frames.js", samples.SCRIPT, UPPER),
     ("integration/love/polygon_bokeh.lua", samples.LUA, {"layered": "layered", "exact": "exact"}),
     ("integration/ogre/PolygonBokeh.h", samples.OGRE, {"layered": "layered", "exact": "exact"}),
     ("integration/godot/addons/polygon_bokeh/frames.gd", samples.GODOT, UPPER),
@@ -136,6 +136,23 @@ def godot_shaders() -> dict[str, str]:
         path = f"integration/godot/addons/polygon_bokeh/{name}.gdshaderinc"
         ported[path] = f"// {WRITTEN_BY} glsl/{name}.glsl\n{text}"
     return ported
+
+
+def web_shaders() -> str:
+    """What the npm package has of the package: an object for each language, file -> its text without comments."""
+    lines = [f"// {WRITTEN_BY} glsl/ and wgsl/", "// SPDX-License-Identifier: MIT"]
+    for language in ("glsl", "wgsl"):
+        texts = {stem: shaders.file_text(language, stem) for stem in paths.STEMS}
+        # of the ready-made programs what a class needs for jitter
+        programs = texts.pop("bokeh_passes")
+        functions = {found["name"]: found[0] for found in shaders.FUNCTION.finditer(programs)}
+        texts["noise"] = functions["BokehNoise"]
+        lines += ["", f"export const {language.upper()} = {{"]
+        for name, text in texts.items():
+            code = (line.strip() for line in shaders.COMMENT.sub("", text).splitlines())
+            lines += [f"  {name}: `", *filter(None, code), "`,"]
+        lines.append("};")
+    return "\n".join(lines) + "\n"
 
 
 # The line of a parameter. The structs have what fills the buffer up too.

@@ -38,6 +38,9 @@ for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
+# What is before a number that is one less: a loop that ends early misses a sample, and a first pass that is asked for
+# one line too few does not see it, where one more only costs fetches
+LESS = re.compile(r"(?:< |Bokeh(?:ExactFirst|LayerPolygon)\((?:\w+, )+)\Z")
 GUARDS = r"(?:clamp|abs|BokehSafe|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
 
@@ -47,9 +50,9 @@ def _other(found: re.Match, _: Types) -> str:
 
 
 def _number(found: re.Match, _: Types) -> str:
-    """Another number: one less where it is the end of a loop, else one more or twice as much."""
+    """Another number: one less where one more would not show, else one more or twice as much."""
     if "." not in found[0]:
-        return str(int(found[0]) + (-1 if found.string[: found.start()].endswith("< ") else 1))
+        return str(int(found[0]) + (-1 if LESS.search(found.string[: found.start()]) else 1))
     return repr(2.0 * float(found[0])) if float(found[0]) else "1.0"
 
 

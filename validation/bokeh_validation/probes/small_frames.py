@@ -37,7 +37,7 @@ ALL = {
     "bleeding_mult": 30.0,
     "camera": Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
 }
-# not the preset's spacing
+# The spacing is no preset's: with one of those it would not show that nobody reads the parameter
 ADAPTIVE = {"spacing": 1.25, "jitter": 1.0, "frame": 61}
 CUT = {"cats_eye": 0.7, "roundness": 0.5}
 FOCUS = methods.Focus((0.5, 1.0), (0.75, 0.5), (0.0625, 0.03125))
@@ -256,6 +256,11 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         frame = Frame((item,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
         yield f"depth, {name}", frame
     yield "depth, part", in_part(frame)
+    # the image is a part of the depth buffer: of its width another one than of its height
+    place = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.25}
+    item = Pass("BokehSignedCoCMap", read, "coc", LENS.parameters() | FOCUS.parameters() | place)
+    whole = np.geomspace(3.0, 7.0, 4 * 2 * textures["depth"].size).reshape(4 * size[1], -1).astype(np.float32)
+    yield "map, depth in a part", Frame((item,), {**textures, "depth": whole}, size)
 
 
 def _steady() -> Iterator[tuple[str, Frame]]:
@@ -305,6 +310,8 @@ DECLARED = (
     "BokehLayers layers = BokehMakeLayers(vec2(0.25, 0.75), vec2(64.0, 48.0), 0.25);"
     "BokehLens lens = BokehMakeLens(0.03, 0.05, 2.0);"
     "BokehSetViewport(vec4(0.0, 0.0, 1.0, 8.0), vec2(16.0, 16.0));"
+    "BokehPolygon square = BokehWithRoundness(polygon, 0.0); BokehPolygon curved = BokehWithRoundness(polygon, 0.5);"
+    "BokehPolygon uncut = BokehWithCatsEye(BokehWithRoundness(polygon, 0.004), end, vec2(64.0, 32.0), 0.0);"
 )
 VALUES = {
     **{"plain.aspectRatio": 2.0, "plain.imageHeight": 32.0, "plain.spacing": 1.5, "plain.jitter": 0.0},
@@ -315,17 +322,25 @@ VALUES = {
     **{"polygon.lengths.x": SINE, "polygon.lengths.w": SINE, "polygon.fifth": SINE, "polygon.squeeze": 0.75},
     **{"layers.jitter": 0.0, "layers.largest": 12.0, "layers.origin.x": 0.0, "layers.texel.y * 48.0": 1.0},
     **{"layers.uv.x": 0.25, "layers.uv.y": 0.75, "layers.size.x": 64.0, "BokehFullGrid(layers).size.y": 48.0},
+    # a place on the border, sides that no polygon has, edges that are none and little more than none
+    **{"BokehFetchTexel(BokehColorSamp, vec2(1.0, 1.0)).r": 15.0, "BokehAnyAperture(end).sides": 10.0},
+    **{"square.lengths.x": 0.001, "uncut.lengths.x": float(np.sin(np.pi / 2000.0))},
+    "curved.area": float(np.sin(np.pi / 8.0) + np.sin(np.pi * 3.0 / 8.0)) / 2.0,
 }
 # an image of one texel has no room for the inset
 IN_A_PART = {
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
     "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayers(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
+    "BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, end, end, lens, 0, 0.1, 1.0).r": 4.0,
 }
 
 
 def _values() -> Iterator[tuple[str, Frame]]:
-    """A row of pixels, one for each value."""
+    """A row of pixels, one for each value; the textures have the number of their row."""
+    rows = np.repeat(np.arange(16.0), 16).reshape(16, 16).astype(np.float32)
+    textures = {"color": np.stack([rows] * 4, axis=-1), "depth": rows}
+    read = {"ColorSamp": "color", "DepthSamp": "depth"}
     for label, defines, values in (
         ("values", {}, VALUES),
         ("values in a part", {"BOKEH_VIEWPORT": 1}, IN_A_PART),
@@ -334,5 +349,5 @@ def _values() -> Iterator[tuple[str, Frame]]:
         main = f"{DECLARED} float values[] = float[]({listed}); float value = values[int(gl_FragCoord.x)];"
         main += " BokehResult = vec4(value, value, value, value);"
         expected = np.repeat([[[value] for value in values.values()]], 4, axis=2)
-        item = Pass("BokehTileMax", {}, "result", defines=defines)
-        yield label, Frame((item,), {}, (len(values), 1), "float", expected={"result": expected}, main=main)
+        item = Pass("BokehSignedCoCMap", read, "result", {"BokehSides": 12.0}, defines=defines)
+        yield label, Frame((item,), textures, (len(values), 1), "float", expected={"result": expected}, main=main)

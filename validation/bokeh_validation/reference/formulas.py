@@ -57,12 +57,20 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
     else:
         stored = ("DepthKind", "Near", "Far") if entry == "BokehSignedCoCMap" else ()
         kind, near, far = [values[f"Bokeh{name}"] for name in stored] or (0.0, 0.0, 0.0)
+        if entry == "BokehSignedCoCMap":
+            depth = _of_image(depth, values)
         coc = _signed_coc(listings.linear_depth(depth, round(kind), near, far), values)
         if entry == "BokehCoCMap":
             coc = np.abs(coc)
     value = np.empty((*color.shape[:2], 4))
     value[..., :3], value[..., 3] = listings.safe_color(color[..., :3]), coc
     return value
+
+
+def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
+    """The rectangle of a depth buffer that the image lies in: as many texels as the image has."""
+    (height, width), (x, y, w, h) = depth.shape, [values[f"BokehDepth{name}"] for name in ("X", "Y", "Width", "Height")]
+    return depth[round(y * height) : round((y + h) * height), round(x * width) : round((x + w) * width)]
 
 
 def _signed_coc(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:

@@ -15,7 +15,8 @@ PACKAGE = ("browser", "drivers", "engines", "frame", "probes", "reference", "sha
 def _state(engine: str) -> str:
     """A digest of a sample's folder and those that it shares, of the shaders, and of what tests it."""
     integration, package = paths.ROOT / "integration", paths.VALIDATION / "bokeh_validation"
-    shared = ("parameters", "direct3d9") if engine == "direct3d11" else ("parameters",)
+    others = {"direct3d11": "direct3d9", "threejs": "web", "babylonjs": "web", "playcanvas": "web"}
+    shared = ("parameters", others.get(engine, engine))
     folders = [integration / name for name in (engine, *shared)] + [paths.ROOT / name for name in paths.LANGUAGES]
     folders += [package / name for name in PACKAGE] + [paths.VALIDATION / "tests/engines", paths.VALIDATION / "godot"]
     files = {*integration.glob("*.*"), *package.glob("*.py")}.union(*(folder.rglob("*.*") for folder in folders))

@@ -1,16 +1,12 @@
-"""Every engine sample: run with its own colour and depth, and within the interval of the reference.
-
-One also from an archive of validation/run release, installed into an empty project.
-"""
+"""Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
 import json
-import re
 from math import exp, radians, tan
 
 import pytest
 from support import needed
 
-from bokeh_validation import engines, paths, release
+from bokeh_validation import engines, paths
 from bokeh_validation.engines import bevy, pages
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
@@ -96,38 +92,3 @@ def test_sample(name, request):
         depth, color = shot.case.depth, shot.case.color
         assert depth.max() > 2 * depth.min() and color[..., :3].max() > 4.0
         assert abs(shot.result.astype(float) - color.astype(float))[..., :3].max() > 0.1
-
-
-ENGINE = "threejs"
-
-
-@pytest.fixture(scope="module")
-def project(tmp_path_factory):
-    """Folder with the sample's own files and its package from the archive, without the checkout's."""
-    root = tmp_path_factory.mktemp(ENGINE)
-    name, files = release.npm(ENGINE)
-    release.pack(root / name, files)
-    manifest = json.loads(files["package/package.json"].read_bytes())
-    folder = root / "integration" / ENGINE
-    folder.mkdir(parents=True)
-    # what finds the package in the checkout
-    lines = re.compile(rf'"(bokeh-{ENGINE}/|\./)[\w.]*": "[^"]*",\s*')
-    installed = f'"imports": {{ "bokeh-{ENGINE}/": "./node_modules/bokeh-{ENGINE}/", '
-    for path in (paths.ROOT / "integration" / ENGINE).iterdir():
-        if path.suffix in (".js", ".html") and path.name not in manifest["files"]:
-            page = lines.sub("", path.read_text(encoding="utf-8")).replace('"imports": { ', installed)
-            (folder / path.name).write_text(page, encoding="utf-8")
-    (folder / "package.json").write_text("{}")
-    ((engine_package, version),) = manifest["devDependencies"].items()
-    with needed("npm"):
-        pages.call_npm(folder, "install", root / name, f"{engine_package}@{version}")
-    return root
-
-
-@pytest.mark.sample
-@pytest.mark.parametrize("name", [f"{ENGINE}-webgl", f"{ENGINE}-webgpu"])
-def test_npm_page(project, name, tmp_path):
-    """The sample's page on the installed package: every shot within the reference's interval."""
-    with needed(ENGINE):
-        pages.run(name, tmp_path, project)
-    check_shots(engines.read(tmp_path))

@@ -15,7 +15,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
-NAMES = sorted(path.parent.name for path in INTEGRATION.glob("*/README.md"))
+NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web"})
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # How the programs of the Direct3D 9 guide begin
@@ -49,7 +49,7 @@ def sources(name: str) -> list[Path]:
     folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     if (INTEGRATION / name / "webgl.html").exists():
-        own += INTEGRATION.glob("*.js")
+        own += INTEGRATION.glob("web/*.*")
     package = [paths.shader(language, stem) for language in paths.LANGUAGES for stem in paths.STEMS]
     return [path for path in own + package if path.suffix not in (".md", ".png")]
 
@@ -84,7 +84,7 @@ def test_locked_version(name):
     assert set(re.findall(rf"{name}==(\d[\d.]*\d)", shown)) == {version}
 
 
-@pytest.mark.parametrize("name", [path.parent.name for path in INTEGRATION.glob("*/package-lock.json")])
+@pytest.mark.parametrize("name", ["threejs", "babylonjs", "playcanvas"])
 def test_npm_version(name):
     """The table of integration/README.md has the locked one."""
     lock = json.loads((INTEGRATION / name / "package-lock.json").read_text(encoding="utf-8"))
@@ -98,7 +98,7 @@ def test_npm_version(name):
 
 def test_web_presets():
     """What frames.js puts into WGSL for a preset."""
-    text = (INTEGRATION / "frames.js").read_text(encoding="utf-8")
+    text = (INTEGRATION / "web/frames.js").read_text(encoding="utf-8")
     names = re.findall(r"'(\w+)'", re.search(r"^const CONSTANTS = (.*)$", text, re.MULTILINE)[1])
     assert tuple(f"BOKEH_{name}" for name in names) == (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
     rows = re.findall(r"(\w+): \[([^]]*)\]", re.search(r"^const PRESETS = (.*)$", text, re.MULTILINE)[1])

@@ -74,3 +74,32 @@ def test_other_effects(sample):
     off = {name: (np.abs(result - plain).mean() / plain[..., :3].mean()) for name, result in found.items()}
     assert set(off) == {"ssao", "taa", "samples"}
     assert all(0 < by < 0.3 for by in off.values()), off
+
+
+@pytest.mark.parametrize(
+    "sample", [name for name in CAMERAS if not name.startswith("threejs")], indirect=True
+)  # three.js: test_web.py
+def test_options(sample):
+    """Extras act, and at their neutral values change nothing but by rounding; what no option can be is said."""
+    (name, page), kind = sample, sample[0].partition("-")[2]
+
+    def shown(options, **uniforms):
+        return page.call("shown", [kind, options, uniforms])
+
+    assert 'preset is "high". Give "MEDIUM"' in shown({"preset": "high"})
+    for options, extra, neutral, acting in (
+        ({"method": "exact", "preset": "LOW"}, "jitter", {"jitter": 0}, {"jitter": 1}),
+        ({}, "catsEye", {"catsEye": 0}, {"catsEye": 0.8}),
+        ({}, "lateral", {"lateral": 0}, {"lateral": 0.02}),
+        ({}, "focusRange", {}, {"backRange": 8}),
+    ):
+        plain, still, changed = (
+            pixels(shown(given, **uniforms), (72, 96)).astype(float)
+            for given, uniforms in (
+                (options, {}),
+                (options | {"extras": [extra]}, neutral),
+                (options | {"extras": [extra]}, acting),
+            )
+        )
+        assert np.allclose(still, plain, atol=0.02, rtol=0.01), f"{name}, {extra}"
+        assert not np.allclose(changed, plain, atol=0.02, rtol=0.01), f"{name}, {extra}"

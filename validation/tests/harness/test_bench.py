@@ -10,7 +10,6 @@ import pytest
 from support import called, load
 
 from bokeh_validation import bench, shaders
-from bokeh_validation.drivers.base import Timing
 
 SIZE = (72, 64)
 COUNTERS = "float countColor = 0.0;\nfloat countDepth = 0.0;\nvec2 places = vec2(0.0, 0.0);\n"
@@ -53,22 +52,16 @@ def test_floors_are_the_same_in_every_language(name):
         np.testing.assert_allclose(other.astype(float), glsl.astype(float), rtol=0.01, atol=0.01, err_msg=row.key)
 
 
-@pytest.mark.parametrize(("share", "software", "clock"), [(0.95, 0, "query"), (0.1, 0, "wall"), (0.95, 1, "cpu")])
-def test_a_timer_is_believed_only_where_it_agrees(share, software, clock):
-    """A query that shows a tenth of the time is not used; on a program that draws on the processor, its time is."""
-    assert bench.interleaved({"a": lambda _: Timing(1.0, 2.0, share)}, 3, bool(software))[0] == clock
-
-
 @pytest.mark.alone
 def test_command(tmp_path, monkeypatch):
     """A small run. Ratios are of the same round; bounds are broken where eight in ten rounds are beyond them."""
     file = tmp_path / "times.json"
     monkeypatch.setattr(bench, "table_one", partial(bench.table_one, sides=(12, 13, 24)))
     done = called("bench", "--driver", "osmesa", "--size", "192x192", "--rounds", "3", "--json", file)
-    assert done.returncode == 0 and "layered medium" in done.stdout and "BokehPrefilter" in done.stdout
+    assert done.returncode == 0 and "layered medium" in done.stdout
     (result,) = json.loads(file.read_text())["drivers"]
     rows = {row["key"]: row for row in result["rows"]}
-    assert result["software"] and result["clock"] == "cpu" and len(rows["layered medium"]["passes"]) == 15
+    assert result["software"] and result["clock"] == "cpu" and rows["layered medium"]["passes"] == 15
     own, paper = (np.array(rows[key]["seconds"]["rounds"]) for key in ("exact hexagon 144", "paper hexagon 144"))
     assert rows["exact hexagon 144"]["ratios"]["against"]["rounds"] == pytest.approx(own / paper)
     assert rows["paper hexagon 144"]["ratios"]["naive"]["high"] >= 62 / 24, "as in the paper's Table 1"
@@ -88,7 +81,7 @@ def test_time(name):
     rows = {row.key: row for row in bench.in_depth(TIMED_SIZE)}
     images, driver = bench.textures(TIMED_SIZE), load(name)
     # whole frames alone: bench.measured times every pass as well
-    frames = {key: driver.prepared(rows[key].passes, images, TIMED_SIZE).timed for key in ("paper hexagon", *MOST_TIME)}
+    frames = {key: driver.prepared(rows[key].passes, images, TIMED_SIZE).timed for key in ("paper", *MOST_TIME)}
     _, seconds = bench.interleaved(frames, 9, True)
-    ratios = {key: np.median(seconds[key] / seconds["paper hexagon"]) for key in MOST_TIME}
+    ratios = {key: np.median(seconds[key] / seconds["paper"]) for key in MOST_TIME}
     assert all(ratios[key] <= most for key, most in MOST_TIME.items()), ratios

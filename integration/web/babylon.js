@@ -12,39 +12,43 @@ import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
-import { declared, frame, inWgsl, stored, views, withPreset } from './frames.js';
+import { CHOICES, checked, diameter, pulled, uniformsOf } from './common.js';
+import { declared, frame, inWgsl, library, stored, views } from './frames.js';
+import { GLSL, WGSL } from './shaders.js';
 
 // What the depth renderer writes, as BokehLinearDepth reads it: metres, in a right-handed scene times -1
 const DEPTH = { leftHanded: '0, 0.0, 0.0', rightHanded: '7, 0.0, -1.0' };
 
+const VIEWS = ['depth', 'coc', 'focus'];
+const OPTIONS = { ...CHOICES, method: ['layered', 'exact'], view: [undefined, ...VIEWS] };
+
 // `#version 300 es` keeps Babylon.js from rewriting what follows.
-const glsl = (library, uniforms, { writes, reads, call, returned, opaque }, { sides, preset }) => `#version 300 es
-#define BOKEH_PRESET_${preset}
-${library}
+const glsl = (text, uniforms, { row, reads, opaque }, place, options) => `#version 300 es
+${text}
 ${reads.map((name) => `uniform sampler2D ${name};`).join('\n')}
 uniform float ${uniforms.join(', ')};
 uniform vec2 imageSize;
 in vec2 vUV;
-${writes.map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n')}
+${row[0].map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n')}
 
 void main()
 {
     vec2 uv = vUV;
-    ${declared(call, sides)}
-    ${stored(call, returned, (i) => `written${i}`)}
+    ${declared(row, options, place)}
+    ${stored(row, (i) => `written${i}`)}
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
 // Babylon.js binds what is called cocSampler with coc, makes the struct around main of what it finds here, and hands no
 // pipeline constants on.
 const output = (i, count) => `fragmentOutputs.${count > 1 ? `fragData${i}` : 'color'}`;
-const wgsl = (library, uniforms, { writes, reads, call, returned, opaque }, options) => `
+const wgsl = (text, uniforms, { row, reads, opaque }, place, options) => `
 varying vUV: vec2f;
 ${uniforms.map((name) => `uniform ${name}: f32;`).join('\n')}
 uniform imageSize: vec2f;
 ${reads.map((name) => `var ${name}: texture_2d<f32>;`).join('\n')}
-${inWgsl(call, 'SAMPLER').includes('SAMPLER') ? `var ${reads[0]}Sampler: sampler;` : ''}
-${withPreset(library, options.preset)}
+${inWgsl(row[2], 'SAMPLER').includes('SAMPLER') ? `var ${reads[0]}Sampler: sampler;` : ''}
+${text}
 
 @fragment
 fn main(input: FragmentInputs) -> FragmentOutputs
@@ -52,49 +56,46 @@ fn main(input: FragmentInputs) -> FragmentOutputs
     let uv = input.vUV;
     let imageSize = uniforms.imageSize;
     ${uniforms.map((name) => `let ${name} = uniforms.${name};`).join('\n    ')}
-    ${declared(call, options.sides, true)}
-    ${stored(inWgsl(call, `${reads[0]}Sampler`), returned, (i) => output(i, writes.length), true)}
+    ${declared(row, options, place, true)}
+    ${stored(row, (i) => output(i, row[0].length), `${reads[0]}Sampler`)}
     ${opaque ? 'fragmentOutputs.color.a = 1.0;' : ''}
 }`;
 
 export class PolygonBokeh extends PostProcess {
-  // library  the text of bokeh.glsl, and after it bokeh_layers.glsl for layered; for WebGPU those in WGSL
   // camera   the camera whose picture is blurred
-  // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
-  //          confusion, fewer passes
-  // sides    4, 6, 8 or 10
-  // preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  // opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
-  // view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
-  constructor(library, camera, { method = 'layered', sides = 6, preset = 'MEDIUM', opaque = true, view } = {}) {
+  // options, all of them checked:
+  //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //            confusion, fewer passes
+  //   sides    4, 6, 8 or 10
+  //   preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  //   opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
+  //   extras   common.js
+  //   view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
+  constructor(camera, given) {
+    const options = checked('PolygonBokeh', given, OPTIONS);
+    const { method, opaque, view } = options;
     const scene = camera.getScene();
     const engine = scene.getEngine();
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
-    const uniforms = {
-      apertureDiameter: 0.05,
-      focalLength: 0.05,
-      focusDistance: 5,
-      sensorHeight: 0.024,
-      maxCoC: 0.1,
-      rotation: 0,
-      squeeze: 1,
-    };
+    const uniforms = uniformsOf(options);
 
     const rightHanded = scene.useRightHandedSystem;
     const held = rightHanded ? DEPTH.rightHanded : DEPTH.leftHanded;
-    const [map, ...others] = frame(method, sides, held);
-    const rows = [map, ...(view ? [views(method, held)[['depth', 'coc', 'focus'].indexOf(view)]] : others)];
+    const [map, ...others] = frame(options, held);
+    const rows = [map, ...(view ? [views(method, held)[VIEWS.indexOf(view)]] : others)];
     const [language, shader] = engine.isWebGPU ? [ShaderLanguage.WGSL, wgsl] : [ShaderLanguage.GLSL, glsl];
     const names = [...new Set(['color', 'depth', ...rows.flatMap(([writes]) => writes)])];
-    const passes = rows.map(([writes, scale, call, returned]) => {
+    const text = library(engine.isWebGPU ? WGSL : GLSL, options);
+    const passes = rows.map((row, i) => {
+      const [writes, scale, call] = row;
       // in the order of the call
       const reads = [...new Set(call.match(/\w+/g))].filter((name) => names.includes(name));
-      const pass = { writes, reads, scale, call, returned, opaque: opaque && writes[0] === 'result' };
+      const pass = { row, writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
       pass.wrapper = new EffectWrapper({
         engine,
         name: `bokeh ${writes[0]}`,
-        fragmentShader: shader(library, Object.keys(uniforms), pass, { sides, preset }),
+        fragmentShader: shader(text, Object.keys(uniforms), pass, i, options),
         shaderLanguage: language,
         uniforms: [...Object.keys(uniforms), 'imageSize'],
         samplers: [...reads],
@@ -148,7 +149,7 @@ export class PolygonBokeh extends PostProcess {
     if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
       uniforms.focalLength = 0.5 * uniforms.sensorHeight * Math.abs(camera.getProjectionMatrix(true).m[5]);
     }
-    uniforms.apertureDiameter = uniforms.focalLength / fStop;
+    uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop);
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
@@ -160,11 +161,9 @@ export class PolygonBokeh extends PostProcess {
     return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
   }
 
-  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
-  // time constant (docs/lens.md).
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
   pullFocus(dt, depths, tau = 0.2) {
-    const k = 1 - Math.exp(-dt / tau);
-    this.uniforms.focusDistance = 1 / ((1 - k) / this.uniforms.focusDistance + k / Math.min(...depths));
+    this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
   }
 
   // Whether all shaders are compiled
@@ -174,6 +173,7 @@ export class PolygonBokeh extends PostProcess {
 
   // All passes but the last, after the scene was drawn
   draw() {
+    if ('frame' in this.uniforms) this.uniforms.frame += 1;
     const { width, height } = this.inputTexture;
     for (const { target, scale, wrapper } of this.passes.slice(0, -1)) {
       const size = { width: Math.ceil(width / scale), height: Math.ceil(height / scale) };

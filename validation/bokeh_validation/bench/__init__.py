@@ -8,8 +8,8 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from functools import partial
 from math import ceil, tan
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -17,8 +17,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from bokeh_validation import __version__, doctor, shaders, terminal
+from bokeh_validation import __version__, doctor, files, shaders, terminal
+from bokeh_validation.bench import pack
+from bokeh_validation.bench.script import SHORTEST
 from bokeh_validation.drivers.base import TimedDriver, Timing, software_device
+from bokeh_validation.errors import UserError
 from bokeh_validation.frame import fetches, methods
 from bokeh_validation.reference.lines import lines
 from bokeh_validation.shaders.entries import GRID, LINE
@@ -136,14 +139,20 @@ def table_one(size: tuple[int, int], sides: Sequence[int] = SIDES) -> list[Row]:
     return rows
 
 
-def in_depth(size: tuple[int, int]) -> list[Row]:
-    """`exact` and `layered` against the paper's hexagon, all with the CoC from depth; and both in focus."""
+def settings() -> dict[str, methods.Settings]:
+    """The paper's hexagon, and those of `exact` and `layered`, with the CoC from depth; and both in focus."""
     paper = methods.Settings("paper", "hexagon", camera=SCENE.camera)
-    exact, layered = replace(paper, method="exact", spacing=1.5, samples=9), replace(paper, method="layered")
-    every = {"paper hexagon": paper, "exact hexagon": exact, "exact octagon": replace(exact, aperture="octagon")}
-    every |= {f"layered {preset}": replace(layered, preset=preset) for preset in methods.PRESETS}
-    every |= {"exact in focus": replace(exact, coc=0.0), "layered in focus": replace(layered, coc=0.0)}
-    return [Row(key, methods.plan(one, size).passes, against="paper hexagon") for key, one in every.items()]
+    every, sharp = {"paper": paper}, replace(SCENE.camera, aperture_diameter=0.0)
+    for method in ("exact", "layered"):
+        own = replace(paper, method=method)
+        every |= {f"{method} {preset}": replace(own, preset=preset) for preset in methods.PRESETS}
+        every[f"{method} in focus"] = replace(own, camera=sharp)
+    return every
+
+
+def in_depth(size: tuple[int, int]) -> list[Row]:
+    """All of `settings`, against the paper's hexagon."""
+    return [Row(key, methods.plan(one, size).passes, against="paper") for key, one in settings().items()]
 
 
 def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
@@ -156,16 +165,13 @@ def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
 
 # ---------------------------------------------------------------------------------------------------------- the times
 
-SHORTEST, MOST_REPEATS = 0.02, 10000  # seconds: what is shorter is drawn again and again
-# The device's timer is believed where it shows this share of the time on the clock: command buffers that are queued
-# one behind the other leave little besides, and a timer that misses deferred work or counts another unit shows.
-AGREES = (0.8, 1.05)
+MOST_REPEATS = 10000
 
 
 def measured(driver: TimedDriver, rows: Sequence[Row], size: tuple[int, int], rounds: int) -> tuple[str, list[dict]]:
-    """Name of the clock, 'query', 'wall' or 'cpu'; and of each row what --json writes, in the order of the rows.
+    """Name of the clock, 'wall' or 'cpu'; and of each row what --json writes, in the order of the rows.
 
-    Every round times every frame, floor and single pass once, in another order; ratios are of the same round.
+    Every round times every frame and floor once, in another order; ratios are of the same round.
     """
     images, calls = textures(size), {}
     # the picture is uploaded once
@@ -173,10 +179,7 @@ def measured(driver: TimedDriver, rows: Sequence[Row], size: tuple[int, int], ro
     for row in rows:
         for kind, passes in {"frame": row.passes, "floor": row.floor}.items():
             if passes:
-                job = driver.prepared(passes, images, size, share=shared)
-                calls[row.key, kind] = job.timed
-                numbers = range(len(passes)) if kind == "frame" else ()
-                calls |= {(row.key, number): partial(job.timed, number=number) for number in numbers}
+                calls[row.key, kind] = driver.prepared(passes, images, size, share=shared).timed
     clock, seconds = interleaved(calls, rounds, bool(software_device(driver.adapter)))
     return clock, [_as_json(row, seconds) for row in rows]
 
@@ -184,7 +187,7 @@ def measured(driver: TimedDriver, rows: Sequence[Row], size: tuple[int, int], ro
 def interleaved(
     calls: Mapping[object, Callable[[int], Timing]], rounds: int, software: bool
 ) -> tuple[str, dict[object, np.ndarray]]:
-    """The clock used, and key -> seconds (rounds,): CPU time in software, else the device's timer where it agrees."""
+    """The clock used, and key -> seconds (rounds,): CPU time in software, else the time on the clock."""
     random, repeats = np.random.default_rng(1), {}
     for key, call in calls.items():
         call(1)  # compiles what the runtime compiles on first use
@@ -194,10 +197,7 @@ def interleaved(
         for index in random.permutation(len(calls)):
             key = list(calls)[index]
             timings[key].append(calls[key](repeats[key]))
-    flat = [timing for several in timings.values() for timing in several]
-    agree = all(timing.query is not None for timing in flat)
-    agree = agree and AGREES[0] <= np.median([timing.query / timing.wall for timing in flat]) <= AGREES[1]
-    clock = "cpu" if software else "query" if agree else "wall"
+    clock = "cpu" if software else "wall"
     return clock, {key: np.array([getattr(timing, clock) for timing in several]) for key, several in timings.items()}
 
 
@@ -212,14 +212,13 @@ def _as_json(row: Row, seconds: Mapping[object, np.ndarray]) -> dict:
     others = {"against": (row.against, "frame"), "floor": (row.key, "floor")}
     ratios = {name: spread(frame / seconds[key]) for name, key in others.items() if key in seconds}
     ratios |= {"naive": spread(seconds[row.naive, "frame"] / frame)} if row.naive else {}
-    passes = [{"entry": item.entry, "seconds": spread(seconds[row.key, k])} for k, item in enumerate(row.passes)]
     return {
         "key": row.key,
         "fetches": {kind: counts[kind] for kind in ("color", "depth")},
         "bytes": sum(TARGET_BYTES * len(item.outputs) / item.scale**2 for item in row.passes),
         "seconds": spread(frame),
         "ratios": ratios,
-        "passes": passes,
+        "passes": len(row.passes),
     }
 
 
@@ -227,21 +226,18 @@ def _as_json(row: Row, seconds: Mapping[object, np.ndarray]) -> dict:
 
 # Drivers that draw without upload and read-back
 DRIVERS = ("osmesa", "egl", "wgpu", "dxc")
-SIZE, SOFTWARE_SIZE = (960, 540), (400, 225)
-SHOWN = "layered medium"
+SIZE, SOFTWARE_SIZE, PACK_SIZES = (960, 540), (400, 225), ((1920, 1080), (3840, 2160))
 LEGEND = """fetches: colour + depth per pixel, at most; bytes: written per pixel; ±: half of what 8 rounds in 10 span
 naive/it: naive's time to its own, with as many samples; it/paper's: its time to that of the paper's method"""
 
 
 def table(rows: list[dict]) -> Table:
-    """All frames, and the single passes of one, for the terminal."""
+    """All frames, for the terminal."""
     shown = Table("method", "passes", "fetches", "bytes", "ms", "naive/it", "it/paper's", "it/floor", box=None)
     for row in rows:
-        cost = str(len(row["passes"])), "{color:.4g} + {depth:.4g}".format(**row["fetches"]), f"{row['bytes']:.4g}"
+        cost = str(row["passes"]), "{color:.4g} + {depth:.4g}".format(**row["fetches"]), f"{row['bytes']:.4g}"
         ratios = (_cell(row["ratios"].get(name)) for name in ("naive", "against", "floor"))
         shown.add_row(row["key"], *cost, _cell(row["seconds"], 1e3), *ratios)
-        for item in row["passes"] if row["key"] == SHOWN else ():
-            shown.add_row(f"  {item['entry']}", "", "", "", _cell(item["seconds"], 1e3))
     return shown
 
 
@@ -258,10 +254,20 @@ def bench(
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Default: 960x540; in software 400x225.")] = None,
     rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
     json_file: terminal.JsonFile = None,
+    folder: Annotated[Path | None, typer.Option("--pack", metavar="DIR", help="A folder that times any GPU.")] = None,
+    wheels: Annotated[bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs, 5 MB.")] = False,
 ) -> None:
     """Table 1: time of the methods against naive, against each other and against a floor of the same fetches."""
-    names = terminal.chosen("--driver", driver, DRIVERS, ("osmesa", "wgpu"))
     given = terminal.parsed_size(size, 16, 8192) if size else None
+    if folder:
+        if driver or adapter or json_file:
+            raise UserError("--pack: nothing is timed. Leave out --driver, --adapter, --json.")
+        pictures = [textures(pixels) for pixels in ([given] if given else PACK_SIZES)]
+        files.new_folder("--pack", folder, lambda made: pack.fill(made, settings(), pictures, wheels))
+        return terminal.tell(f"{folder}: the first lines of bench.py there say how")
+    if wheels:
+        raise UserError("--wheels: no effect without --pack DIR. Give both.")
+    names = terminal.chosen("--driver", driver, DRIVERS, ("osmesa", "wgpu"))
     terminal.check_writable(json_file)
     present, missing = terminal.pick_drivers(names, adapter)
     results = []

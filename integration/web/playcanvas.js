@@ -6,27 +6,18 @@
 import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, RenderTarget } from 'playcanvas';
 import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
 import { PROJECTION_PERSPECTIVE, ShaderUtils, Texture } from 'playcanvas';
-import { declared, frame, inWgsl, stored, views, withPreset } from './frames.js';
+import { checked, diameter, pulled, uniformsOf } from './common.js';
+import { declared, frame, library, stored, views } from './frames.js';
+import { GLSL, WGSL } from './shaders.js';
 
 // What CameraFrame draws as depth, as BokehLinearDepth reads it: metres
 const DEPTH = '0, 0.0, 0.0';
-
-// To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
-const UNIFORMS = {
-  apertureDiameter: 0.05,
-  focalLength: 0.05,
-  focusDistance: 5,
-  sensorHeight: 0.024,
-  maxCoC: 0.1,
-  rotation: 0,
-  squeeze: 1,
-};
 
 // The names of uniforms and textures are common to all shaders of PlayCanvas: these get a prefix.
 const own = (name) => `bokeh_${name}`;
 
 // The two languages
-const GLSL = {
+const IN_GLSL = {
   vertex: `
 attribute vec2 aPosition;
 varying vec2 bokehUv;
@@ -38,9 +29,9 @@ void main()
 
   // PlayCanvas evaluates #if by itself. It does not know GL_ES, by which the library sets the precision, and compares
   // numbers as text, in which 13 < 2: the errors of a wrong configuration go.
-  library(text, preset) {
+  library(options) {
     const precision = ['float', 'int', 'sampler2D'].map((type) => `precision highp ${type};\n`);
-    return [...precision, `#define BOKEH_PRESET_${preset}\n`, text.replace(/^#error.*$/gm, '')].join('');
+    return [...precision, library(GLSL, options).replace(/^#error.*$/gm, '')].join('');
   },
 
   declarations: (textures, uniforms) => `
@@ -50,13 +41,12 @@ uniform vec2 bokeh_imageSize;
 varying vec2 bokehUv;
 `,
   uniform: own,
-  call: (text) => text,
-  main: (sides, named, call, returned, opaque) => `
+  main: (row, place, options, renamed, sampled, opaque) => `
 void main()
 {
     vec2 uv = bokehUv;
-    ${declared(named, sides)}
-    ${stored(call, returned, (i) => `pcFragColor${i}`)}
+    ${declared(row, options, place)}
+    ${stored(renamed, (i) => `pcFragColor${i}`)}
     ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
 }`,
 };
@@ -64,7 +54,7 @@ void main()
 // 32-bit floats
 const FLOAT = ['depth', 'metres'];
 const filtered = (name) => `var ${name}: texture_2d<f32>;\nvar ${name}Sampler: sampler;\n`;
-const WGSL = {
+const IN_WGSL = {
   vertex: `
 attribute aPosition: vec2f;
 varying bokehUv: vec2f;
@@ -76,8 +66,7 @@ varying bokehUv: vec2f;
     return output;
 }`,
 
-  // PlayCanvas hands no pipeline constants on to WebGPU.
-  library: withPreset,
+  library: (options) => library(WGSL, options),
 
   // each on a line of its own; 'uff': a 32-bit float texture, which not every device filters
   declarations: (textures, uniforms) => `
@@ -87,14 +76,13 @@ uniform bokeh_imageSize: vec2f;
 varying bokehUv: vec2f;
 `,
   uniform: (name) => `uniform.${own(name)}`,
-  call: (text, sampled) => inWgsl(text, `${own(sampled)}Sampler`),
-  main: (sides, named, call, returned, opaque) => `
+  main: (row, place, options, renamed, sampled, opaque) => `
 @fragment fn fragmentMain(input: FragmentInput) -> FragmentOutput
 {
     var output: FragmentOutput;
     let uv = input.bokehUv;
-    ${declared(named, sides, true)}
-    ${stored(call, returned, (i) => `output.color${i || ''}`, true)}
+    ${declared(row, options, place, true)}
+    ${stored(renamed, (i) => `output.color${i || ''}`, `${own(sampled)}Sampler`)}
     ${opaque ? 'output.color.a = 1.0;' : ''}
     return output;
 }`,
@@ -105,10 +93,12 @@ function replaced(text, names, by) {
 }
 
 // What comes after the library in a pass that reads the textures `reads`
-function fragment(language, reads, [, , call, returned], sides, opaque) {
-  const uniforms = Object.keys(UNIFORMS);
+function fragment(language, reads, row, place, options, opaque) {
+  const uniforms = Object.keys(uniformsOf(options));
   const sampled = reads.find((name) => !FLOAT.includes(name));
-  const main = language.main(sides, call, language.call(replaced(call, reads, own), sampled), returned, opaque);
+  const [writes, scale, call, ...returned] = row;
+  const renamed = [writes, scale, replaced(call, reads, own), ...returned];
+  const main = language.main(row, place, options, renamed, sampled, opaque);
   return language.declarations(reads, uniforms) + replaced(main, [...uniforms, 'imageSize'], language.uniform);
 }
 
@@ -132,7 +122,7 @@ class BokehPass extends RenderPassShaderQuad {
     const { width, height } = textures.color;
     const set = (name, value) => this.device.scope.resolve(own(name)).setValue(value);
     for (const name of this.reads) set(name, textures[name]);
-    for (const name in UNIFORMS) set(name, uniforms[name]);
+    for (const name in uniforms) set(name, uniforms[name]);
     set('imageSize', [width, height]);
     super.execute();
   }
@@ -144,13 +134,14 @@ class BokehPass extends RenderPassShaderQuad {
 
 // All passes from colour and depth to the result: textures.color, .depth and .metres are set before each frame
 class PolygonBokeh extends FramePass {
-  constructor(device, library, uniforms, { method, sides, preset, opaque }) {
+  constructor(device, uniforms, options) {
     super(device);
     this.uniforms = uniforms;
     this.textures = { color: null, depth: null, metres: null };
-    const language = device.isWebGPU ? WGSL : GLSL;
-    const text = language.library(library, preset);
-    const rows = frame(method, sides, DEPTH);
+    const { method, sides, preset, opaque, extras } = options;
+    const language = device.isWebGPU ? IN_WGSL : IN_GLSL;
+    const text = language.library(options);
+    const rows = frame(options, DEPTH);
     this.targets = rows.map(([writes]) => {
       const colorBuffers = writes.map((name) => (this.textures[name] = this.texture(name)));
       return new RenderTarget({ name: writes[0], colorBuffers, depth: false });
@@ -161,11 +152,11 @@ class PolygonBokeh extends FramePass {
       const last = opaque && target === this.targets.at(-1);
       const reads = Object.keys(this.textures).filter((name) => new RegExp(`\\b${name}\\b`).test(call));
       const shader = ShaderUtils.createShader(device, {
-        uniqueName: ['bokeh', method, sides, preset, last, place].join('-'),
+        uniqueName: ['bokeh', method, sides, preset, ...extras, last, place].join('-'),
         attributes: { aPosition: SEMANTIC_POSITION },
-        vertexGLSL: GLSL.vertex,
-        vertexWGSL: WGSL.vertex,
-        [device.isWebGPU ? 'fragmentWGSL' : 'fragmentGLSL']: text + fragment(language, reads, row, sides, last),
+        vertexGLSL: IN_GLSL.vertex,
+        vertexWGSL: IN_WGSL.vertex,
+        [device.isWebGPU ? 'fragmentWGSL' : 'fragmentGLSL']: text + fragment(language, reads, row, Number(place) || 0, options, last),
       });
       return new BokehPass(this, shader, scale, reads, target);
     };
@@ -191,6 +182,7 @@ class PolygonBokeh extends FramePass {
   // Before its passes are looked at: which of them draw
   frameUpdate() {
     super.frameUpdate();
+    if ('frame' in this.uniforms) this.uniforms.frame += 1;
     this.passes.forEach((pass, i) => (pass.enabled = i === 0 || this.debugMode === 0));
     this.views.forEach((pass, i) => (pass.enabled = i + 1 === this.debugMode));
   }
@@ -207,9 +199,9 @@ class PolygonBokeh extends FramePass {
 class BokehCameraFrame extends FramePassCameraFrame {
   createPasses(options) {
     super.createPasses(options);
-    const { library, uniforms, bokehOptions } = this.cameraFrame;
+    const { uniforms, bokehOptions } = this.cameraFrame;
     // CameraFrame makes its first passes before it is told of these
-    this.bokeh = library && new PolygonBokeh(this.device, library, uniforms, bokehOptions);
+    this.bokeh = uniforms && new PolygonBokeh(this.device, uniforms, bokehOptions);
   }
 
   collectPasses() {
@@ -230,25 +222,22 @@ class BokehCameraFrame extends FramePassCameraFrame {
 }
 
 export class PolygonBokehFrame extends CameraFrame {
-  // library  the text of bokeh.*, and after it bokeh_layers.* for layered, bokeh_paper.* for paper
-  // method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
-  //          confusion, fewer passes; 'paper': lines and min, a target less
-  // sides    6 or 8; layered and exact have 4 and 10 as well
-  // preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  // opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
-  //          transparency.
-  constructor(
-    app,
-    cameraComponent,
-    library,
-    { method = 'layered', sides = 6, preset = 'MEDIUM', opaque = true } = {},
-  ) {
+  // options, all of them checked:
+  //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
+  //            confusion, fewer passes; 'paper': lines and min, a target less
+  //   sides    6 or 8; layered and exact have 4 and 10 as well
+  //   preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  //   opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
+  //            transparency.
+  //   extras   common.js
+  constructor(app, cameraComponent, options) {
+    const bokehOptions = checked('PolygonBokehFrame', options);
     if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
     super(app, cameraComponent);
-    this.library = library;
-    this.uniforms = { ...UNIFORMS };
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    this.uniforms = uniformsOf(bokehOptions);
     this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
-    this.bokehOptions = { method, sides, preset, opaque };
+    this.bokehOptions = bokehOptions;
     this.rendering.renderFormats = [PIXELFORMAT_RGBA16F];
     this.rendering.sceneDepthMap = true; // a first pass for depth, in metres
     this.update();
@@ -266,7 +255,7 @@ export class PolygonBokehFrame extends CameraFrame {
     if (projection === PROJECTION_PERSPECTIVE) {
       uniforms.focalLength = 0.5 * uniforms.sensorHeight * projectionMatrix.data[5];
     }
-    uniforms.apertureDiameter = uniforms.focalLength / fStop;
+    uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop);
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
@@ -274,10 +263,8 @@ export class PolygonBokehFrame extends CameraFrame {
     this.uniforms.focusDistance = -this.cameraComponent.viewMatrix.transformPoint(point).z;
   }
 
-  // Autofocus, once a frame of dt seconds: towards the nearest of these depths. 1 / distance goes the way, and tau is its
-  // time constant (docs/lens.md).
+  // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
   pullFocus(dt, depths, tau = 0.2) {
-    const k = 1 - Math.exp(-dt / tau);
-    this.uniforms.focusDistance = 1 / ((1 - k) / this.uniforms.focusDistance + k / Math.min(...depths));
+    this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
   }
 }

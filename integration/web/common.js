@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// What the classes of all engines share: their options, and what they set from outside.
+
+// Option -> what it may be, its default first. `extras` is a list of those below.
+export const CHOICES = {
+  method: ['layered', 'exact', 'paper'],
+  sides: [6, 4, 8, 10],
+  preset: ['MEDIUM', 'LOW', 'HIGH', 'ULTRA'],
+  opaque: [true, false],
+  extras: [],
+};
+
+// What costs something only where it is asked for -> the uniforms that it has
+export const EXTRAS = {
+  jitter: { jitter: 1, frame: 0 },
+  catsEye: { catsEye: 0.5, roundness: 1 },
+  lateral: { lateral: 0.001 },
+  focusRange: { frontRange: 0, backRange: 0, nearScale: 1, farScale: 1, nearMaxCoC: 1, farMaxCoC: 1 },
+};
+
+const LENS = {
+  apertureDiameter: 0.05,
+  focalLength: 0.05,
+  focusDistance: 5,
+  sensorHeight: 0.024,
+  maxCoC: 0.1,
+  rotation: 0,
+  squeeze: 1,
+};
+
+// The numbers that are to be set from outside, with their defaults
+export const uniformsOf = ({ extras }) => Object.assign({}, LENS, ...extras.map((extra) => EXTRAS[extra]));
+
+// Options with their defaults. `who` is the class. Throws an Error for what no option can be.
+export function checked(who, given = {}, choices = CHOICES) {
+  const refuse = (what, list) => {
+    throw new Error(`polygonal-bokeh, ${who}: ${what}. Give ${list.map((value) => JSON.stringify(value)).join(', ')}.`);
+  };
+  const options = {};
+  for (const [name, values] of Object.entries(choices)) options[name] = name === 'extras' ? [] : values?.[0];
+  for (const [name, value] of Object.entries(given)) {
+    if (!(name in choices)) refuse(`there is no option ${name}`, Object.keys(choices));
+    if (value === undefined) continue;
+    const [values, allowed] = name === 'extras' ? [value, Object.keys(EXTRAS)] : [[value], choices[name]];
+    if (!Array.isArray(values)) refuse(`extras is ${JSON.stringify(value)}, not a list`, allowed);
+    const wrong = values.find((one) => allowed && !allowed.includes(one));
+    if (wrong !== undefined) refuse(`${name} is ${JSON.stringify(wrong)}`, allowed);
+    options[name] = value;
+  }
+  if (options.method === 'paper' && ![6, 8].includes(options.sides)) refuse(`paper has no ${options.sides} sides`, [6, 8]);
+  return options;
+}
+
+// The aperture's diameter at an f-stop. Throws an Error for what is none.
+export function diameter(focalLength, fStop) {
+  if (fStop > 0) return focalLength / fStop;
+  throw new Error(`polygonal-bokeh: an f-stop of ${fStop}. Give one above 0.`);
+}
+
+// The focus distance dt seconds later, on its way to the nearest of these depths: 1 / distance goes the way, and tau is
+// its time constant in seconds (docs/lens.md). A distance that is none, 0 or NaN, is left at once.
+export function pulled(distance, dt, depths, tau) {
+  const aim = Math.min(...depths.filter((depth) => depth > 0));
+  if (!depths.some((depth) => depth > 0)) return distance;
+  const k = distance > 0 && tau > 0 ? 1 - Math.exp(-(dt > 0 ? dt : 0) / tau) : 1;
+  return k === 1 ? aim : 1 / ((1 - k) / distance + k / aim);
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for pmndrs' postprocessing: a Pass for its EffectComposer, which gives it depth. It stands after the
+// RenderPass; an EffectPass after it does tone mapping and sRGB.
+
+import { Pass } from 'postprocessing';
+import { HalfFloatType } from 'three';
+import { withPasses } from './three-passes.js';
+
+export class PolygonBokehPass extends withPasses(Pass) {
+  constructor(camera, options) {
+    super(camera, options);
+    this.needsDepthTexture = !this.options.depthTexture;
+    this.needsSwap = true;
+  }
+
+  set mainCamera(camera) {
+    this.camera = camera;
+  }
+
+  initialize(renderer, alpha, frameBufferType) {
+    if (frameBufferType === HalfFloatType) return;
+    console.warn('polygonal-bokeh: lights end at white. Make the EffectComposer with frameBufferType: HalfFloatType.');
+  }
+
+  setDepthTexture(depthTexture) {
+    this.depthTexture = depthTexture;
+  }
+
+  getDepthTexture() {
+    return this.depthTexture;
+  }
+
+  render(renderer, inputBuffer, outputBuffer) {
+    const depth = this.options.depthTexture ?? this.depthTexture;
+    this.draw(renderer, this.renderToScreen ? null : outputBuffer, inputBuffer.texture, depth);
+  }
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of the WGSL
+// library. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL.
+
+import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
+import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
+import { nodeObject, outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
+import { checked, uniformsOf } from './common.js';
+import { METRES, declared, frame, inWgsl, library, views } from './frames.js';
+import { WGSL } from './shaders.js';
+import { THREE_CHOICES, withLens } from './three-common.js';
+
+const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
+const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
+
+const WEBGL = 'polygonal-bokeh: PolygonBokehNode needs WebGPU, since it is WGSL. Use PolygonBokehPass.';
+const LOGARITHMIC =
+  'polygonal-bokeh: PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / ' +
+  "log(far / near) is none of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
+
+// no blending: alpha is the circle of confusion, or a layer's share
+const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
+let rendererState;
+
+export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vector3 }) {
+  static get type() {
+    return 'PolygonBokehNode';
+  }
+
+  // scenePass  pass(scene, camera)
+  // options    those of PolygonBokehPass but for depthTexture, and
+  //   sharpLayer  a layer that is drawn sharp over the picture, behind what is before it: for glass and other
+  //               transparents, which write no depth: object.layers.set(1), and here 1. From the second frame on, and
+  //               after a resize: three.js makes the target that shares depth anew.
+  constructor(scenePass, options) {
+    super('vec4');
+    this.updateBeforeType = NodeUpdateType.FRAME;
+    this.scenePass = scenePass;
+    this.options = checked('PolygonBokehNode', options, CHOICES);
+
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
+    this.uniforms = {
+      debugMode: uniform(0, 'int'),
+      depthKind: uniform(1, 'int'),
+      nearPlane: uniform(0),
+      farPlane: uniform(0),
+      imageSize: uniform(new Vector2(1, 1)),
+    };
+    // the same for all options: it is what later nodes read
+    this.result = new RenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false });
+    this.sharp = this.options.sharpLayer === undefined ? null : new RenderTarget(1, 1, { type: HalfFloatType });
+    Object.assign(this, this.made(this.options));
+  }
+
+  get camera() {
+    return this.scenePass.camera;
+  }
+
+  set camera(camera) {
+    this.scenePass.camera = camera;
+  }
+
+  // Passes of a frame, still without materials
+  made(options) {
+    for (const [name, value] of Object.entries(uniformsOf(options))) this.uniforms[name] ??= uniform(value);
+    const rows = [...(options.method === 'paper' ? [METRES] : []), ...frame(options)];
+    const targets = { result: this.result };
+    const passes = rows.map((row) => {
+      const [writes, scale] = row;
+      const type = writes[0] === 'metres' ? { type: FloatType, format: RedFormat } : { type: HalfFloatType };
+      targets[writes] ??= new RenderTarget(1, 1, { ...type, depthBuffer: false, count: writes.length });
+      return { row, writes, scale, target: targets[writes] };
+    });
+    const shown = views(options.method).map((row) => ({ row, writes: row[0], target: this.result }));
+    const beforeView = passes.slice(0, 1 + passes.findIndex(({ writes }) => writes[0] === 'coc'));
+    return { options, passes, views: shown, beforeView };
+  }
+
+  // The materials of a frame
+  fill({ options, passes, views: shown }) {
+    const { given, depthType } = this;
+    const inputs = { ...this.uniforms, ...given };
+    for (const { writes, target } of passes) {
+      writes.forEach((name, i) => (inputs[name] = texture(target.textures[i])));
+    }
+    inputs.Linear = sampler(inputs.coc);
+    const text = library(WGSL, options);
+    const ofDepth = text.replace(/(?<=alias BokehDepthTexture = )[^;]+/, depthType);
+    const libraries = [wgsl(text), wgsl(ofDepth)];
+    [...passes, ...shown].forEach((drawn, i) => {
+      drawn.quad ??= new QuadMesh(material(this.fragment(drawn.row, i, options, inputs, libraries, depthType)));
+    });
+  }
+
+  // Other options, of those of the constructor. It resolves when the next frame is drawn with them: until then the
+  // frames are as before, and the shaders are compiled beside them.
+  async change(options) {
+    const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, CHOICES));
+    const { renderer } = this;
+    this.changing = made;
+    if (renderer) {
+      this.fill(made);
+      this.resize(made.passes);
+      for (const { target, quad } of made.passes) {
+        rendererState = RendererUtils.resetRendererState(renderer, rendererState);
+        renderer.setRenderTarget(target);
+        const { depth } = renderer;
+        renderer.depth = false; // compileAsync takes this for the target's
+        const compiled = renderer.compileAsync(quad, quad.camera);
+        renderer.depth = depth;
+        RendererUtils.restoreRendererState(renderer, rendererState);
+        await compiled; // three.js compiles one at a time
+      }
+    }
+    // a later change is not undone by an earlier one whose shaders took longer
+    this.discard(this.changing === made ? this : made);
+    if (this.changing === made) Object.assign(this, made);
+  }
+
+  // Why it cannot draw; three.js logs what setup() throws, and goes on
+  refused({ backend, logarithmicDepthBuffer }) {
+    if (!backend.isWebGPUBackend) return WEBGL;
+    // For an orthographic camera three.js leaves the logarithm out.
+    return logarithmicDepthBuffer && !this.camera.isOrthographicCamera ? LOGARITHMIC : '';
+  }
+
+  // three.js calls it when the node is first used.
+  setup(builder) {
+    const scene = this.scenePass.getTextureNode();
+    builder.getNodeProperties(this).scene = scene; // so that the scene is drawn before this node
+    if (!this.refused(builder.renderer)) {
+      this.given = { uv: uv(), color: scene, depth: this.scenePass.getTextureNode('depth') };
+      const { samples = builder.renderer.samples } = this.scenePass.options;
+      this.depthType = samples > 1 ? 'texture_depth_multisampled_2d' : 'texture_depth_2d';
+      this.fill(this);
+    }
+    return passTexture(this, (this.sharp ?? this.result).texture);
+  }
+
+  // A pass as a node: a function around its call. three.js reads the names and types of the parameters out of the text,
+  // and fills them by name. It does not know the library's structs, but matrices.
+  fragment(row, place, options, inputs, [library, libraryOfDepth], depthType) {
+    const [writes, , call, returned] = row;
+    const several = writes.length > 1;
+    const members = (returned ?? '').split(' ').slice(1);
+    // a column for each; of two or three, the last one again
+    const columns = [0, 1, 2, 3].map((i) => `targets.${members[Math.min(i, members.length - 1)]}`);
+    const body = `
+    ${declared(row, options, place, true)}
+    let targets = ${inWgsl(call, 'Linear')};
+    return ${several ? `mat4x4f(${columns.join(', ')})` : 'targets'};
+`;
+    const types = { ...TYPES, depth: depthType };
+    const type = (name) => types[name] ?? (name in this.uniforms ? 'f32' : 'texture_2d<f32>');
+    const named = Object.keys(inputs).filter((name) => new RegExp(`(?<![.\\w])${name}\\b`).test(body));
+    const parameters = named.map((name) => `${name}: ${type(name)}`).join(', ');
+    const code = `fn bokehPass(${parameters}) -> ${several ? 'mat4x4f' : 'vec4f'}\n{${body}}`;
+    // only what is named: three.js binds all that it gets, and a pass may read 16 textures
+    const given = Object.fromEntries(named.map((name) => [name, inputs[name]]));
+    // toVar() would call it in the shader of the canvas as well, where setup() runs
+    const value = nodeObject(new VarNode(wgslFn(code, ['depth' in given ? libraryOfDepth : library])(given)));
+    if (several) return outputStruct(...writes.map((_, i) => value.element(i)));
+    return options.opaque && !options.alpha && writes[0] === 'result' ? vec4(value.rgb, 1) : value;
+  }
+
+  // Draws the passes. three.js calls it once in a frame, after the scene.
+  updateBefore({ renderer }) {
+    const problem = this.refused(renderer);
+    if (problem) throw new Error(problem);
+    const { width, height } = this.scenePass.renderTarget;
+    const { depthKind, nearPlane, farPlane, imageSize, debugMode, frame: number } = this.uniforms;
+    this.renderer = renderer;
+    // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
+    depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
+    nearPlane.value = this.camera.near;
+    farPlane.value = this.camera.far;
+    imageSize.value.set(width, height);
+    if (number) number.value += 1;
+    this.resize(this.passes);
+
+    rendererState = RendererUtils.resetRendererState(renderer, rendererState);
+    const view = this.views[debugMode.value - 1];
+    for (const { quad, target } of view ? [...this.beforeView, view] : this.passes) {
+      renderer.setRenderTarget(target);
+      renderer.render(quad, quad.camera); // quad.render has a vertex shader that compileAsync does not know
+    }
+    if (this.sharp) this.drawSharp(renderer);
+    RendererUtils.restoreRendererState(renderer, rendererState);
+  }
+
+  // The picture once more, and over it the layer, with the depth that the scene has
+  drawSharp(renderer) {
+    const { sharp, camera } = this;
+    const { scene, renderTarget } = this.scenePass;
+    const { depthTexture, width, height } = renderTarget;
+    const { mask } = camera.layers;
+    const { background } = scene;
+    sharp.setSize(width, height);
+    if (sharp.depthTexture !== depthTexture) {
+      this.copy = new QuadMesh(material(texture(this.result.texture)));
+      Object.assign(this.copy.material, { depthTest: false, depthWrite: false });
+      sharp.depthTexture = depthTexture;
+      depthTexture.renderTarget = renderTarget; // whose it remains
+    }
+    scene.traverse((object) => object.isLight && object.layers.enable(this.options.sharpLayer));
+    renderer.setRenderTarget(sharp);
+    renderer.autoClear = false;
+    renderer.render(this.copy, this.copy.camera);
+    scene.background = null;
+    camera.layers.set(this.options.sharpLayer);
+    renderer.render(scene, camera);
+    camera.layers.mask = mask;
+    Object.assign(scene, { background });
+  }
+
+  resize(passes) {
+    const { width, height } = this.scenePass.renderTarget;
+    for (const { target, scale } of passes) target.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
+  }
+
+  discard({ passes, views: shown }) {
+    for (const { target, quad } of [...passes, ...shown]) {
+      if (target !== this.result) target.dispose();
+      quad?.material.dispose();
+    }
+  }
+
+  dispose() {
+    this.discard(this);
+    for (const own of [this.result, this.sharp, this.copy?.material]) own?.dispose();
+    super.dispose();
+  }
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer. It stands after the RenderPass, before bloom
+// and before OutputPass.
+
+import { AlwaysDepth, HalfFloatType, ShaderMaterial, WebGLRenderTarget } from 'three';
+import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
+import { FLOAT, withPasses } from './three-passes.js';
+
+const GIVE_DEPTH =
+  'Give the composer a target with a depthTexture, or the option depthTexture; where a pass stands between RenderPass ' +
+  'and the bokeh, depthTexture: depthOf(renderPass).';
+const NO_DEPTH = `polygonal-bokeh: no depth, so nothing is blurred. ${GIVE_DEPTH}`;
+const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so all is blurred as if it were far away. ${GIVE_DEPTH}`;
+// The frame in which it looks whether the depth is empty: by then there is something in most scenes
+const LOOK = 30;
+
+// A quad that copies depth into colour and, by the options of its material, into a depth buffer
+const copier = (options) =>
+  new FullScreenQuad(
+    new ShaderMaterial({
+      uniforms: { depth: { value: null } },
+      vertexShader: 'varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }',
+      fragmentShader: `uniform highp sampler2D depth; varying vec2 at;
+        void main() { gl_FragDepth = texture2D(depth, at).r; gl_FragColor = vec4(gl_FragDepth); }`,
+      ...options,
+    }),
+  );
+
+// For the option depthTexture, where passes stand between a RenderPass and the bokeh, which clear the depth that it drew:
+// a copy of that depth
+export function depthOf(renderPass) {
+  const { render, dispose } = renderPass;
+  const target = new WebGLRenderTarget(1, 1, { ...FLOAT, depthBuffer: false });
+  const quad = copier({ depthTest: false });
+  renderPass.render = (renderer, writeBuffer, readBuffer, ...others) => {
+    render.call(renderPass, renderer, writeBuffer, readBuffer, ...others);
+    target.setSize(readBuffer.width, readBuffer.height);
+    quad.material.uniforms.depth.value = readBuffer.depthTexture;
+    renderer.setRenderTarget(target);
+    quad.render(renderer);
+  };
+  renderPass.dispose = () => {
+    for (const own of [quad.material, quad, target]) own.dispose();
+    dispose.call(renderPass);
+  };
+  return target.texture;
+}
+
+export class PolygonBokehPass extends withPasses(Pass) {
+  render(renderer, writeBuffer, readBuffer) {
+    const { depthTexture } = this.options;
+    const depth = depthTexture ?? readBuffer.depthTexture;
+    this.frames = (this.frames ?? 0) + 1;
+    if (!depth && this.frames === 1) console.warn(NO_DEPTH);
+    this.draw(renderer, this.renderToScreen ? null : writeBuffer, readBuffer.texture, depth);
+    if (depth && !depthTexture && this.frames === LOOK) this.look(renderer);
+  }
+
+  // Warns where the depth buffer holds the same everywhere: seen at 16 x 16 points, beside the frames that follow.
+  async look(renderer) {
+    const target = new WebGLRenderTarget(16, 16, { type: HalfFloatType, depthBuffer: false });
+    this.quad.material = this.views[0].material;
+    renderer.setRenderTarget(target);
+    this.quad.render(renderer);
+    const seen = await renderer.readRenderTargetPixelsAsync(target, 0, 0, 16, 16, new Uint16Array(4 * 16 * 16));
+    if (seen.every((value, i) => value === seen[i % 4])) console.warn(EMPTY_DEPTH);
+    target.dispose();
+  }
+}
+
+// After the bokeh: what is on a layer of its own is drawn sharp over the picture, behind what is before it. For glass and
+// other transparents, which write no depth.
+export class SharpPass extends Pass {
+  // bokeh  the pass whose depth counts
+  // layer  of the objects: object.layers.set(layer). The scene's lights are put on it too.
+  constructor(bokeh, scene, layer = 1) {
+    super();
+    Object.assign(this, { bokeh, scene, layer, needsSwap: false });
+    this.quad = copier({ colorWrite: false, depthFunc: AlwaysDepth });
+  }
+
+  render(renderer, writeBuffer, readBuffer) {
+    const { scene, layer, bokeh } = this;
+    const { camera } = bokeh;
+    const { autoClear } = renderer;
+    const { background } = scene;
+    const { mask } = camera.layers;
+    scene.traverse((object) => object.isLight && object.layers.enable(layer));
+    const depth = bokeh.textures.depth.value;
+    this.quad.material.uniforms.depth.value = depth;
+    renderer.setRenderTarget(readBuffer);
+    renderer.autoClear = false;
+    if (readBuffer.depthTexture?.source !== depth.source) this.quad.render(renderer);
+    scene.background = null;
+    camera.layers.set(layer);
+    renderer.render(scene, camera);
+    Object.assign(scene, { background });
+    camera.layers.mask = mask;
+    renderer.autoClear = autoClear;
+  }
+
+  dispose() {
+    this.quad.material.dispose();
+    this.quad.dispose();
+  }
+}
