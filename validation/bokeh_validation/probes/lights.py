@@ -65,9 +65,12 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
         if preset == "high":
             least, why = LIGHT_PIXELS[pixels], "asked for at 18 samples"
         elif abs(coc) < 80:
-            # far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart
+            # far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart, of 19 samples: each of them
+            # finds the whole light once, so they cover as many pixels of the hexagon as 19 lights
             least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
+            if 0 < coc < 12.4:
+                least = min(least, 19 * pixels**2 / (0.6495 * coc**2))
         else:
             continue
         checks.append(Check(f"overlap with the polygon, {label}", overlap(lit / total, spread), least, 1.0, why))
