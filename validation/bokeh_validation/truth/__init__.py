@@ -22,8 +22,8 @@ MOST_RANDOM = 10_000
 # How bright the scenes are shown
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
 CAPTIONS = {
-    "pinhole": "input: color and depth through a pinhole",
-    "paper": "paper, hexagon, 13 samples a line",
+    "pinhole": "input: colour and depth through a pinhole",
+    "paper": "paper, hexagon, 13 samples per line",
     "gather": "gather: Listing 3, 924 samples",
     "layered medium": "layered, preset MEDIUM",
     "truth": "truth: ray traced through a lens",
@@ -51,11 +51,11 @@ def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
 
 
 def markdown(rows: Sequence[Mapping]) -> list[str]:
-    """The table of docs/likeness.md: a row for a method, a column for a scene, in the order of the rows."""
+    """The table of docs/results.md: a row for a method, a column for a scene; FLIP, PSNR in dB, light kept."""
     names = dict.fromkeys(row["scene"] for row in rows)
     lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
     for label in dict.fromkeys(row["label"] for row in rows):
-        cells = ["{flip:.4f}, {psnr:.2f} dB, {light:.3f}".format_map(row) for row in rows if row["label"] == label]
+        cells = ["{flip:.4f}, {psnr:.2f}, {light:.3f}".format_map(row) for row in rows if row["label"] == label]
         lines.append(f"| {label} | {' | '.join(cells)} |")
     return lines
 
@@ -114,10 +114,10 @@ def truth(
     adapter: terminal.Adapter = None,
     json_file: terminal.JsonFile = None,
     folder: Annotated[
-        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/likeness.md here.")
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
     ] = None,
 ) -> None:
-    """How near every method comes to what a lens sees (docs/likeness.md): FLIP, PSNR, light over the truth's, on
+    """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light over the truth's, on
     ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
     """
     given = {"--scene": scene, "--random": count, "--motion": sequence}

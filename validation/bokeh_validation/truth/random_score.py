@@ -111,7 +111,7 @@ def table(rows: Sequence[Mapping]) -> list[str]:
 def section(found: Sequence[Score], devices: Mapping) -> Section:
     """layered medium within BOUNDS, for the report; none of it where the driver is missing."""
     means = {name: np.mean([score.row[name] for score in found]) for name in BOUNDS if found}
-    checks = [Check(f"{k}, mean", float(v), 0.0, BOUNDS[k], "docs/likeness.md: what it was") for k, v in means.items()]
+    checks = [Check(f"{k}, mean", float(v), 0.0, BOUNDS[k], "docs/results.md: what it was") for k, v in means.items()]
     shown = [SectionPanel("input, ours, truth, error", pictures.jpeg_uri(sheet(found)))] if found else []
     runs = [Run(name, {}, checks) for name in devices["adapters"]]
     return Section("random-scenes", "Layered on random scenes", "The worst places.", runs, {"": shown}, **devices)

@@ -49,6 +49,24 @@ def test_fetches_of_the_readme():
             assert int(number) == round(counts["color"] + counts["depth"]), (name, settings.method)
 
 
+def test_results_of_the_readme():
+    """The README's FLIP of three scenes and light kept are those of docs/results.md; what MEDIUM fetches is said once."""
+
+    def rows(text: str, after: str) -> dict[str, list[str]]:
+        lines = re.findall(r"^\| ([^|].*) \|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)
+        cells = [line.split(" | ") for line in lines]
+        return {label: others for label, *others in cells}
+
+    text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    readme = rows(text, "## Beside others")
+    results = rows((paths.ROOT / "docs/results.md").read_text(encoding="utf-8"), "## Ray-traced scenes")
+    assert rows(text, "## Presets")["`BOKEH_PRESET_MEDIUM`"][1] == readme["layered medium"][0]
+    for label, (_, *shown) in readme.items():
+        (cells,) = [cells for name, cells in results.items() if re.fullmatch(rf"{label}( [\d.]+)?", name)]
+        (flip, _, light), *others = (cell.split(", ") for cell in cells[:3])
+        assert shown == [flip, *(other[0] for other in others), light], label
+
+
 def test_pitfalls_name_tests():
     """Every test that docs/pitfalls.md names is there."""
     text = (paths.ROOT / "docs/pitfalls.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from bokeh_validation import truth
 from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
-# What layered is to reach: FLIP of MEDIUM, nearer than every other method in docs/likeness.md; LOW may be so much more
+# What layered is to reach: FLIP of MEDIUM, nearer than every other method in docs/results.md; LOW may be so much more
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.138, "street_11x3": 0.108, "canopy_12x3": 0.265, "market_7": 0.187}
 LOW_MORE = 0.012
 # The octagon against its truth: so near to what the hexagon has

@@ -135,13 +135,13 @@ def peers(
         Path | None, typer.Option("--search", metavar="FILE", help="Search the scenes' parameters; write them as JSON.")
     ] = None,
     folder: Annotated[
-        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/peers.md here.")
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
     ] = None,
     sequence: Annotated[
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
 ) -> None:
-    """Other depth-of-field effects beside ours and the truth (docs/peers.md): FLIP, PSNR, light; shape of one light."""
+    """Other depth-of-field effects beside ours and the truth (docs/results.md): FLIP, PSNR, light; shape of one light."""
     asked = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)
