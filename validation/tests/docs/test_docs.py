@@ -50,7 +50,7 @@ def test_fetches_of_the_readme():
 
 
 def test_results_of_the_readme():
-    """The README's FLIP of three scenes and light kept are those of docs/results.md; what MEDIUM fetches is said once."""
+    """The README's FLIP of three scenes and light kept are those of docs/results.md, fetches those of the presets."""
 
     def rows(text: str, after: str) -> dict[str, list[str]]:
         lines = re.findall(r"^\| ([^|].*) \|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)

@@ -141,7 +141,7 @@ def peers(
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
 ) -> None:
-    """Other depth-of-field effects beside ours and the truth (docs/results.md): FLIP, PSNR, light; shape of one light."""
+    """Other depth-of-field effects beside ours and the truth (docs/results.md): FLIP, PSNR, light; one light."""
     asked = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)
