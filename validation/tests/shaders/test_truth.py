@@ -10,9 +10,10 @@ from bokeh_validation import truth
 from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
-# What layered is to reach: FLIP of MEDIUM, nearer than every other method in docs/results.md; LOW may be so much more
-BOUNDS = {"street_11": 0.042, "canopy_12": 0.138, "street_11x3": 0.108, "canopy_12x3": 0.265, "market_7": 0.187}
-LOW_MORE = 0.012
+# What layered is to reach, MEDIUM: what was asked for with two rings in place of three, and ahead of every other method in
+# docs/results.md. LOW, of one ring, may be so much more: without near and far it is a gather of seven samples
+BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
+LOW_MORE = 0.022
 # The octagon against its truth: so near to what the hexagon has
 OCTAGON_OFF = 0.006
 
