@@ -1433,7 +1433,8 @@ if (inner >= radius)
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-float current = 0.5 * (inner + outer);
+float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+float current = inner + (outer - inner) * outwards;
 float innerSquare = inner * inner;
 float area = outer * outer - innerSquare;
 int onEdge = BokehOnEdge(ring, polygon);
@@ -3029,7 +3030,8 @@ if (inner >= radius)
 break;
 }
 let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-let current: f32 = 0.5 * (inner + outer);
+let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+let current: f32 = inner + (outer - inner) * outwards;
 let innerSquare: f32 = inner * inner;
 let area: f32 = outer * outer - innerSquare;
 let onEdge: i32 = BokehOnEdge(ring, polygon);
