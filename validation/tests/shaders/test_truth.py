@@ -10,10 +10,8 @@ from bokeh_validation import truth
 from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
-# What layered is to reach, MEDIUM: what was asked for with two rings in place of three, and ahead of every other method in
-# docs/results.md. LOW, of one ring, may be so much more: without near and far it is a gather of seven samples
+# What layered is to reach, FLIP of MEDIUM: what was asked for with two rings, and ahead of every other method in docs/results.md
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
-LOW_MORE = 0.022
 # The octagon against its truth: so near to what the hexagon has
 OCTAGON_OFF = 0.006
 
@@ -27,12 +25,12 @@ def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_layered(name, request):
-    """MEDIUM within its bound, one set of parameters for all scenes; LOW not much farther: on the widest blur, on
+    """MEDIUM within its bound, one set of parameters for all scenes; LOW nearer than exact: on the widest blur, on
     street_11 in test_command, on all with --all.
     """
     assert flip(name, "layered medium") <= BOUNDS[name]
     if name == "canopy_12x3" or request.config.getoption("--all"):
-        assert flip(name, "layered low") <= BOUNDS[name] + LOW_MORE
+        assert flip(name, "layered low") < flip(name, "exact")
 
 
 def test_octagon():
@@ -53,7 +51,6 @@ def test_command(tmp_path):
     rows = {row["label"]: row for row in json.loads(done.stdout)["rows"]}
     assert list(rows) == list(truth.DEFAULT)
     assert rows["layered medium"]["flip"] == pytest.approx(flip("street_11", "layered medium"))
-    assert rows["layered low"]["flip"] <= BOUNDS["street_11"] + LOW_MORE
     ahead = sorted(rows, key=lambda label: rows[label]["flip"])
     assert ahead[:2] == ["layered medium", "layered low"]
     assert [path.name for path in tmp_path.glob("*.png")] == ["likeness_street_11_detail.png"]
