@@ -546,6 +546,7 @@ vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers)
 //   .180), with 16 too sharp (street_11: .044 for .041).
 //   sizes         from BokehLayerSizes
 //   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
+//                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
 //                 y = spacing of the samples on an edge: an edge of a hexagon has at most
 //                 BOKEH_LAYER_CELLS; 1 or more
 //                 z = -1, or where the first pass reads the layer's level: weight of the texels
@@ -821,7 +822,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, v
     vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.5)
+    if (blur.x > 0.51)
     {
         vec4 L2 = none;
         vec4 L3 = none;
@@ -863,7 +864,7 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TE
     vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.5)
+    if (blur.x > 0.51)
     {
         result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers);
         if (polygon.sides > 4)

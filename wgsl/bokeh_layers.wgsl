@@ -523,6 +523,7 @@ fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
 //   .180), with 16 too sharp (street_11: .044 for .041).
 //   sizes         from BokehLayerSizes
 //   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
+//                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
 //                 y = spacing of the samples on an edge: an edge of a hexagon has at most
 //                 BOKEH_LAYER_CELLS; 1 or more
 //                 z = -1, or where the first pass reads the layer's level: weight of the texels
@@ -807,7 +808,7 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes
     let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
     let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.5)
+    if (blur.x > 0.51)
     {
         var L2: vec4f = none;
         var L3: vec4f = none;
@@ -852,7 +853,7 @@ fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.5)
+    if (blur.x > 0.51)
     {
         result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
         if (polygon.sides > 4)

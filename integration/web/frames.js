@@ -85,7 +85,7 @@ export const inWgsl = (call, sampler) =>
 // What `#define BOKEH_PRESET_HIGH` stands for in WGSL: constants of the library, for engines that hand no pipeline
 // constants on
 const CONSTANTS = ['NUM_SAMPLES', 'SPACING', 'LAYER_RINGS', 'LAYER_CELLS', 'LAYER_CUBIC'];
-const PRESETS = { LOW: [5, 2, 2, 8, 0], MEDIUM: [9, 1.5, 3, 12, 1], HIGH: [17, 1, 3, 16, 1], ULTRA: [33, 1, 4, 16, 1] };
+const PRESETS = { LOW: [5, 2, 1, 11, 0], MEDIUM: [9, 1.5, 2, 11, 1], HIGH: [17, 1, 3, 18, 1], ULTRA: [33, 1, 4, 18, 1] };
 const withPreset = (library, preset) =>
   library.replace(
     /(?<=override BOKEH_(\w+): \w+ = )[\d.]+/g,

@@ -1250,7 +1250,7 @@ vec2 center = layers.uv * ceil(layers.size / 2.0);
 vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
 BokehTargets targets;
 vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-if (blur.x > 0.5)
+if (blur.x > 0.51)
 {
 vec4 L2 = none;
 vec4 L3 = none;
@@ -1288,7 +1288,7 @@ BOKEH_TEXTURE Edge5Samp, vec2 sizes, bool isFar, BokehPolygon polygon, BokehLaye
 vec2 center = layers.uv * ceil(layers.size / 2.0);
 vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
 vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-if (blur.x > 0.5)
+if (blur.x > 0.51)
 {
 result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers);
 if (polygon.sides > 4)
@@ -2834,7 +2834,7 @@ let center: vec2f = layers.uv * ceil(layers.size / 2.0);
 let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var targets: BokehTargets;
 let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-if (blur.x > 0.5)
+if (blur.x > 0.51)
 {
 var L2: vec4f = none;
 var L3: vec4f = none;
@@ -2875,7 +2875,7 @@ polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 let center: vec2f = layers.uv * ceil(layers.size / 2.0);
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-if (blur.x > 0.5)
+if (blur.x > 0.51)
 {
 result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
 if (polygon.sides > 4)

@@ -73,6 +73,7 @@ SWITCHES = {
     "constant CoC, negative": replace(EXACT, coc=-0.1),
     **{f"layered {name}, narrow": replace(LAYERED, aperture=name) for name in methods.EXACT},
     "layered, wide": replace(LAYERED, jitter=1.0, **WIDE),
+    "layered, far": replace(LAYERED, focus=methods.Focus(scale=(0.0, 1.0)), **WIDE),
     "layered, low": replace(LAYERED, aperture="decagon", preset="low", **WIDE),
     "layered, widest": replace(LAYERED, aperture="square", preset="low", **WIDEST),
     "layered, cut": replace(LAYERED, aperture="octagon", **CUT, **WIDE),
@@ -282,10 +283,14 @@ def _steady() -> Iterator[tuple[str, Frame]]:
 
 
 def _layers() -> Iterator[tuple[str, Frame]]:
-    """Planes that are partly in a layer, black beside bright, many tiles, and one pixel."""
+    """Planes that are partly in a layer, near over far, black beside bright, many tiles, and one pixel."""
     frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA), (50, 40))
     ragged = np.random.default_rng(2).uniform(-16.0, 20.0, (40, 50))
     planes = {f"plane, {coc}": np.full((40, 50), coc) for coc in (11.0, 14.0)}
+    planes["near over far"] = np.tile(np.where(abs(np.arange(50.0) - 25.0) < 2.0, -20.0, 18.0), (40, 1))
+    # the CoC of each ring is what covers most of the middle: together they cover more than all of it
+    y, x = np.mgrid[-20.0:20.0, -25.0:25.0] % 12.0 - 6.0
+    planes["cones"] = -np.where(np.hypot(y, x) > 0.0, np.minimum(np.hypot(y, x) * 2.0 + 1.0, 5.0), 0.0)
     for label, cocs in (planes | {"ragged": ragged, "ragged, near": np.minimum(ragged, 0.0)}).items():
         depth = np.vectorize(near_edges.metres)(cocs, 40).astype(np.float32)
         yield label, replace(frame, textures={**frame.textures, "depth": depth})
@@ -300,6 +305,14 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     # a CoC of 96 pixels spreads over 12 tiles
     yield "large", of_settings(replace(LAYERED, **WIDEST), (128, 96))
     yield "layered, one pixel", of_settings(replace(LAYERED, **WIDE), (1, 1))
+    # no more than pixels and the linear filter do: not blurred
+    frame = of_settings(replace(LAYERED, **WIDE), (64, 48))
+    *_, first, second, _ = frame.passes
+    random = np.random.default_rng(4)
+    textures = {name: random.random((24, 32, 4)).astype(np.float16) for name in first.inputs.values()}
+    textures |= {"near level": textures["near level"][::2, ::2], "far level": textures["far level"][::2, ::2]}
+    textures["sizes"] = np.full((6, 8, 4), 4.0, np.float16)
+    yield "layered, not blurred", replace(frame, passes=(first, second), textures=textures)
 
 
 # What no entry calls, and numbers that no device can be given
@@ -312,7 +325,10 @@ DECLARED = (
     "BokehSetViewport(vec4(0.0, 0.0, 1.0, 8.0), vec2(16.0, 16.0));"
     "BokehPolygon square = BokehWithRoundness(polygon, 0.0); BokehPolygon curved = BokehWithRoundness(polygon, 0.5);"
     "BokehPolygon uncut = BokehWithCatsEye(BokehWithRoundness(polygon, 0.004), end, vec2(64.0, 32.0), 0.0);"
+    "vec3 wide = BokehLayerBlur(vec2(0.0, 60.0), true, polygon);"
+    "vec3 wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
 )
+CELLS = methods.PRESETS[LAYERED.preset][1]
 VALUES = {
     **{"plain.aspectRatio": 2.0, "plain.imageHeight": 32.0, "plain.spacing": 1.5, "plain.jitter": 0.0},
     **{"plain.bleedingBias": 0.02, "plain.bleedingMult": 30.0, "BokehMakeOffsets(end, 0, 1).x": -0.25},
@@ -325,6 +341,8 @@ VALUES = {
     # a place on the border, sides that no polygon has, edges that are none and little more than none
     **{"BokehFetchTexel(BokehColorSamp, vec2(1.0, 1.0)).r": 15.0, "BokehAnyAperture(end).sides": 10.0},
     **{"square.lengths.x": 0.001, "uncut.lengths.x": float(np.sin(np.pi / 2000.0))},
+    # far layers read their level from 1.15 on
+    **{"wide.y": 15.0 / CELLS, "wide.z": 0.0, "wideSquare.z": 0.25 * 0.354 * 75.0 / CELLS - 0.2},
     "curved.area": float(np.sin(np.pi / 8.0) + np.sin(np.pi * 3.0 / 8.0)) / 2.0,
 }
 # an image of one texel has no room for the inset

@@ -201,7 +201,9 @@ class _Call:
         else:
             yes = self.branch(node.iftrue, variables, where.possible)
             no = self.branch(node.iffalse, variables, ~where.sure)
-            variables |= {name: chosen(where, yes[name], no[name]) for name in variables}
+            # where no pixel goes, a struct may have no members yet
+            one = no if not (self.here & where.possible).any() else yes if not (self.here & ~where.sure).any() else None
+            variables |= one or {name: chosen(where, yes[name], no[name]) for name in variables}
             if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
                 weight = variables["weight"]
                 self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])

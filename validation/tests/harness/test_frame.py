@@ -160,13 +160,9 @@ def test_a_region_needs_its_markers():
 def test_layers_page():
     """docs/layers.md: its presets are the code's, the passes that it names are those of a frame, in their order."""
     text = (paths.ROOT / "docs/layers.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \| (\d+) \|", text, re.MULTILINE)
-    found = {}
-    for name, rings, cells, enlarged, fetches in rows:
-        found[name.lower()] = (int(rings), int(cells), {"bilinear": 0, "cubic": 1}[enlarged])
-        stated = frame.frame(methods.Settings("layered", preset=name.lower()), port.PAGE_SIZE)["fetches"]["color"]
-        assert round(stated) == int(fetches), name
-    assert found == methods.PRESETS
+    rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \|", text, re.MULTILINE)
+    enlarged = {"bilinear": 0, "cubic": 1}
+    assert {row[0].lower(): (int(row[1]), int(row[2]), enlarged[row[3]]) for row in rows} == methods.PRESETS
     named = list(dict.fromkeys(re.findall(r"^\d+\. \*\*(\w+)\*\*", text, re.MULTILINE)))
     steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][1:]
     entries = dict.fromkeys(re.sub(r"Bokeh(?:Hexagon)?", "", step["entry"]) for step in steps)
