@@ -40,7 +40,7 @@
 //   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
-//   (docs/parameters.md has the table with units and offsets, and the block as a struct for C++,
+//   (docs/reference/parameters.md has units and offsets, and the block as a struct for C++,
 //   C#, Rust and JavaScript). Set 0: the block at binding 0, the textures ColorSamp, DepthSamp,
 //   ColorSampB to D, KernelSamp at 1 to 6, ColorSampE and F at 8 and 9.
 //   Unused slots: a pass samples only what its row names. OpenGL needs nothing for the rest; under

@@ -40,8 +40,8 @@
 //   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
-//   buffer in SM4 and up; the buffer has 192 bytes (docs/parameters.md has the table with units,
-//   and the buffer as a struct for C++, C#, Rust and JavaScript).
+//   buffer in SM4 and up; the buffer has 192 bytes (docs/reference/parameters.md has units, and the
+//   buffer as a struct for C++, C#, Rust and JavaScript).
 //   Unused slots: a pass reads only what its row names; bind nothing for the rest, or anything.
 
 // the target that ..One and ..Edge write, 0 ..; whether BokehJitter acts, the aperture

@@ -5,7 +5,7 @@
 //   Curved blades and a cat's eye are functions from polygon to polygon: what they return goes
 //   wherever a BokehPolygon goes, in `exact` and in the layers. A focus that artists can bend is
 //   another CoC in the map; a steady map is a pass after the map, lateral colour one over the
-//   finished picture. Axial colour is a recipe: docs/character.md.
+//   finished picture. Axial colour is a recipe: docs/methods/character.md.
 //   Functions only: no bindings, no entry points.
 
 // -------------------------------------------------------------------------------------------------

@@ -39,7 +39,7 @@
 //   target BOKEH_TARGET_INDEX only.
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
-//   (docs/parameters.md has the table with units, and the struct for C++, C#, Rust and JavaScript).
+//   (docs/reference/parameters.md has units, and the struct for C++, C#, Rust and JavaScript).
 //   Unused slots: the layout 'auto' has only what a pass reads. With one layout for all passes,
 //   bind any texture to the rest; DepthSamp and KernelSamp may be unfilterable-float there.
 

@@ -66,7 +66,7 @@ async function readFrame(sample) {
   };
 }
 
-// What every pass wrote, one after the other, in the order of docs/passes.md
+// What every pass wrote, one after the other, in the order of docs/reference/passes.md
 async function readPasses({ engine, bokeh, tone }) {
   const textures = bokeh.passes.flatMap(({ target }) => target?.renderTarget.textures ?? tone.inputTexture.texture);
   const found = [];

@@ -105,7 +105,7 @@ constexpr int NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0];
 static std::map<std::string, Target> textures;
 static std::map<std::string, ID3D11PixelShader *> shaders; // by their entries
 
-// The constant buffer b0 of the package's passes: docs/parameters.md.
+// The constant buffer b0 of the package's passes: docs/reference/parameters.md.
 alignas(16) static BokehParameters parameters = {
     .SensorHeight = 0.024f,
     .AspectRatio = (float)WIDTH / HEIGHT,

@@ -103,7 +103,7 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 and up of the package's passes, as docs/parameters.md lists them. */
+/* Registers c0 and up of the package's passes, as docs/reference/parameters.md lists them. */
 static struct BokehParameters parameters = {
     .SensorHeight = 0.024f,
     .BleedingBias = 0.02f,

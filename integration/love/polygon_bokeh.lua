@@ -6,7 +6,7 @@ local PolygonBokeh = {}
 PolygonBokeh.__index = PolygonBokeh
 
 -- A frame is a table of passes. A row has the canvases that it writes, 1 / their size, and the call, which names the
--- canvases that it reads: docs/passes.md. `color` and `depth` are the scene's; 1 is OpenGL's kind of depth. Where a row
+-- canvases that it reads: docs/reference/passes.md. `color` and `depth` are the scene's; 1 is OpenGL's kind of depth. Where a row
 -- writes several canvases, the struct that the call returns follows, and its members.
 local COC_MAP = { { "coc" }, 1, "BokehSignedCoCMap(color, depth, uv, uv, lens, 1, zNear, zFar)" }
 -- Drawn by depthAt only

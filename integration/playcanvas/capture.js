@@ -46,7 +46,7 @@ async function read({ renderPassCamera: { bokeh } }) {
   return { color: await pixels(color), depth: await pixels(metres), result: await pixels(result) };
 }
 
-// What every pass wrote, in the order of docs/passes.md
+// What every pass wrote, in the order of docs/reference/passes.md
 async function written({ renderPassCamera: { bokeh } }) {
   const found = [];
   for (const { _colorBuffers } of bokeh.targets) for (const texture of _colorBuffers) found.push(await pixels(texture));

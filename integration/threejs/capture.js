@@ -18,7 +18,7 @@ const SHAPES = {
 //   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
 //   read(frame)                   its pixels, first row in memory first: { color, depth, result }; depth is what the
 //                                 engine's buffer holds, of paper metres
-//   readPasses(frame)             what every pass wrote, in the order of docs/passes.md
+//   readPasses(frame)             what every pass wrote, in the order of docs/reference/passes.md
 //   picture(frame)                what a canvas shows, a PNG
 //   other(options)                another renderer, with another kind of depth buffer
 const samples = {

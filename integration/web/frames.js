@@ -5,7 +5,7 @@
 // own.
 //
 // A frame is a table of passes. A row has the textures that it writes, 1 / their size, and the call, which names the
-// textures that it reads: docs/passes.md. `color` is the scene's, `depth` what the engine's depth buffer holds, `metres`
+// textures that it reads: docs/reference/passes.md. `color` is the scene's, `depth` what the engine's depth buffer holds, `metres`
 // depth in metres, for paper. Where a row writes several textures, the struct that the call returns follows, and its
 // members. The calls are GLSL; inWgsl makes WGSL of them.
 

@@ -60,7 +60,7 @@ def to_srgb(linear: np.ndarray) -> np.ndarray:
 
 def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
     """All that make sense of some settings; near, far: the camera's planes, metres."""
-    flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/pitfalls.md)."
+    flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/troubleshooting.md)."
     yield Mistake("the result is upside down: v is flipped", flip, settings, result=np.flipud)
     linear = "Blur linear light, before tone mapping, and write the EXR from the target as it is."
     yield Mistake("the result is sRGB, not linear", linear, settings, result=to_srgb)
@@ -155,7 +155,9 @@ def compare(
             terminal.tell(f"likeliest mistake: {names}. With it, {_shares(explained)}. {mistake.advice}")
             terminal.end(False)
     same = (steps <= bound).mean() >= metrics.CLOSE_SHARE
-    terminal.tell("the same" if same else "not the same, and by no mistake that compare knows. See docs/pitfalls.md.")
+    terminal.tell(
+        "the same" if same else "not the same, and by no mistake that compare knows. See docs/troubleshooting.md."
+    )
     terminal.end(same)
 
 

@@ -23,8 +23,8 @@ its time constant, what it found under points of the screen ("depths" alone wher
 distance before and after each frame.
 
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
-each, in the order of docs/passes.md. It is compared pass by pass, each with what the device had in the pass's inputs,
-as in probes.model.compared.
+each, as docs/reference/passes.md lists them. It is compared pass by pass, each with what the device had in the pass's
+inputs, as in probes.model.compared.
 """
 
 import json

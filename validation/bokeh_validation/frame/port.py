@@ -62,8 +62,8 @@ def _regions() -> Iterator[tuple[str, str, Iterable[str]]]:
     yield from ((path, FRAME, tables(language, names)) for path, language, names in TABLES)
     yield from ((path, PARAMETER_LIST, parameter_list(path)) for path in PARAMETER_FORMS)
     yield "integration/jmonkeyengine/BokehPass.java", PASS_LIST, java_passes()
-    yield "docs/passes.md", FRAME, passes_page()
-    yield "docs/parameters.md", PARAMETER_LIST, parameter_table()
+    yield "docs/reference/passes.md", FRAME, passes_page()
+    yield "docs/reference/parameters.md", PARAMETER_LIST, parameter_table()
 
 
 def replaced(path: str, text: str, origin: str, lines: Iterable[str]) -> str:
@@ -178,7 +178,7 @@ def parameter_list(path: str) -> Iterator[str]:
 
 
 def parameter_table() -> Iterator[str]:
-    """docs/parameters.md."""
+    """docs/reference/parameters.md."""
     yield from (f"The buffer is {4 * BLOCK_FLOATS} bytes: {BLOCK_FLOATS} floats.", "")
     yield from ("| i | offset | name | unit | read by |", "|---|---|---|---|---|")
     for i, (name, parameter) in enumerate(BLOCK.items()):
@@ -194,7 +194,7 @@ COUNTED = (
 
 
 def passes_page() -> Iterator[str]:
-    """docs/passes.md."""
+    """docs/reference/passes.md."""
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")

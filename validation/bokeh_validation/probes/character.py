@@ -1,5 +1,5 @@
 """The character of a lens, by one light: cat's eye, and red and blue at other places than green (lateral) or of other
-sizes (axial: the frame three times, docs/character.md).
+sizes (axial: the frame three times, docs/methods/character.md).
 """
 
 from dataclasses import replace

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Parameter(NamedTuple):
-    """A row of the table in docs/parameters.md.
+    """A row of the table in docs/reference/parameters.md.
 
     default  where a pass does not say otherwise
     unit     unit, meaning and range
@@ -18,7 +18,7 @@ class Parameter(NamedTuple):
 
 # Parameter i is register c(i) of shader model 3 and byte offset 4 i of the block.
 BLOCK = {
-    "BokehApertureDiameter": Parameter(0.05, "m, A of Listing 1: f / the f-stop ([lens.md](lens.md))", "CoCMap"),
+    "BokehApertureDiameter": Parameter(0.05, "m, A of Listing 1: f / the f-stop ([lens.md](../lens.md))", "CoCMap"),
     "BokehFocalLength": Parameter(0.05, "m, f", "CoCMap"),
     "BokehFocusDistance": Parameter(5.0, "m, S1, more than f", "CoCMap, Debug"),
     "BokehSensorHeight": Parameter(0.024, "m, 0.024 for 35 mm film", "CoCMap"),

@@ -68,8 +68,8 @@ def test_results_of_the_readme():
 
 
 def test_pitfalls_name_tests():
-    """Every test that docs/pitfalls.md names is there."""
-    text = (paths.ROOT / "docs/pitfalls.md").read_text(encoding="utf-8")
+    """Every test that docs/troubleshooting.md names is there."""
+    text = (paths.ROOT / "docs/troubleshooting.md").read_text(encoding="utf-8")
     named = re.findall(r"`(test_\w+\.py)(?:::(test_\w+))?`", text)
     assert named
     for file, name in named:

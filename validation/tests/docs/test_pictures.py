@@ -48,7 +48,7 @@ def test_pictures_of_the_readme():
     """Each below 700 kB, with a command under it that the program has; the gallery's are all shown."""
     shown = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
     assert {f"docs/images/{name}.png" for name in gallery.PICTURES} - set(shown) == {"docs/images/character_color.png"}
-    assert "](images/character_color.png)" in (paths.ROOT / "docs/character.md").read_text(encoding="utf-8")
+    assert "](images/character_color.png)" in (paths.ROOT / "docs/methods/character.md").read_text(encoding="utf-8")
     for picture in shown:
         assert (paths.ROOT / picture).stat().st_size < 700_000, picture
         after = README.split(f"]({picture})", 1)[1].strip()

@@ -158,8 +158,8 @@ def test_a_region_needs_its_markers():
 
 
 def test_layers_page():
-    """docs/layers.md: its presets are the code's, the passes that it names are those of a frame, in their order."""
-    text = (paths.ROOT / "docs/layers.md").read_text(encoding="utf-8")
+    """docs/methods/layered.md: its presets are the code's, the passes that it names a frame's, in their order."""
+    text = (paths.ROOT / "docs/methods/layered.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \|", text, re.MULTILINE)
     enlarged = {"bilinear": 0, "cubic": 1}
     assert {row[0].lower(): (int(row[1]), int(row[2]), enlarged[row[3]]) for row in rows} == methods.PRESETS

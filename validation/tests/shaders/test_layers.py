@@ -176,12 +176,12 @@ def ending(item: Pass, last: str, first: str = "", **changes) -> Pass:
     return replace(item, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
 
 
-# What docs/layers.md says of the targets that need two channels
+# What docs/methods/layered.md says of the targets that need two channels
 TWO_CHANNELS = {"leftovers", "tile leftovers", "row leftovers", "sizes"}
 
 
 def test_two_channels_are_enough():
-    """The targets that docs/layers.md names may be RG16F: the same picture."""
+    """The targets that docs/methods/layered.md names may be RG16F: the same picture."""
     settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, targets=False)
     driver, case = load("osmesa"), noise_case((101, 77), settings)
     passes, last = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
