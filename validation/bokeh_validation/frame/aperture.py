@@ -1,4 +1,4 @@
-"""`validation/run aperture`: which line passes make a convex polygon with min; rule and proof: docs/methods/polygons.md.
+"""`validation/run aperture`: which line passes make a convex polygon with min: docs/methods/polygons.md.
 
 Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as the picture of a highlight shows
 them. Angles are in degrees, from +x towards +y.
