@@ -477,7 +477,7 @@ vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 //
 //   A polygon is cut into parallelograms that do not overlap. Their blurs are ADDED: no light is
 //   lost as by min. The first pass blurs along all edges of one half of the outline but the last,
-//   the second along all but the first: docs/methods/polygons.md.
+//   the second along all but the first: docs/methods/exact.md.
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
@@ -623,7 +623,7 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 
 // Exact: the samples along edge k, as many as its CoC needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
-//   all of it rejected, must not come back at full strength (docs/methods/polygons.md).
+//   all of it rejected, must not come back at full strength (docs/methods/exact.md).
 //   returns       rgb = mean of colour times weight, a = mean weight, in the second pass times the
 //                 area of the edge's parallelograms; 0 where the pixel is in focus
 vec4 BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,

@@ -1,4 +1,4 @@
-"""The figures of the paper that shaders draw, as docs/reproduction.md shows them: `validation/run figures`.
+"""The figures of the paper that shaders draw, as docs/paper.md shows them: `validation/run figures`.
 
 Photographs come from an npm package. Points, their shapes and their true light are those of the probes.
 """

@@ -203,7 +203,7 @@ def _line_passes(
 
 
 def exact(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Polygons with an even number of sides, added up from parallelograms: docs/methods/polygons.md.
+    """Polygons with an even number of sides, added up from parallelograms: docs/methods/exact.md.
 
     The first pass writes 'target 2' .. 'target n', n = sides / 2: at once, or one after the other without several
     targets. The second pass writes 'result'.

@@ -1,4 +1,4 @@
-"""The pictures of README and docs/reproduction.md: those that their commands draw, small, and all of them shown."""
+"""The pictures of README and docs/paper.md: those that their commands draw, small, and all of them shown."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,7 @@ from bokeh_validation import figures, paths
 from bokeh_validation.truth import gallery
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-DOCUMENT = paths.ROOT / "docs" / "reproduction.md"
+DOCUMENT = paths.ROOT / "docs" / "paper.md"
 PICTURES = paths.ROOT / "docs" / "reproduction"
 # Of 255, on average: single pixels at comparisons and last digits are what drivers differ by
 MAX_DIFFERENCE = 0.5

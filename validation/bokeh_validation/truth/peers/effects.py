@@ -48,7 +48,7 @@ EFFECTS = {
 }
 # Other parameters that a search tries, and their values
 OPTIONS = {"resolutionScale": (0.5, 1.0), "blurLevel": (2, 1, 0), "nearBlur": (True, False)}
-# Scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with: the best there are, see docs/peers.md
+# Scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with: the best there are, see docs/results.md
 FOUND: dict[str, dict[str, Parameters]] = json.loads(Path(__file__).with_name("found.json").read_text(encoding="ascii"))
 ONE_LIGHT = "one light"
 
