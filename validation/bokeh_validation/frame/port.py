@@ -180,9 +180,10 @@ def parameter_list(path: str) -> Iterator[str]:
 def parameter_table() -> Iterator[str]:
     """docs/reference/parameters.md."""
     yield from (f"The buffer is {4 * BLOCK_FLOATS} bytes: {BLOCK_FLOATS} floats.", "")
-    yield from ("| i | offset | name | unit | read by |", "|---|---|---|---|---|")
+    yield from ("| i | name | default | unit | meaning | read by |", "|---|---|---|---|---|---|")
     for i, (name, parameter) in enumerate(BLOCK.items()):
-        yield _cells(i, 4 * i, name, parameter.unit, parameter.readers)
+        default, *texts = parameter
+        yield _cells(i, name, f"{default:g}", *texts)
 
 
 SHOWN = (("paper", "hexagon"), ("exact", "hexagon"), ("layered", "hexagon"))
@@ -195,21 +196,31 @@ COUNTED = (
 
 def passes_page() -> Iterator[str]:
     """docs/reference/passes.md."""
+    yield from ("## What a frame costs", "")
+    yield from ("| hexagon | passes | fetches per pixel: LOW | MEDIUM | HIGH | ULTRA |", "|---|---|---|---|---|---|")
+    for method in ("exact", "layered"):
+        frames = [plan.frame(methods.Settings(method, preset=name), PAGE_SIZE) for name in methods.PRESETS]
+        yield _cells(method, len(frames[0]["passes"]), *(_fetches(planned) for planned in frames))
+    yield ""
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
-    shared = "every target's memory is used again as soon as it is free."
-    yield from (f"At 1920 x 1080, linear depth, CoC map and result included; *shared*: {shared}", "")
-    yield "| method, shape | passes | colour fetches a pixel, at most | MB | shared | one target a pass |"
-    yield "|---|---|---|---|---|---|"
+    yield from ("With one target a pass, each target is drawn by itself.", "")
+    yield "| method, shape | passes | fetches per pixel | MB | MB shared | one target: passes | fetches |"
+    yield "|---|---|---|---|---|---|---|"
     for method, aperture in COUNTED:
         several, single = (
             plan.frame(methods.Settings(method, aperture, targets=targets), PAGE_SIZE) for targets in (True, False)
         )
-        fewer = f"{len(single['passes'])} passes, {single['fetches']['color']:.0f} fetches"
         megabytes = (f"{several[key] / 1e6:.0f}" for key in ("bytes", "bytes_shared"))
-        fetches = f"{several['fetches']['color']:.0f}"
-        yield _cells(f"{method}, {aperture}", len(several["passes"]), fetches, *megabytes, fewer)
+        cells = len(several["passes"]), _fetches(several), *megabytes, len(single["passes"]), _fetches(single)
+        yield _cells(f"{method}, {aperture}", *cells)
+
+
+def _fetches(planned: dict) -> str:
+    """Of colour and depth (and of a table's) for a pixel of the full size: '67.8+1'."""
+    counts = (round(count, 1) for count in planned["fetches"].values())
+    return "+".join(f"{count:g}" for count in counts if count)
 
 
 def _section(planned: dict) -> Iterator[str]:
@@ -219,15 +230,18 @@ def _section(planned: dict) -> Iterator[str]:
     for step in passes:
         constants |= step["constants"]
     title = f", preset {preset['name'].upper()}" if preset else ""
-    yield from (f"## {planned['method']}, {planned['aperture']}{title}", "", f"Constants: {_values(constants)}.", "")
+    yield from (f"## {planned['method']}, {planned['aperture']}{title}", "")
+    if constants:
+        yield from (f"Constants: {_values(constants)}.", "")
     yield from ("| | entry | reads | writes | size | sets | fetches |", "|---|---|---|---|---|---|---|")
     for step in passes:
         inputs = zip(step["inputs"], COLORS, strict=False)
         reads = [s["texture"] if s["slot"] == slot else f"{s['texture']} ({s['slot']})" for s, slot in inputs]
-        size = "full" if step["scale"] == 1 else f"1/{step['scale']}"
-        fetches = [f"{count} {kind}".removesuffix(" color") for kind, count in step["fetches"].items() if count]
+        size = "1" if step["scale"] == 1 else f"1/{step['scale']}"
+        counts = step["fetches"]
+        fetches = "+".join(str(count) for kind, count in counts.items() if count or (kind == "color" and counts["depth"]))
         texts = (", ".join(names) for names in (reads, step["targets"]))
-        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), ", ".join(fetches))
+        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), fetches)
     yield ""
 
 

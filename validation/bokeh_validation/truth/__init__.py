@@ -55,7 +55,7 @@ def markdown(rows: Sequence[Mapping]) -> list[str]:
     names = dict.fromkeys(row["scene"] for row in rows)
     lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
     for label in dict.fromkeys(row["label"] for row in rows):
-        cells = ["{flip:.4f}, {psnr:.2f}, {light:.3f}".format_map(row) for row in rows if row["label"] == label]
+        cells = ["{flip:.4f}/{psnr:.2f}/{light:.3f}".format_map(row) for row in rows if row["label"] == label]
         lines.append(f"| {label} | {' | '.join(cells)} |")
     return lines
 

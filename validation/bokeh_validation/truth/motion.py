@@ -191,7 +191,7 @@ def _cell(rows: Sequence[Mapping]) -> str:
         return "-"
     if "flip" in rows[0]:
         return f"{np.mean([row['flip'] for row in rows]):.4f}"
-    return ", ".join("{:.1f} / {:.0f}".format(*rows[0][name]) for name in ("deviation", "change"))
+    return ", ".join("{:.1f}/{:.0f}".format(*rows[0][name]) for name in ("deviation", "change"))
 
 
 def chosen(name: str | None) -> list[str]:

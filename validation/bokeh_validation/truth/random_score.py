@@ -102,7 +102,7 @@ def table(rows: Sequence[Mapping]) -> list[str]:
         line = f"| {label}"
         for name in ("flip", *faults.LIMITS):
             values = np.array([row[name] for row in rows if row["label"] == label])
-            form = " | {:.4f} / {:.4f} / {:.4f}" if name == "flip" else " | {:.1f} / {:.0f} / {:.0f}"
+            form = " | {:.4f}/{:.4f}/{:.4f}" if name == "flip" else " | {:.1f}/{:.0f}/{:.0f}"
             line += form.format(values.mean(), np.percentile(values, 95), values.max())
         lines.append(f"{line} | {np.mean([row['light'] for row in rows if row['label'] == label]):.3f} |")
     return lines

@@ -63,7 +63,7 @@ def test_results_of_the_readme():
     assert rows(text, "## Presets")["`BOKEH_PRESET_MEDIUM`"][1] == readme["layered medium"][0]
     for label, (_, *shown) in readme.items():
         (cells,) = [cells for name, cells in results.items() if re.fullmatch(rf"{label}( [\d.]+)?", name)]
-        (flip, _, light), *others = (cell.split(", ") for cell in cells[:3])
+        (flip, _, light), *others = (cell.split("/") for cell in cells[:3])
         assert shown == [flip, *(other[0] for other in others), light], label
 
 
