@@ -180,7 +180,7 @@ def parameter_list(path: str) -> Iterator[str]:
 def parameter_table() -> Iterator[str]:
     """docs/reference/parameters.md."""
     yield from (f"The buffer is {4 * BLOCK_FLOATS} bytes: {BLOCK_FLOATS} floats.", "")
-    yield from ("| i | name | default | unit | meaning | read by |", "|---|---|---|---|---|---|")
+    yield from ("| i | name | default | unit | meaning |", "|---|---|---|---|---|")
     for i, (name, parameter) in enumerate(BLOCK.items()):
         default, *texts = parameter
         yield _cells(i, name, f"{default:g}", *texts)
@@ -251,4 +251,4 @@ def _values(named: dict) -> str:
 
 
 def _cells(*cells: object) -> str:
-    return f"| {' | '.join(str(cell) for cell in cells)} |"
+    return f"|{'|'.join(str(cell) for cell in cells)}|"
