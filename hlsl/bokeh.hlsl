@@ -83,14 +83,15 @@
 //   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float
 //                                              holds; lower, it is the clamp against fireflies
 //
-//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, both
-//   passes of the exact hexagon. Smooth: up to this CoC in pixels samples are as close as that.
+//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, colour
+//   and depth, in the three passes of the exact hexagon. Smooth: up to this CoC in pixels samples
+//   are as close as the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
-//   BOKEH_PRESET_LOW        5          2.0      22       20
-//   BOKEH_PRESET_MEDIUM     9          1.5      38       27      the default
-//   BOKEH_PRESET_HIGH       17         1.0      70       34
-//   BOKEH_PRESET_ULTRA      33         1.0      134      66
+//   BOKEH_PRESET_LOW        5          2.0      24       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      40       27      the default
+//   BOKEH_PRESET_HIGH       17         1.0      72       34
+//   BOKEH_PRESET_ULTRA      33         1.0      136      66
 
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_SAMPLES 5

@@ -6,7 +6,7 @@ import numpy as np
 from support_cases import evaluated
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.frame import methods
+from bokeh_validation.frame import fetches, methods
 from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes
 
@@ -54,17 +54,16 @@ PRESETS = {name.upper(): values for name, values in methods.EXACT_PRESETS.items(
 
 
 def test_presets():
-    """Two passes of two lines each make the fetches of the table, and the pixels at their centres two more. Smooth is
-    the CoC whose edge, half of it in a hexagon, the samples fill.
-    """
+    """The fetches of the table are a frame's. Smooth is the CoC whose edge, half of it in a hexagon, the samples fill."""
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
         rows = re.findall(
             r"^//   BOKEH_PRESET_(\w+) +(\d+) +([\d.]+) +(\d+) +(\d+)(?: +the default)?$", text, re.MULTILINE
         )
         assert {name: (int(samples), float(spacing)) for name, samples, spacing, _, _ in rows} == PRESETS
-        for _, samples, spacing, fetches, smooth in rows:
-            assert int(fetches) == 4 * int(samples) + 2
+        for name, samples, spacing, fetched, smooth in rows:
+            settings = methods.Settings("exact", preset=name.lower())
+            assert int(fetched) == sum(fetches.of_frame(methods.plan(settings, (1920, 1080)).passes).values())
             assert int(smooth) == int(2 * int(samples) * float(spacing))
         if language != "wgsl":
             found = {name: tuple(map(float, values.values())) for name, values in shaders.presets(text).items() if name}
