@@ -239,9 +239,10 @@ def _section(planned: dict) -> Iterator[str]:
         reads = [s["texture"] if s["slot"] == slot else f"{s['texture']} ({s['slot']})" for s, slot in inputs]
         size = "1" if step["scale"] == 1 else f"1/{step['scale']}"
         counts = step["fetches"]
-        fetches = "+".join(str(count) for kind, count in counts.items() if count or (kind == "color" and counts["depth"]))
+        color = [counts["color"]] if counts["color"] or counts["depth"] else []
+        fetched = "+".join(map(str, [*color, *(counts[kind] for kind in ("depth", "table") if counts[kind])]))
         texts = (", ".join(names) for names in (reads, step["targets"]))
-        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), fetches)
+        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), fetched)
     yield ""
 
 

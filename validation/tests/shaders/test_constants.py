@@ -54,7 +54,7 @@ PRESETS = {name.upper(): values for name, values in methods.EXACT_PRESETS.items(
 
 
 def test_presets():
-    """The fetches of the table are a frame's. Smooth is the CoC whose edge, half of it in a hexagon, the samples fill."""
+    """Fetches of the table are a frame's. Smooth is the CoC whose edge, half of it in a hexagon, the samples fill."""
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
         rows = re.findall(
