@@ -189,7 +189,8 @@ export async function views(kind) {
 // after a key.
 export async function interaction(kind) {
   const { sample } = await import(`./${kind}.js`);
-  const { engine, scene, camera, box } = sample;
+  const { engine, scene, camera } = sample;
+  const box = scene.getMeshByName('box');
   await scene.whenReadyAsync();
   const view = camera.getViewMatrix(true);
   const { x, y } = Vector3.TransformCoordinates(box.position, view.multiply(camera.getProjectionMatrix(true)));

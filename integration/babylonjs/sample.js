@@ -4,12 +4,12 @@ import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { ImageProcessingConfiguration } from '@babylonjs/core/Materials/imageProcessingConfiguration.js';
 import { ImageProcessingPostProcess } from '@babylonjs/core/PostProcesses/imageProcessingPostProcess.js';
 import { PolygonBokeh } from 'polygonal-bokeh/babylon';
-import { makeScene } from './scene.js';
+import { makeScene } from './scene.js'; // yours
 
 // Depth of field for what the camera sees. `options` are those of PolygonBokeh.
 export function addBokeh(camera, options) {
   const bokeh = new PolygonBokeh(camera, options);
-  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  bokeh.setLens(0.07); // f-stop: f/1.4 in a model of 1 : 20
   return bokeh;
 }
 
@@ -22,6 +22,19 @@ function addTone(camera) {
   return new ImageProcessingPostProcess('tone', 1, camera, bilinear, undefined, false, half);
 }
 
+// new Engine(canvas), or a WebGPUEngine after initAsync()
+export function start(engine) {
+  const { scene, camera, subject } = makeScene(engine);
+  const sample = { engine, scene, camera, subject, bokeh: addBokeh(camera), tone: addTone(camera) };
+  sample.bokeh.focusOn(subject.position);
+  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; the nearest wins
+  engine.runRenderLoop(() => {
+    sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, sample.aims);
+    scene.render();
+  });
+  return sample;
+}
+
 // Depths under points of the canvas, pixels; Infinity where nothing is
 export function depthsUnder(points, { scene, bokeh }) {
   return points.map((point) => {
@@ -30,18 +43,15 @@ export function depthsUnder(points, { scene, bokeh }) {
   });
 }
 
-export async function start(engine) {
+export function show(engine) {
   engine.setSize(640, 480);
-  const { scene, camera, subject, box } = makeScene(engine);
-  const sample = { engine, scene, camera, subject, box, bokeh: addBokeh(camera) };
-  sample.tone = addTone(camera);
-  sample.bokeh.focusOn(subject.position);
+  const sample = start(engine);
+  const { scene, camera } = sample;
 
   // A click focuses on what is there, on the nearest of some points around it.
-  let aims = [sample.bokeh.uniforms.focusDistance];
   scene.onPointerDown = () => {
     const { pointerX: x, pointerY: y } = scene;
-    aims = depthsUnder([[x, y], [x - 6, y], [x + 6, y], [x, y - 6], [x, y + 6]], sample);
+    sample.aims = depthsUnder([[x, y], [x - 6, y], [x + 6, y], [x, y - 6], [x, y + 6]], sample);
   };
 
   // Keys 1 to 3 choose a debug view, 0 the picture.
@@ -51,11 +61,6 @@ export async function start(engine) {
     sample.bokeh.dispose();
     sample.bokeh = addBokeh(camera, { view: [undefined, 'depth', 'coc', 'focus'][key] });
     Object.assign(sample.bokeh.uniforms, uniforms);
-  });
-
-  engine.runRenderLoop(() => {
-    sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, aims);
-    scene.render();
   });
   return sample;
 }

@@ -1,8 +1,8 @@
 // The sample on WebGL 2.
 
 import { Engine } from '@babylonjs/core/Engines/engine.js';
-import { start } from './sample.js';
+import { show } from './sample.js';
 
 const canvas = document.createElement('canvas');
 document.body.append(canvas);
-export const sample = await start(new Engine(canvas, false));
+export const sample = show(new Engine(canvas, false));

@@ -1,10 +1,10 @@
 // The sample on WebGPU.
 
 import { WebGPUEngine } from '@babylonjs/core/Engines/webgpuEngine.js';
-import { start } from './sample.js';
+import { show } from './sample.js';
 
 const canvas = document.createElement('canvas');
 document.body.append(canvas);
 const engine = new WebGPUEngine(canvas);
 await engine.initAsync();
-export const sample = await start(engine);
+export const sample = show(engine);

@@ -3,7 +3,7 @@
 import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
 import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
-import { makeScene } from './scene.js';
+import { makeScene } from './scene.js'; // yours
 
 const canvas = document.querySelector('canvas');
 const options = new AppOptions();
@@ -14,10 +14,10 @@ app.init(options);
 app.autoRender = false; // nothing moves: a frame is drawn when it is asked for
 app.start();
 
-// The camera with depth of field. `options` are those of PolygonBokehFrame.
+// The camera component with depth of field. `options` are those of PolygonBokehFrame.
 export function addBokeh(app, camera, options) {
   const frame = new PolygonBokehFrame(app, camera, options);
-  frame.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  frame.setLens(0.07); // f-stop: f/1.4 in a model of 1 : 20
   frame.rendering.toneMapping = TONEMAP_ACES; // which is done after the bokeh, with sRGB
   frame.update();
   return frame;

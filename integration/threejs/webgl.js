@@ -6,18 +6,17 @@ import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { PolygonBokehPass } from 'polygonal-bokeh/three';
-import { makeScene } from './scene.js';
+import { makeScene } from './scene.js'; // yours
 
-const WIDTH = 640;
-const HEIGHT = 480;
+const [WIDTH, HEIGHT] = [640, 480];
 
-// { composer, bokeh }: the scene with depth of field. `options` are those of PolygonBokehPass.
+// The scene with depth of field. `options` are those of PolygonBokehPass.
 export function addBokeh(renderer, scene, camera, options) {
   const depthTexture = new DepthTexture(1, 1, FloatType);
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
   const composer = new EffectComposer(renderer, target);
   const bokeh = new PolygonBokehPass(camera, options);
-  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  bokeh.setLens(0.07); // f-stop: f/1.4 in a model of 1 : 20
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
   composer.addPass(new OutputPass()); // tone mapping and sRGB, last
@@ -33,6 +32,7 @@ export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
 export const { composer, bokeh } = addBokeh(renderer, scene, camera);
 composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
 
+// In each frame
 bokeh.focusOn(subject);
 composer.render();
 
