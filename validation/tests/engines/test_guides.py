@@ -1,11 +1,15 @@
-"""The guides of integration/ against their samples: the code that they show, tables, pictures drawn again."""
+"""The guides of integration/ against their samples: the code that they show, run as printed where it is a program of its
+own; tables, pictures drawn again.
+"""
 
 import json
 import re
+import shutil
 import textwrap
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from support import needed
 from support_pages import assert_picture
 
@@ -18,6 +22,36 @@ INTEGRATION = paths.ROOT / "integration"
 NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web"})
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
+# Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture
+PROGRAMS = ("opengl", "raylib", "love")
+# A window of raylib's, closed after two frames; the second is written to PICTURE
+RAYLIB = """
+import raylib as rl
+left = iter([False, False])
+def close(picture=PICTURE.encode()):
+    ended = next(left, True)
+    if ended and not rl.ExportImage(rl.LoadImageFromScreen(), picture):
+        raise OSError(picture)
+    return ended
+rl.WindowShouldClose = close
+rl.SetTraceLogLevel(rl.LOG_WARNING)
+"""
+LOVE = """
+love.errorhandler = function(message)
+  print(debug.traceback(message))
+  return function() return 1 end
+end
+local draw = love.draw
+function love.draw()
+  draw()
+  love.graphics.captureScreenshot(function(shown)
+    local file = assert(io.open(PICTURE, "wb"))
+    file:write(shown:encode("png"):getString())
+    file:close()
+    love.event.quit()
+  end)
+end
+"""
 # How the programs of the Direct3D 9 guide begin
 PASTED = ("float2 texelSize;", "sampler2D ")
 FENCE = re.compile(
@@ -56,9 +90,12 @@ def sources(name: str) -> list[Path]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_code_is_the_samples(name):
-    """Every block but commands, and programs that test_paste.py runs, is a verbatim piece of a file that the sample is
+    """Every block but commands, and programs that are run as they are, is a verbatim piece of a file that the sample is
     built from.
     """
+    if name in PROGRAMS:
+        assert len([language for language, _ in blocks(name) if language not in COMMANDS]) == 1
+        return
     texts = [path.read_text(encoding="utf-8") for path in sources(name)]
     code = [text for language, text in blocks(name) if language not in COMMANDS and not text.startswith(PASTED)]
     assert code
@@ -115,6 +152,28 @@ def test_bevy_passes():
         assert len(writes.split(",")) == ENTRIES[entry].targets, entry
     (line,) = re.findall(r'^const SAMPLES: &str = "(.*)";$', plugin, re.MULTILINE)
     assert paths.shader("wgsl", "bokeh").read_text(encoding="ascii").count(line) == 1
+
+
+@pytest.mark.sample
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_program(name, tmp_path):
+    """The guide's program, as printed, beside the files that the guide says: the hexagon of its picture."""
+    (program,) = [text for language, text in blocks(name) if language not in COMMANDS]
+    drawn, sample = tmp_path / "drawn.png", INTEGRATION / name
+    with needed(name):
+        *start, _ = desktop.command(name)
+        if name == "love":
+            for file in (*sample.glob("[!m]*.lua"), *map(paths.shader, ["glsl"] * 2, ["bokeh", "bokeh_layers"])):
+                shutil.copy(file, tmp_path)
+            (tmp_path / "main.lua").write_text(program + LOVE.replace("PICTURE", json.dumps(str(drawn))))
+            process.run([*start, tmp_path], desktop.SECONDS, tmp_path)
+        else:
+            before = RAYLIB.replace("PICTURE", repr(str(drawn))) if name == "raylib" else ""
+            process.run([*start, "-c", before + program, drawn], desktop.SECONDS, sample)
+    with Image.open(sample / "picture.png") as sheet:
+        width, height = (side // 2 for side in sheet.size)
+        sheet.crop((width, 0, 2 * width, height)).save(tmp_path / "hexagon.png")
+    assert_picture(drawn, tmp_path / "hexagon.png")
 
 
 @pytest.mark.sample
