@@ -1,14 +1,16 @@
 // Ogre with depth of field, run in this folder: ./sample picture.png
 
 #include <cstdio>
-#include <fstream>
 #include <limits>
+
+#include "capture.h"
+#include "scene.h"
+
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 
 #include "PolygonBokeh.h"
-#include "capture.h"
-#include "scene.h"
 
 static std::string readFile(const std::string& path)
 {
@@ -18,6 +20,18 @@ static std::string readFile(const std::string& path)
         throw std::runtime_error("cannot read " + path);
     }
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Depth of field for what a viewport's camera sees. It lives as long as what is returned.
+static std::unique_ptr<PolygonBokeh> addBokeh(Ogre::Viewport* viewport, const Ogre::Vector3& subject,
+    const PolygonBokeh::Frame& frame = PolygonBokeh::layered(6))
+{
+    static const std::string library = readFile("../../glsl/bokeh.glsl") + readFile("../../glsl/bokeh_layers.glsl") +
+        readFile("../../glsl/bokeh_passes.glsl");
+    auto bokeh = std::make_unique<PolygonBokeh>(viewport, library, frame);
+    bokeh->setLens(viewport->getCamera(), 0.2f); // f-stop: f/1 in a model of 1 : 5
+    bokeh->uniforms["BokehFocusDistance"] = PolygonBokeh::depthOf(viewport->getCamera(), subject);
+    return bokeh;
 }
 
 // Tone mapping and the encoding of the screen: the next compositor of the viewport
@@ -82,18 +96,6 @@ static Ogre::Image drawn(Ogre::Viewport* viewport)
     return image;
 }
 
-// Depth of field for what the scene's camera sees
-static std::unique_ptr<PolygonBokeh> addBokeh(
-    Ogre::Viewport* viewport, const Scene& scene, const PolygonBokeh::Frame& frame)
-{
-    static const std::string library = readFile("../../glsl/bokeh.glsl") + readFile("../../glsl/bokeh_layers.glsl") +
-        readFile("../../glsl/bokeh_passes.glsl");
-    auto bokeh = std::make_unique<PolygonBokeh>(viewport, library, frame);
-    bokeh->setLens(scene.camera, 0.2f); // f/1 in a model of 1 : 5, for a strong blur
-    bokeh->uniforms["BokehFocusDistance"] = PolygonBokeh::depthOf(scene.camera, scene.subject);
-    return bokeh;
-}
-
 // Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere
 static void writePicture(const Scene& scene, const std::string& path)
 {
@@ -101,15 +103,15 @@ static void writePicture(const Scene& scene, const std::string& path)
     Ogre::Viewport* viewport = addScreen(scene.camera, width, height);
     addTone(viewport);
     std::vector<Ogre::Image> pictures = {drawn(viewport)};
-    auto bokeh = addBokeh(viewport, scene, PolygonBokeh::layered(6));
+    auto bokeh = addBokeh(viewport, scene.subject);
     const float focus = bokeh->uniforms["BokehFocusDistance"];
     pictures.push_back(drawn(viewport));
     // three points on the crate behind: the nearest wins
     const std::vector<float> picked = {bokeh->depthAt(258, 165), bokeh->depthAt(264, 165), bokeh->depthAt(270, 165)};
-    bokeh = addBokeh(viewport, scene, PolygonBokeh::debug());
+    bokeh = addBokeh(viewport, scene.subject, PolygonBokeh::debug());
     bokeh->uniforms["BokehDebugMode"] = 3.0f;
     pictures.push_back(drawn(viewport));
-    bokeh = addBokeh(viewport, scene, PolygonBokeh::layered(8));
+    bokeh = addBokeh(viewport, scene.subject, PolygonBokeh::layered(8));
     bokeh->pullFocus(std::numeric_limits<float>::infinity(), picked, 0.2f); // where the pull ends
     pictures.push_back(drawn(viewport));
     std::vector<Ogre::uchar> pixels(3 * 4 * width * height);
@@ -144,7 +146,7 @@ int main(int count, char** arguments)
             // a size that 2, 4 and 8 do not divide
             Ogre::Viewport* viewport = addScreen(scene.camera, 285, 189);
             auto* tone = addTone(viewport);
-            const auto make = [&](const PolygonBokeh::Frame& frame) { return addBokeh(viewport, scene, frame); };
+            const auto make = [&](const PolygonBokeh::Frame& frame) { return addBokeh(viewport, scene.subject, frame); };
             capture(arguments[2], viewport, make, tone);
         }
         else

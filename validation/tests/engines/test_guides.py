@@ -23,7 +23,7 @@ NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - 
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture
-PROGRAMS = ("opengl", "raylib", "love")
+PROGRAMS = ("opengl", "raylib", "love", "jmonkeyengine")
 # A window of raylib's, closed after two frames; the second is written to PICTURE
 RAYLIB = """
 import raylib as rl
@@ -51,6 +51,57 @@ function love.draw()
     love.event.quit()
   end)
 end
+"""
+# The third frame of the game, tone-mapped as the sample's, to PICTURE
+GAME = """
+import com.jme3.post.FilterPostProcessor;
+import com.jme3.renderer.RenderManager;
+import com.jme3.system.JmeContext;
+import com.jme3.texture.*;
+import java.io.File;
+import javax.imageio.ImageIO;
+
+public class Run extends Game {
+    private int frame;
+
+    public static void main(String[] arguments) {
+        new Run().start(JmeContext.Type.OffscreenSurface);
+    }
+
+    @Override
+    public void simpleRender(RenderManager manager) {
+        if (++frame < 3) return;
+        FilterPostProcessor filters = (FilterPostProcessor) viewPort.getProcessors().get(0);
+        Texture2D result = filters.getFilter(BokehFilter.class).getTexture("result");
+        int width = result.getImage().getWidth(), height = result.getImage().getHeight();
+        FrameBuffer reader = new FrameBuffer(width, height, 1);
+        reader.addColorTarget(FrameBuffer.FrameBufferTarget.newTarget(result));
+        var texels = com.jme3.util.BufferUtils.createByteBuffer(width * height * 8);
+        renderer.setFrameBuffer(reader);
+        renderer.readFrameBufferWithFormat(reader, texels, Image.Format.RGBA16F);
+        var picture = new java.awt.image.BufferedImage(width, height, 1);
+        for (int i = 0; i < width * height; i++) {
+            int rgb = 0;
+            for (int channel = 0; channel < 3; channel++) {
+                float light = com.jme3.math.FastMath.convertHalfToFloat(texels.getShort(8 * i + 2 * channel));
+                rgb = rgb << 8 | Math.round(255f * (float) Math.pow(light / (1f + light), 1 / 2.2));
+            }
+            picture.setRGB(i % width, height - 1 - i / width, rgb);
+        }
+        try {
+            ImageIO.write(picture, "png", new File(PICTURE));
+        } catch (java.io.IOException error) {
+            throw new java.io.UncheckedIOException(error);
+        }
+        stop();
+    }
+
+    @Override
+    public void handleError(String said, Throwable error) {
+        error.printStackTrace();
+        System.exit(1);
+    }
+}
 """
 # How the programs of the Direct3D 9 guide begin
 PASTED = ("float2 texelSize;", "sampler2D ")
@@ -167,6 +218,13 @@ def test_program(name, tmp_path):
                 shutil.copy(file, tmp_path)
             (tmp_path / "main.lua").write_text(program + LOVE.replace("PICTURE", json.dumps(str(drawn))))
             process.run([*start, tmp_path], desktop.SECONDS, tmp_path)
+        elif name == "jmonkeyengine":
+            (tmp_path / "Game.java").write_text(program)
+            (tmp_path / "Run.java").write_text(GAME.replace("PICTURE", json.dumps(str(drawn))))
+            java, parts = start[start.index("-cp") - 3], start.index("-cp") + 1
+            process.run([java, *desktop.JAVAC, "-d", tmp_path, "-cp", start[parts], *tmp_path.glob("*.java")], 60, sample)
+            start[parts] += f":{tmp_path}"
+            process.run([*start, "Run"], desktop.SECONDS, sample)
         else:
             before = RAYLIB.replace("PICTURE", repr(str(drawn))) if name == "raylib" else ""
             process.run([*start, "-c", before + program, drawn], desktop.SECONDS, sample)
