@@ -1,5 +1,5 @@
-"""The guides of integration/ against their samples: the code that they show, run as printed where it is a program of its
-own; tables, pictures drawn again.
+"""The guides of integration/ against their samples: the code that they show, run as printed where it is a program;
+tables, pictures drawn again.
 """
 
 import json
@@ -222,7 +222,8 @@ def test_program(name, tmp_path):
             (tmp_path / "Game.java").write_text(program)
             (tmp_path / "Run.java").write_text(GAME.replace("PICTURE", json.dumps(str(drawn))))
             java, parts = start[start.index("-cp") - 3], start.index("-cp") + 1
-            process.run([java, *desktop.JAVAC, "-d", tmp_path, "-cp", start[parts], *tmp_path.glob("*.java")], 60, sample)
+            javac = [java, *desktop.JAVAC, "-d", tmp_path, "-cp", start[parts]]
+            process.run([*javac, *tmp_path.glob("*.java")], desktop.SECONDS, sample)
             start[parts] += f":{tmp_path}"
             process.run([*start, "Run"], desktop.SECONDS, sample)
         else:
