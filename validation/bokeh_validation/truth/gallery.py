@@ -1,4 +1,4 @@
-"""Pictures of the documents on market_7, shapes, focus and colour: the work behind `validation/run gallery`."""
+"""Pictures of the documents on market_7, shapes, focus, colour and a pull: the work behind `validation/run gallery`."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +21,9 @@ AXIAL = {"method": "exact", "aperture": "octagon", "exposure": 1.0, "metres": 8.
 AXIAL |= {"spacing": 1.0, "samples": 65}
 # more signed CoC of red and of blue
 LENSES = {"plain lens": {"axial": (-0.005, 0.011)}, "achromat": {"axial": (-0.008, -0.008)}}
+
+# The loop: metres that are focused first and last, frames on the way, milliseconds of each, quality of the WebP
+PULL, NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = "focus_pull", 0.9, 8.0, 24, 70, 75
 
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
@@ -67,15 +70,25 @@ def drawn(
     return pictures.crop(pixels, *cut) if cut else pictures.halved(pixels)
 
 
+def pull(driver: Driver) -> list[np.ndarray]:
+    """A pull of focus from the leaves to the street and back, 8-bit rgb; evenly in 1 / distance, slower at the ends."""
+    way = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, PULL_FRAMES))
+    distances = 1.0 / (1.0 / NEAREST + way * (1.0 / FARTHEST - 1.0 / NEAREST))
+    there = [drawn(driver, camera=replace(CAMERA, focus_distance=float(metres))) for metres in distances]
+    return [*there, *there[-2:0:-1]]
+
+
 def gallery(
     folder: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the pictures go.")],
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
 ) -> None:
-    """Draw the documents' gallery: every aperture, focus near and far, and chromatic aberration."""
+    """Draw the documents' gallery: every aperture, focus near and far, chromatic aberration, a pull of focus."""
     files.check_folder("--output", folder)
     used = terminal.pick_driver(driver, adapter)
     for name, rows in PICTURES.items():
         panels = [[pictures.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
         path = pictures.write_document(folder, name, pictures.grid(panels))
         terminal.console.print(f"{path}, by {used.name} ({used.adapter})")
+    path = pictures.write_animation(folder, PULL, pull(used), PULL_MILLISECONDS, PULL_QUALITY)
+    terminal.console.print(f"{path}, by {used.name} ({used.adapter})")

@@ -6,9 +6,10 @@ import re
 import moderngl
 import numpy as np
 import pytest
-from support import called, load
+from support import called, compiled, load
 
-from bokeh_validation import paths
+from bokeh_validation import paths, shaders
+from bokeh_validation.compilers import dxc, spirv
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import apertures, methods, port
 from bokeh_validation.frame import plan as frame
@@ -40,51 +41,50 @@ def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
     return {"color": color, "depth": blocks.repeat(4, 0).repeat(4, 1)[:high, :wide].copy()}
 
 
-class Engine:
-    """OpenGL 3.3 that draws what the JSON says, of the files that it names; targets share their memory."""
+# load() and draw() of docs/own-engine.md, as they are printed
+PAGE = (paths.ROOT / "docs/own-engine.md").read_text(encoding="utf-8")
+FRAME: dict = {}
+exec(re.search(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1], FRAME)
 
-    def __init__(self, context: moderngl.Context, planned: dict):
-        self.context, self.planned, self.handles = context, planned, {}
-        self.places = {t["name"]: t["name"] if t["memory"] is None else t["memory"] for t in planned["textures"]}
-        for texture in planned["textures"]:
-            if texture["written"] is not None:
-                channels, dtype = {"RGBA16F": (4, "f2"), "R32F": (1, "f4")}[texture["format"]]
-                handle = context.texture(texture["size"], channels, dtype=dtype)
-                self.handles.setdefault(self.places[texture["name"]], handle)
 
-    def give(self, name: str, pixels: np.ndarray) -> None:
-        """A texture that no pass writes."""
-        size, channels = pixels.shape[1::-1], pixels.shape[2] if pixels.ndim == 3 else 1
-        dtype = {2: "f2", 4: "f4"}[pixels.itemsize]
-        self.handles[name] = self.context.texture(size, channels, pixels.tobytes(), alignment=1, dtype=dtype)
+class Renderer:
+    """The page's `gpu`, OpenGL 3.3."""
 
-    def text(self, define: str, constants: dict) -> str:
-        """A shader."""
-        preset, glsl = self.planned["preset"], self.planned["programs"]["glsl"]
-        lines = [line.format(define=define) for line in glsl["before"]]
-        lines += [f"#define {name} {value}" for name, value in constants.items()]
-        lines += [f"#define {preset['define']}"] if preset else []
-        return "\n".join(lines + [(paths.ROOT / name).read_text(encoding="ascii") for name in glsl["files"]])
+    def __init__(self, context: moderngl.Context):
+        self.context, self.current = context, None
 
-    def draw(self, step: dict) -> None:
-        """A pass."""
-        program = self.context.program(
-            vertex_shader=self.text(self.planned["vertex"]["define"], {}),
-            fragment_shader=self.text(step["define"], step["constants"]),
-        )
-        for unit, source in enumerate(step["inputs"]):
-            self.handles[self.places[source["texture"]]].use(unit)
-            kind = {"linear": moderngl.LINEAR, "nearest": moderngl.NEAREST}[source["filter"]]
-            self.context.sampler(repeat_x=False, repeat_y=False, filter=(kind, kind)).use(unit)
-            program[source["uniform"]] = unit
-        for name, value in {**self.planned["parameters"], **step["changes"]}.items():
-            if name in program:
-                program[name] = value
-        target = self.context.framebuffer([self.handles[self.places[name]] for name in step["targets"]])
-        assert list(target.size) == step["size"]
-        target.viewport = tuple(step["viewport"] or (0, 0, *step["size"]))
+    def texture(self, size: tuple[int, int], form: str) -> moderngl.Texture:
+        channels, dtype = {"RGBA16F": (4, "f2"), "R32F": (1, "f4")}[form]
+        return self.context.texture(size, channels, dtype=dtype)
+
+    def program(self, vertex: str, fragment: str) -> moderngl.Program:
+        return self.context.program(vertex_shader=vertex, fragment_shader=fragment)
+
+    def begin(self, program: moderngl.Program, targets: list, viewport: list[int] | None) -> None:
+        self.current, self.unit = program, 0
+        target = self.context.framebuffer(targets)
+        target.viewport = tuple(viewport or (0, 0, *target.size))
         target.use()
-        self.context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=self.planned["vertex"]["vertices"])
+
+    def bind(self, uniform: str, texture: moderngl.Texture, name: str) -> None:
+        texture.use(self.unit)
+        kind = {"linear": moderngl.LINEAR, "nearest": moderngl.NEAREST}[name]
+        self.context.sampler(repeat_x=False, repeat_y=False, filter=(kind, kind)).use(self.unit)
+        self.current[uniform] = self.unit
+        self.unit += 1
+
+    def set(self, name: str, value: float) -> None:
+        if name in self.current:
+            self.current[name] = value
+
+    def triangle(self) -> None:
+        self.context.vertex_array(self.current, []).render(moderngl.TRIANGLES, vertices=3)
+
+
+def given(context: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
+    """A texture that no pass writes."""
+    size, channels = pixels.shape[1::-1], pixels.shape[2] if pixels.ndim == 3 else 1
+    return context.texture(size, channels, pixels.tobytes(), alignment=1, dtype={2: "f2", 4: "f4"}[pixels.itemsize])
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -95,22 +95,40 @@ def test_an_engine_runs_from_the_json(name):
     planned = json.loads(json.dumps(frame.frame(settings, SIZE, window), allow_nan=False))
     plan = methods.plan(settings, window[2:] if window else SIZE)
     plan = methods.in_viewport(plan, window, SIZE) if window else plan
-    driver, given = load("osmesa"), picture(SIZE)
-    expected = driver.run(plan.passes, {**given, **plan.tables}, SIZE)["result"]
+    driver, inputs = load("osmesa"), picture(SIZE)
+    expected = driver.run(plan.passes, {**inputs, **plan.tables}, SIZE)["result"]
     driver.make_current()
-    engine = Engine(driver.context, planned)
+    gpu = Renderer(driver.context)
+    # a method without presets: a name that nothing reads
+    planned["preset"] = planned["preset"] or {"define": "BOKEH_PRESET_NONE"}
+    programs, textures = FRAME["load"](gpu, planned, lambda file: (paths.ROOT / file).read_text("ascii"), *SIZE)
     # metres already: BokehDepthKind 0
     tables = {key: np.float32([[(x, y, 0.0, 0.0) for x, y in rows]]) for key, rows in planned["tables"].items()}
-    for key, pixels in {"color": given["color"], "depth buffer": given["depth"], **tables}.items():
-        engine.give(key, pixels)
-    for step in planned["passes"]:
-        engine.draw(step)
-    output = engine.handles[engine.places[planned["result"]]].read(alignment=1)
+    for key, pixels in {"color": inputs["color"], "depth buffer": inputs["depth"], **tables}.items():
+        textures[key] = given(driver.context, pixels)
+    output = FRAME["draw"](gpu, planned, programs, textures, {}).read(alignment=1)
     x, y, wide, high = window or (0, 0, *SIZE)
     part = (slice(y, y + high), slice(x, x + wide))
     output = np.frombuffer(output, np.float16).reshape(expected.shape)[part]
     np.testing.assert_array_equal(output, expected[part])
     assert np.ptp(output[..., :3].astype(float)) > 0.0
+
+
+def test_dxc_for_vulkan(monkeypatch):
+    """DXC takes the options of docs/own-engine.md; its bindings are the JSON's, and so is the length of the block."""
+    planned = frame.frame(methods.Settings("layered"), SIZE)
+    vertex, fragment = re.findall(r"dxc -spirv -T \w+ -E (\w+)((?: -fvk[^\n]*?(?= passes.hlsl)|.*?```))", PAGE, re.DOTALL)
+    bound = re.findall(r"-fvk-bind-register (\w+) 0 (\d+) 0", fragment[1])
+    inputs = {(f"t{source['register']}", str(source["binding"])) for p in planned["passes"] for source in p["inputs"]}
+    assert inputs | {("b0", "0"), ("s0", str(planned["bindings"]["sampler"]))} <= set(bound)
+    text = shaders.hlsl(6)
+    for stage, (entry, words) in {"vert": vertex, "frag": fragment}.items():
+        flags = re.findall(r"-fvk-(?:invert-y|bind-register \w+ \d+ \d+ \d+)", words)
+        split = [word for flag in flags for word in flag.split()]
+        monkeypatch.setattr(dxc, "spirv_options", lambda _, split=split: ["-spirv", *split])
+        built = compiled(lambda stage=stage, entry=entry: dxc.build(text, stage, entry))
+        assert built.ok and spirv.validate(built.binary).ok, built.messages
+    assert f"block of {4 * planned['block']['floats']} bytes ({planned['block']['floats']} floats" in PAGE
 
 
 @pytest.mark.parametrize("targets", [True, False])
