@@ -77,7 +77,8 @@ KEPT = {
     "Soft everywhere in Direct3D 9": "test_hostile::test_in_focus_nothing_changes, test_within::test_every_entry",
     "`layered` blurs near things, not far ones": "test_engines::test_sample",
     "All blurred alike, or nothing blurred": "test_inputs::test_same_depth_from_every_convention",
-    "Focus and blur are swapped": "test_inputs::test_same_depth_from_every_convention, test_inputs::test_ends_of_the_range",
+    "Focus and blur are swapped": "test_inputs::test_same_depth_from_every_convention, "
+    "test_inputs::test_ends_of_the_range",
     "A wall of light where the sky is": "test_hostile::test_bad_pixels_count_as_documented",
     "Highlights are wider than high": "test_within::test_sizes, test_apertures::test_highlight_on_a_driver",
     "A turned polygon": "test_apertures::test_regular, test_character::test_tiling",

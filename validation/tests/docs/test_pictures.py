@@ -28,7 +28,9 @@ def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
 def test_gallery(tmp_path):
     done = called("gallery", "--output", tmp_path)
     assert done.returncode == 0, done.stderr
-    assert_kept(tmp_path, paths.ROOT / "docs/images", {f"{name}.png" for name in gallery.PICTURES} | {f"{gallery.PULL}.webp"})
+    assert_kept(
+        tmp_path, paths.ROOT / "docs/images", {f"{name}.png" for name in gallery.PICTURES} | {f"{gallery.PULL}.webp"}
+    )
 
 
 def test_pictures_are_those_of_the_document(tmp_path):

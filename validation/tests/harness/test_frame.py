@@ -117,7 +117,9 @@ def test_an_engine_runs_from_the_json(name):
 def test_dxc_for_vulkan(monkeypatch):
     """DXC takes the options of docs/own-engine.md; its bindings are the JSON's, and so is the length of the block."""
     planned = frame.frame(methods.Settings("layered"), SIZE)
-    vertex, fragment = re.findall(r"dxc -spirv -T \w+ -E (\w+)((?: -fvk[^\n]*?(?= passes.hlsl)|.*?```))", PAGE, re.DOTALL)
+    vertex, fragment = re.findall(
+        r"dxc -spirv -T \w+ -E (\w+)((?: -fvk[^\n]*?(?= passes.hlsl)|.*?```))", PAGE, re.DOTALL
+    )
     bound = re.findall(r"-fvk-bind-register (\w+) 0 (\d+) 0", fragment[1])
     inputs = {(f"t{source['register']}", str(source["binding"])) for p in planned["passes"] for source in p["inputs"]}
     assert inputs | {("b0", "0"), ("s0", str(planned["bindings"]["sampler"]))} <= set(bound)
