@@ -29,7 +29,8 @@ def test_links_exist():
     documents = [
         path for folder in ("docs", "integration", "validation") for path in (paths.ROOT / folder).rglob("*.md")
     ]
-    for document in (paths.ROOT / "README.md", paths.ROOT / "CHANGELOG.md", *documents):
+    documents += [paths.ROOT / f"{name}.md" for name in ("README", "CHANGELOG", "CONTRIBUTING")]
+    for document in documents:
         for target, anchor in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", prose(document)):
             if not re.match(r"[a-z]+:", target):
                 file = document.parent / target if target else document

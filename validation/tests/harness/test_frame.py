@@ -187,3 +187,10 @@ def test_layers_page():
     steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][1:]
     entries = dict.fromkeys(re.sub(r"Bokeh(?:Hexagon)?", "", step["entry"]) for step in steps)
     assert named == list(entries)
+
+
+def test_exact_page():
+    """docs/methods/exact.md: its presets are the code's."""
+    text = (paths.ROOT / "docs/methods/exact.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| ([\d.]+) \|$", text, re.MULTILINE)
+    assert {name.lower(): (int(count), float(spacing)) for name, count, spacing in rows} == methods.EXACT_PRESETS

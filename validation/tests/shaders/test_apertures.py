@@ -136,6 +136,15 @@ def test_highlight_on_a_driver(name, rotation, squeeze, driver):
     assert light.sum() == pytest.approx(shape.light, abs=bokeh.edge(0.5) * shape.light / bokeh.area)
 
 
+def test_light_of_the_document():
+    """Its table of regular polygons: passes, and the light that min keeps."""
+    table = DOCUMENT.split("### How much light it keeps")[1].split("\n## ")[0]
+    cells = [row.strip("| ").split(" | ")[1:] for row in table.splitlines() if row.startswith("| ")]
+    shapes = {sides: decompose(apertures.regular_polygon(int(sides))) for sides in cells[0]}
+    assert list(map(int, shapes)) == list(REGULAR)
+    assert cells[1:] == [[f"{len(s.passes)}" for s in shapes.values()], [f"{s.light:.3f}" for s in shapes.values()]]
+
+
 def test_command():
     """What the document shows of the triangle; any polygon's passes as they are drawn."""
     shape, data = decompose(parsed(PENTAGON)), json.loads(called("aperture", "--vertices", PENTAGON).stdout)
