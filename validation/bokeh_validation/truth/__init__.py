@@ -117,7 +117,7 @@ def truth(
         Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
     ] = None,
 ) -> None:
-    """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light over the truth's, on
+    """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light relative to it, on
     ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
     """
     given = {"--scene": scene, "--random": count, "--motion": sequence}

@@ -48,7 +48,7 @@ def scores(
 ) -> list[Score]:  # fmt: skip
     """Scenes of some seeds by some of labels.METHODS, in a size (width, height), the truth through so many points.
 
-    A row has: seed, label, flip, light over the truth's, and the pixels of each of faults.LIMITS.
+    A row has: seed, label, flip, light relative to the truth, and the pixels of each of faults.LIMITS.
     """
     (used, rasteriser), found = _tools(driver, adapter, size, points), []
     for seed in seeds:
