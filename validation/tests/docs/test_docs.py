@@ -54,8 +54,8 @@ def test_results_of_the_readme():
     """The README's FLIP and light kept of its scenes are those of docs/results.md, fetches those of the presets."""
 
     def rows(text: str, after: str) -> dict[str, list[str]]:
-        lines = re.findall(r"^\| ([^|].*) \|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)
-        cells = [line.split(" | ") for line in lines]
+        lines = re.findall(r"^\| ?([^| -].*?) ?\|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)
+        cells = [re.split(r" ?\| ?", line) for line in lines]
         return {label: others for label, *others in cells}
 
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
