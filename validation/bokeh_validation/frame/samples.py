@@ -24,10 +24,10 @@ class Language(NamedTuple):
     """How a table of passes is written.
 
     head, tail        around all; {} is its name
-    row               a pass: {entry} such as BokehTileMax, {define} such as TILE_MAX, {scale} that its targets'
-                      size is divided by, {call} of the library in GLSL, {returned} for the struct and members of
-                      several targets, {sets} for its own parameters, {turn} in degrees, {reads} with '-' for a
-                      colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
+    row               a pass: {entry} such as BokehTileMax, {name} without Bokeh, {define} such as TILE_MAX, {scale}
+                      that its targets' size is divided by, {call} of the library in GLSL, {returned} for the struct
+                      and members of several targets, {sets} for its own parameters, {turn} in degrees, {reads} with
+                      '-' for a colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -86,6 +86,18 @@ GODOT = Language(
     "const {} := {{", '\t\t["{writes}", {scale}, "{call}"],', "}}",
     polygon="\t{}: [", its_end="\t],", replaced=("uv", "UV"), targets=False,
 )  # fmt: skip
+UNITY = Language(
+    "public static readonly Dictionary<int, BokehStep[]> {} = new Dictionary<int, BokehStep[]>\n{{",
+    '        new BokehStep(BokehShaderPass.{name}, "{reads}", "{writes}", {scale}) {{{sets}}},', "}};",
+    "{} = {:g}f", "", "    [{}] = new[]\n    {{", "    }},", camel=True,
+)  # fmt: skip
+UNREAL = Language(
+    "static const TArray<FBokehStep>* Bokeh{}(int32 Sides)\n{{",
+    '            {{&AddBokehPass<FBokeh{name}PS>, TEXT("{reads}"), TEXT("{writes}"), {scale}, {{{sets}}}}},',
+    "    return nullptr;\n}}", ".{} = {:.1f}f", "",
+    "    if (Sides == {})\n    {{\n        static const TArray<FBokehStep> Steps = {{",
+    "        }};\n        return &Steps;\n    }}", camel=True,
+)  # fmt: skip
 BEVY = Language("const {}: &[Pass] = &[", '    pass("{entry}_PS", &[{reads}], &[{writes}], {turn:.1f}),', "];")
 
 
@@ -97,9 +109,9 @@ def table(language: Language, name: str, method: str, aperture: str = "") -> Ite
         yield from rows(language, method, aperture)
     else:
         for shape in ("hexagon", "octagon") if method == "paper" else EXACT:
-            yield language.polygon.format(EXACT[shape])
+            yield from language.polygon.format(EXACT[shape]).splitlines()
             yield from rows(language, method, shape)[1:]
-            yield language.its_end.format()
+            yield from language.its_end.format().splitlines()
     yield from language.tail.format().splitlines()
 
 
@@ -128,6 +140,7 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
         writes = [names[name] for name in item.outputs]
         line = language.row.format(
             entry=item.entry,
+            name=item.entry.removeprefix("Bokeh"),
             define=step["define"].removeprefix("BOKEH_"),
             reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
             writes=separator.join(writes),

@@ -33,7 +33,30 @@ namespace UnityEngine
     public class Transform : Component
     {
         public Vector3 position { get; set; }
+        public Vector3 localScale { get; set; }
         public Vector3 forward { get; set; }
+        public Vector3 right { get; set; }
+        public Vector3 up { get; set; }
+    }
+
+    public enum PrimitiveType { Sphere }
+
+    public sealed class GameObject : Object
+    {
+        public static GameObject CreatePrimitive(PrimitiveType type) { return null; }
+        public Transform transform { get { return null; } }
+        public T GetComponent<T>() { return default(T); }
+    }
+
+    public class Renderer : Component
+    {
+        public Material material { get; set; }
+    }
+
+    public struct Color
+    {
+        public static Color HSVToRGB(float H, float S, float V) { return default(Color); }
+        public static Color operator *(float b, Color a) { return a; }
     }
 
     public enum CameraType { Game = 1, SceneView = 2, Preview = 4, VR = 8, Reflection = 16 }
@@ -41,6 +64,9 @@ namespace UnityEngine
     public sealed class Camera : Behaviour
     {
         public float fieldOfView { get; set; }
+        public float nearClipPlane { get; set; }
+        public float farClipPlane { get; set; }
+        public bool orthographic { get; set; }
         public Ray ScreenPointToRay(Vector3 pos) { return default(Ray); }
         public Ray ViewportPointToRay(Vector3 pos) { return default(Ray); }
     }
@@ -66,13 +92,11 @@ namespace UnityEngine
     public struct Vector3
     {
         public float x, y, z;
+        public static Vector3 one { get { return default(Vector3); } }
+        public static Vector3 operator +(Vector3 a, Vector3 b) { return a; }
         public static Vector3 operator -(Vector3 a, Vector3 b) { return a; }
+        public static Vector3 operator *(float d, Vector3 a) { return a; }
         public static float Dot(Vector3 lhs, Vector3 rhs) { return 0; }
-    }
-
-    public struct Vector4
-    {
-        public Vector4(float x, float y, float z, float w) { }
     }
 
     public struct Matrix4x4
@@ -83,6 +107,7 @@ namespace UnityEngine
     public class Time
     {
         public static float deltaTime { get { return 0.0f; } }
+        public static float time { get { return 0.0f; } }
     }
 
     public struct Mathf
@@ -91,6 +116,13 @@ namespace UnityEngine
         public static float Tan(float f) { return 0.0f; }
         public static float Exp(float power) { return 0.0f; }
         public static float Min(float a, float b) { return 0.0f; }
+        public static float Lerp(float a, float b, float t) { return 0.0f; }
+        public static float PingPong(float t, float length) { return 0.0f; }
+    }
+
+    public static class SystemInfo
+    {
+        public static bool usesReversedZBuffer { get { return true; } }
     }
 
     public class Texture : Object { }
@@ -103,13 +135,17 @@ namespace UnityEngine
         public static int PropertyToID(string name) { return 0; }
     }
 
-    public class Material : Object { }
+    public class Material : Object
+    {
+        public string[] shaderKeywords { get; set; }
+        public void EnableKeyword(string keyword) { }
+        public void SetColor(string name, Color value) { }
+    }
 
     public sealed class MaterialPropertyBlock
     {
         public void Clear() { }
         public void SetFloat(int nameID, float value) { }
-        public void SetVector(int nameID, Vector4 value) { }
         public void SetTexture(int nameID, Texture value) { }
         public void SetTexture(int nameID, RenderTexture value, Rendering.RenderTextureSubElement element) { }
     }
@@ -172,6 +208,8 @@ namespace UnityEngine.Rendering
 
     public class VolumeParameter<T> : VolumeParameter
     {
+        public VolumeParameter() { }
+        protected VolumeParameter(T value, bool overrideState) { }
         public virtual T value { get; set; }
     }
 

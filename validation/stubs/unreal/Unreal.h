@@ -15,10 +15,30 @@ using TCHAR = char16_t;
 
 // ---- Core ----
 
+template <typename T> struct TArray
+{
+    TArray() = default;
+    TArray(std::initializer_list<T>) {}
+    const T* begin() const { return nullptr; }
+    const T* end() const { return nullptr; }
+    const T& operator[](int32) const { return *begin(); }
+    bool IsValidIndex(int32) const { return false; }
+    int32 Num() const { return 0; }
+};
+
 struct FString
 {
     FString() = default;
     FString(const TCHAR*) {}
+    const TCHAR* operator*() const { return nullptr; }
+    bool operator==(const TCHAR*) const { return false; }
+    int32 ParseIntoArray(TArray<FString>& OutArray, const TCHAR* pchDelim, bool InCullEmpty = true) const { return 0; }
+};
+
+template <typename Key, typename Value> struct TMap
+{
+    void Add(const Key&, const Value&) {}
+    Value FindRef(const Key&) const { return {}; }
 };
 
 struct FPaths
@@ -41,16 +61,11 @@ template <typename T, ESPMode Mode = ESPMode::ThreadSafe> struct TSharedPtr
     void Reset() {}
 };
 
-template <typename T> struct TArray
-{
-    const T* begin() const { return nullptr; }
-    const T* end() const { return nullptr; }
-};
-
 struct FMath
 {
     template <typename T> static T DegreesToRadians(T Degrees) { return Degrees; }
     template <typename T> static T Max(T A, T B) { return A; }
+    template <typename T> static T Clamp(T A, T Min, T Max) { return A; }
     static float Exp(float Value) { return Value; }
 };
 
@@ -84,6 +99,7 @@ struct FIntPoint
     int32 X = 0, Y = 0;
     FIntPoint() = default;
     FIntPoint(int32 InX, int32 InY) : X(InX), Y(InY) {}
+    static FIntPoint DivideAndRoundUp(FIntPoint A, int32 Divisor) { return A; }
 };
 
 struct FIntRect
@@ -176,6 +192,16 @@ struct TStaticSamplerState
     static FRHISamplerState* GetRHI() { return nullptr; }
 };
 
+enum EColorWriteMask { CW_RGBA = 15 };
+enum EBlendOperation { BO_Add };
+enum EBlendFactor { BF_Zero, BF_One };
+struct FRHIBlendState {};
+template <EColorWriteMask, EBlendOperation, EBlendFactor, EBlendFactor, EBlendOperation, EBlendFactor, EBlendFactor>
+struct TStaticBlendState
+{
+    static FRHIBlendState* GetRHI() { return nullptr; }
+};
+
 struct FClearValueBinding
 {
     static const FClearValueBinding None;
@@ -256,14 +282,21 @@ FGlobalShaderMap* GetGlobalShaderMap(ERHIFeatureLevel::Type FeatureLevel);
 template <typename T> struct TShaderRef {};
 template <typename T> struct TShaderMapRef : TShaderRef<T>
 {
-    TShaderMapRef(const FGlobalShaderMap*) {}
+    TShaderMapRef(const FGlobalShaderMap*, const typename T::FPermutationDomain&) {}
+};
+
+template <int Count> struct FShaderPermutationInt {};
+#define SHADER_PERMUTATION_INT(InDefineName, Count) public FShaderPermutationInt<Count> { }
+template <typename... T> struct TShaderPermutationDomain
+{
+    template <typename Dimension> void Set(int32) {}
 };
 
 struct FPixelShaderUtils
 {
     template <typename TShaderClass>
     static void AddFullscreenPass(FRDGBuilder&, const FGlobalShaderMap*, FRDGEventName&&,
-        const TShaderRef<TShaderClass>&, typename TShaderClass::FParameters*, const FIntRect&)
+        const TShaderRef<TShaderClass>&, typename TShaderClass::FParameters*, const FIntRect&, FRHIBlendState* = nullptr)
     {
     }
 };

@@ -1,14 +1,14 @@
-"""The Unity and Unreal samples, which cannot run here: compiled against the stand-ins of validation/stubs.
+"""The Unity and Unreal packages, which cannot run here: compiled against the stand-ins of validation/stubs.
 
-Nothing is run, and a stand-in that is wrong is not found. What two languages of a sample must agree on, names and
-order, no compiler sees; that is compared here.
+Nothing is run, and a stand-in that is wrong is not found. What two languages of a package must agree on, no compiler
+sees; what of that `port` does not write is compared here.
 """
 
 import json
+import posixpath
 import re
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 from support import needed
@@ -16,175 +16,85 @@ from support import needed
 from bokeh_validation import paths
 from bokeh_validation.compilers import dxc, fxc, tool
 from bokeh_validation.compilers.tool import CompileResult
+from bokeh_validation.frame import copies
+from bokeh_validation.shaders.entries import ENTRIES
 
 STUBS = paths.VALIDATION / "stubs"
-UNITY = paths.ROOT / "integration/unity"
-FEATURE = UNITY / "BokehRendererFeature.cs"
-PLUGIN = paths.ROOT / "integration/unreal/BokehDepthOfField"
+UNITY, PLUGIN = paths.ROOT / copies.UNITY, paths.ROOT / copies.UNREAL
 MODULE = PLUGIN / "Source/BokehDepthOfField"
 EXTENSION = MODULE / "Private/BokehViewExtension.cpp"
-
-# The passes of both samples, and the targets that each writes
-PASSES = {"Depth": 1, "SignedCoCMap": 1, "CoCMap": 1, "HexagonFirst": 2, "HexagonSecond": 1, "OctagonFirst": 3}
-PASSES |= dict.fromkeys(("OctagonSecond", "Line", "LineFinal", "Debug"), 1)
-# What shaders are compiled to: by fxc, by DXC
-TARGETS = ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")
+SHADERS = {
+    "unity": UNITY / "Shaders/Resources/BokehDepthOfField.shader",
+    "unreal": PLUGIN / "Shaders/BokehDepthOfField.usf",
+}
+# What shaders are compiled to, by fxc and by DXC; and the presets, by the quicker one
+BUILDS = [(target, "") for target in ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")]
+BUILDS += [("SPIR-V", preset) for preset in ("LOW", "HIGH", "ULTRA")]
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
 def text(path: Path) -> str:
-    """A sample's file."""
+    """A file of a package."""
     return path.read_text(encoding="ascii")
 
 
 # ---- shaders ----
 
 
-class Sample(NamedTuple):
-    """The shaders of a sample.
-
-    suffix   of an entry, behind the name of its pass
-    first    where the functions begin that the package's passes have as well
-    names    pattern of theirs -> the package's; alpha is the CoC there
-    without  passes that the package has in another way: some read the engine's own textures
-    """
-
-    shader: Path
-    suffix: str
-    first: str
-    names: dict[str, str]
-    without: tuple[str, ...]
-
-
-SAMPLES = {
-    "unity": Sample(
-        UNITY / "BokehDepthOfField.shader",
-        "Fragment",
-        "    BokehLens BokehGivenLens()",
-        {
-            r"float4\(color.rgb, 1.0\)": "color",
-            "_BlitTexture": "BokehColorSamp",
-            r"_Bokeh(Depth|Color)([BC]?)\b": r"Bokeh\1Samp\2",
-            "sampler_Linear": "BokehLinear",
-            "_BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
-            "_Bokeh": "Bokeh",
-        },
-        ("Depth",),
-    ),
-    "unreal": Sample(
-        PLUGIN / "Shaders/BokehDepthOfField.usf",
-        "PS",
-        "BokehPolygon BokehAperture(int Sides)",
-        {
-            r"float4\(Color.rgb, 0.0\)": "Color",
-            r"LinePS\(SvPosition\)": "LinePS(SvPosition, uv)",
-            "float4 SvPosition : SV_POSITION": "float4 SvPosition : SV_POSITION, float2 uv : TEXCOORD0",
-            r"ImageUV\(SvPosition\)": "uv",
-            "BokehImageSize": "float2(BokehImageWidth, BokehImageHeight)",
-            r"\bBokeh(Depth|Color)([BC]?),": r"Bokeh\1Samp\2,",
-            r"BokehLinear\b": "BokehLinearClamp",
-        },
-        ("Depth", "SignedCoCMap", "CoCMap"),
-    ),
-}
-# What a sample leaves out of the package's own passes: it has no noise, the preset's spacing, the default leakage test,
-# lines of length 1 that are centred, blurs the CoC with the colour, combines by min; its aspect ratio is the image's
-LEFT_OUT = {
-    "= BokehAspectRatio;": "= BokehImageWidth / BokehImageHeight;",
-    "BokehBleedingBias": "0.02",
-    "BokehBleedingMult": "30.0",
-    r"BokehSpacing\b": "0.0",
-    "BokehBlurCoC > 0.5": "true",
-    "BokehUseMax > 0.5": "false",
-    "BokehLineLength": "1.0",
-    "BokehJitter|BokehLineCenter[XY]": "0.0",
-}
-UNITY_INPUT = "struct Varyings { float4 positionCS : SV_POSITION; float2 texcoord : TEXCOORD0; };\n"
-# In place of what the engines make metres with: the package's own way
-METRES = """float BokehMetres(float2 uv)
-{
-    return BokehLinearDepth(BokehFetchDepth(BokehDepthSamp, uv), int(BokehDepthKind + 0.5), BokehNear, BokehFar);
-}
-"""
-# What the samples include of the package
-STEMS = ("bokeh", "bokeh_paper")
-INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
-
-
-def code(engine: str) -> str:
-    """What all entries share: of Unity's shader the part in HLSL."""
-    shader = text(SAMPLES[engine].shader)
-    return shader.partition("HLSLINCLUDE\n")[2].partition("ENDHLSL")[0] or shader
+@cache
+def source(engine: str) -> str:
+    """What all entries share, with what it includes, each file once: of Unity's shader the part in HLSL."""
+    shader, stubs = text(SHADERS[engine]), STUBS / engine
+    found = {path.relative_to(stubs).as_posix(): path for path in stubs.rglob("*") if path.is_file()}
+    found |= {f"/{name}": path for name, path in found.items()}
+    for path in SHADERS[engine].parents[engine == "unity"].glob("bokeh*.*sh*"):
+        found |= {f"../{path.name}": path, f"/Plugin/BokehDepthOfField/{path.name}": path}
+    result, count = shader.partition("HLSLINCLUDE\n")[2].partition("ENDHLSL")[0] or shader, 1
+    while count:
+        result, count = INCLUDE.subn(lambda line: text(found.pop(line[1])) if line[1] else "", result, count=1)
+    return re.sub(r"^ *#pragma (target|multi_compile).*", "", result, flags=re.MULTILINE)
 
 
 @cache
-def source(engine: str) -> str:
-    """The same with what it includes, each file once."""
-    folder = STUBS / engine
-    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
-    files |= {f"/{name}": path for name, path in files.items()}
-    for stem in STEMS:
-        names = (f"{stem}.hlsl", f"/Plugin/BokehDepthOfField/{stem}.ush")
-        files |= dict.fromkeys(names, paths.shader("hlsl", stem))
-    result, found = code(engine), 1
-    while found:
-        result, found = INCLUDE.subn(lambda line: text(files.pop(line[1])) if line[1] in files else "", result, count=1)
-    return result
+def entries(engine: str) -> list[str]:
+    """The pixel shaders that a package names."""
+    named = (
+        text(SHADERS["unity"]) if engine == "unity" else text(EXTENSION) + text(EXTENSION.with_name("BokehFrames.h"))
+    )
+    return re.findall(r'(?:#pragma fragment |^BOKEH_SHADER\(\w+, ")(\w+)', named, re.MULTILINE)
 
 
-def compiled(source: str, target: str, entry: str) -> CompileResult:
-    """For one of TARGETS."""
+def compiled(source: str, target: str, entry: str, stage: str = "frag") -> CompileResult:
+    """For a target of BUILDS."""
     with needed(target):
         if target.startswith("ps_"):
-            return fxc.build(source, "frag", entry, int(target[3]))
-        return dxc.build(source, "frag", entry, target == "SPIR-V")
+            return fxc.build(source, stage, entry, int(target[3]))
+        return dxc.build(source, stage, entry, target == "SPIR-V")
 
 
-@pytest.mark.parametrize("target", TARGETS)
-@pytest.mark.parametrize("half", ["float", "min16float"])
-@pytest.mark.parametrize("engine", SAMPLES)
-def test_shader(engine, half, target):
-    """Every pass, without a warning, whichever type Unity makes of `half`."""
-    for name in PASSES:
-        result = compiled(f"#define STUB_HALF {half}\n{source(engine)}", target, name + SAMPLES[engine].suffix)
-        assert result.ok and not result.messages, f"{name}: {result.messages}"
+@pytest.mark.parametrize(("target", "preset"), BUILDS)
+@pytest.mark.parametrize("engine", SHADERS)
+def test_shader(engine, target, preset):
+    """Every pass, without a warning."""
+    quality = ["LOW", "", "HIGH", "ULTRA"].index(preset)
+    define = (
+        f"#define BOKEH_PRESET_{preset} 1\n" if preset and engine == "unity" else f"#define BOKEH_QUALITY {quality}\n"
+    )
+    for entry in entries(engine):
+        result = compiled(define + source(engine), target, entry)
+        assert result.ok and not result.messages, f"{entry}: {result.messages}"
+
+
+def test_unity_vertex():
+    """The triangle that all passes draw."""
+    result = compiled(source("unity"), "ps_5_0", "FullScreenVertex", "vert")
+    assert result.ok and not result.messages
 
 
 def test_unity_shader_refuses_texture_arrays():
     """Single-pass instanced stereo, where the camera's textures are arrays: told in one line."""
-    result = compiled(f"#define STUB_STEREO\n{source('unity')}", "ps_5_0", "DepthFragment")
+    result = compiled(f"#define STUB_STEREO\n{source('unity')}", "ps_5_0", "BokehDebug_PS")
     assert not result.ok and "multi-pass" in result.messages
-
-
-def replaced(source: str, names: dict[str, str]) -> str:
-    """Each pattern in turn; all must occur."""
-    for before, after in names.items():
-        source, found = re.subn(before, after, source)
-        assert found, before
-    return source
-
-
-def program(source: str, entry: str) -> bytes:
-    """The instructions of a pixel shader: the compiled file without the names, which come before them."""
-    result = compiled(source, "ps_5_0", entry)
-    assert result.ok, f"{entry}: {result.messages}"
-    return result.binary[result.binary.index(b"SHEX") :]
-
-
-@pytest.mark.parametrize("engine", SAMPLES)
-def test_passes_are_those_of_the_package(engine):
-    """The same instructions as the package's own passes, which the suite runs: no argument is in another's place."""
-    sample = SAMPLES[engine]
-    head, bodies = text(paths.shader("hlsl", "bokeh_passes")).split("// pixel shaders\n")
-    library = "".join(text(paths.shader("hlsl", stem)) for stem in STEMS)
-    model = f"#define BOKEH_HLSL_SM 5\n{library}{head}"
-    package = model + replaced("// pixel shaders\n" + bodies, LEFT_OUT)
-    functions = code(engine)[code(engine).index(sample.first) :]
-    own = model + UNITY_INPUT + METRES + replaced(functions, sample.names)
-    entries = {"Line": "Adaptive", "LineFinal": "AdaptiveFinal"}
-    for name in PASSES:
-        if name not in sample.without:
-            wanted = program(package, f"Bokeh{entries.get(name, name)}_PS")
-            assert program(own, name + sample.suffix) == wanted, name
 
 
 # ---- C# and C++ ----
@@ -200,14 +110,14 @@ def check_compiled(program: str, package: str, arguments: list[str], files: dict
 
 
 CSHARP = {
-    "unity": (STUBS / "unity/Unity.cs", *sorted(UNITY.glob("*.cs"))),
+    "unity": (STUBS / "unity/Unity.cs", *sorted(UNITY.rglob("*.cs"))),
     "unreal": (STUBS / "unreal/UnrealBuildTool.cs", MODULE / "BokehDepthOfField.Build.cs"),
 }
 
 
 @pytest.mark.parametrize("engine", CSHARP)
 def test_csharp(engine):
-    """The classes of Unity's sample, and the plug-in's Build.cs."""
+    """The classes of Unity's package and its samples, and the plug-in's Build.cs."""
     files = {path.name: text(path) for path in CSHARP[engine]}
     check_compiled("mcs", "mono-mcs", ["-target:library", "-warnaserror", "-out:out.dll"], files)
 
@@ -222,34 +132,34 @@ def test_unreal_classes():
     check_compiled("x86_64-w64-mingw32-g++", "g++-mingw-w64-x86-64-posix", arguments, files)
 
 
-# ---- what the two languages of a sample must agree on ----
+# ---- what the languages of a package must agree on ----
 
 
 def test_unreal():
-    """The .uplugin names the module and loads it before shaders are looked for; the classes have the shader's passes,
-    and its uniforms by name and type in the parameter struct.
+    """The .uplugin names the module and loads it before shaders are looked for; the classes have all passes, and the
+    shader's own uniforms by name and type in the parameter struct.
     """
     (module,) = json.loads(text(PLUGIN / "BokehDepthOfField.uplugin"))["Modules"]
     assert module["Name"] == MODULE.name and module["LoadingPhase"] == "PostConfigInit"
-    assert re.findall(r"^BOKEH_SHADER\((\w+)\);", text(EXTENSION), re.MULTILINE) == list(PASSES)
+    assert len(entries("unreal")) == len(copies.drawn())
     types = {"FIntPoint": "int2", "FVector2f": "float2"}
-    given = re.findall(r"SHADER_PARAMETER(?:_RDG_TEXTURE|_SAMPLER)?\((\w+), (\w+)\)", text(EXTENSION))
-    declared = re.findall(r"^(\w+) (Bokeh\w+);", code("unreal"), re.MULTILINE)
+    given = re.findall(r"^    SHADER_PARAMETER\((\w+), (\w+)\)", text(EXTENSION), re.MULTILINE)
+    declared = re.findall(r"^(\w+) (Bokeh\w+);", text(SHADERS["unreal"]), re.MULTILINE)
     assert [(types.get(kind, kind), name) for kind, name in given] == declared
+    read = {slot for name in copies.drawn() for slot in ENTRIES[f"Bokeh{name}"].textures}
+    textures = re.findall(r"SHADER_PARAMETER_RDG_TEXTURE\(Texture2D, Bokeh(\w+)\)", text(EXTENSION))
+    assert set(textures) == read == set(re.findall(r'"Bokeh(\w+Samp\w*)"', text(UNITY / "Runtime/BokehFrames.cs")))
 
 
-def test_unity():
-    """All that the class sets is declared in the shader, and all that is declared is set; the passes are the same."""
-    names = set(re.findall(r'PropertyToID\("(\w+)"\)', text(FEATURE)))
-    declared = re.findall(r"^    (?:float2?|TEXTURE2D)[ (](_Bokeh[^;()]+)\)?;", code("unity"), re.MULTILINE)
-    assert names == {"_BlitTexture", "_BlitScaleBias", *", ".join(declared).split(", ")}
-    (names,) = re.findall(r"enum ShaderPass\s*\{(.*?)\}", text(FEATURE), re.DOTALL)
-    passes = re.findall(r'Pass \{ Name "(\w+)".*?#pragma fragment (\w+)', text(SAMPLES["unity"].shader), re.DOTALL)
-    assert passes == [(name, f"{name}Fragment") for name in re.findall(r"\w+", names)]
-
-
-@pytest.mark.parametrize("engine", SAMPLES)
-def test_passes(engine):
-    """They write as many targets as are bound: two for the hexagon, three for the octagon."""
-    pattern = rf"\b\w+ (\w+){SAMPLES[engine].suffix}\(([^{{}}]*?)\n\s*\{{"
-    assert {name: words.count("SV_Target") for name, words in re.findall(pattern, code(engine))} == PASSES
+def test_unity_package():
+    """A .meta for every file and folder, no GUID twice, none without its file; else Unity leaves files out of a package
+    that it may not write to. Samples are where the package says.
+    """
+    names = [path.relative_to(UNITY).as_posix() for path in UNITY.rglob("*")]
+    metas = {name for name in names if name.endswith(".meta")}
+    assert {f"{name}.meta" for name in names if "~" not in name} - {f"{name}.meta" for name in metas} == metas
+    assert len({re.search(r"^guid: ([0-9a-f]{32})$", text(UNITY / name), re.MULTILINE)[1] for name in metas}) == len(
+        metas
+    )
+    samples = [posixpath.normpath(sample["path"]) for sample in json.loads(text(UNITY / "package.json"))["samples"]]
+    assert samples == [name for name in names if re.fullmatch(r"Samples~/[^/]+", name)]

@@ -9,18 +9,14 @@ import tomllib
 import pytest
 from support import called, refused
 
-from bokeh_validation import __version__, paths
+from bokeh_validation import __version__, paths, release
 
 INTEGRATION = paths.ROOT / "integration"
-NAMES = (
-    "com.polygonal-bokeh.urp-{}.tgz", "godot-polygon_bokeh-{}.zip", "polygonal-bokeh-{}.tgz",
-    "polygonal-bokeh-shaders-{}.zip", "unreal-BokehDepthOfField-{}.zip",
-)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def released(tmp_path_factory):
-    """Name of an archive that the command leaves -> path -> content."""
+    """Name of an archive that the command leaves, without version -> path -> content."""
     folder = tmp_path_factory.mktemp("release")
     done = called("release", "-o", folder / "made")
     assert done.returncode == 0, done.stderr
@@ -29,37 +25,22 @@ def released(tmp_path_factory):
         assert archive.name in done.stdout
         shutil.unpack_archive(archive, folder / archive.stem, "zip" if archive.suffix == ".zip" else "gztar")
         files = [path for path in (folder / archive.stem).rglob("*") if path.is_file()]
-        found[archive.name] = {path.relative_to(folder / archive.stem).as_posix(): path.read_bytes() for path in files}
+        contents = {path.relative_to(folder / archive.stem).as_posix(): path.read_bytes() for path in files}
+        found[archive.name.replace(__version__, "{}")] = contents
     return found
 
 
-def test_names(released):
-    """One archive for each form."""
-    assert sorted(released) == [name.format(__version__) for name in NAMES]
-
-
 def test_files_are_the_repositorys(released):
-    """Every archive has the licence and the library. Its files are the repository's, but for those that are made."""
-    folders = [paths.ROOT / name for name in ("integration", "docs", *paths.LANGUAGES)]
-    sources = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
-    own = {path.read_bytes() for path in [*sources, *paths.ROOT.glob("*.md"), paths.ROOT / "LICENSE"]}
-    libraries = {paths.shader(language).read_bytes() for language in paths.LANGUAGES}
+    """One archive for each form; each has the licence, and its folder's files as they are."""
+    assert list(released) and set(released) == set(release.ARCHIVES)
     for name, files in released.items():
+        root, source = release.ARCHIVES[name]
+        there = (path for path in (paths.ROOT / source).rglob("*") if path.is_file())
+        known = {path for path in there if not set(path.parts) & release.LEFT_OUT}
+        packed = {paths.ROOT / source / posixpath.relpath(path, root): content for path, content in files.items()}
+        assert all(path.read_bytes() == content for path, content in packed.items()), name
         assert (paths.ROOT / "LICENSE").read_bytes() in files.values(), name
-        made = {posixpath.basename(path) for path, content in files.items() if content not in own}
-        assert all(base.endswith(".meta") for base in made), (name, made)
-        ported = any("gdshaderinc" in path or path.endswith("shaders.js") for path in files)
-        assert libraries & set(files.values()) or ported, name
-
-
-def test_unity_metas(released):
-    """A .meta for every file and folder of the UPM package, no GUID twice; else Unity leaves the file out."""
-    files = released[f"com.polygonal-bokeh.urp-{__version__}.tgz"]
-    assets = {path for path in files if not path.endswith(".meta")}
-    assets |= {posixpath.dirname(path) for path in assets} - {"package"}
-    assert {path.removesuffix(".meta") for path in files if path.endswith(".meta")} == assets
-    guids = [re.search(r"^guid: ([0-9a-f]{32})$", files[f"{path}.meta"].decode(), re.MULTILINE)[1] for path in assets]
-    assert len(set(guids)) == len(guids)
+        assert packed.keys() == known if source != "." else packed.keys() < known, name
 
 
 def test_version():

@@ -3,6 +3,7 @@
 
 #include "BokehViewExtension.h"
 
+#include "BokehParameters.h"
 #include "GlobalShader.h"
 #include "HAL/IConsoleManager.h"
 #include "PixelShaderUtils.h"
@@ -12,47 +13,48 @@
 #include "SceneView.h"
 #include "ScreenPass.h"
 #include "ShaderParameterStruct.h"
+#include "ShaderPermutation.h"
 
 #define BOKEH_SETTING(Type, Name, Default, Help) \
     static TAutoConsoleVariable<Type> Setting##Name(TEXT("r.Bokeh." #Name), Default, TEXT(Help), ECVF_RenderThreadSafe)
 
 BOKEH_SETTING(int32, Enable, 1, "0: off");
-BOKEH_SETTING(int32, Sides, 6, "6: hexagon, 8: octagon");
-BOKEH_SETTING(int32, Paper, 0, "0: exact polygons, 1: the paper's, by min");
+BOKEH_SETTING(int32, Method, 0, "0: layered, 1: exact (one layer, cheaper, near outlines stay hard), 2: the paper's");
+BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra");
+BOKEH_SETTING(int32, Sides, 6, "4, 6, 8 or 10; the paper's method has 6 and 8");
 BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
 BOKEH_SETTING(float, FStop, 0.2f, "of a lens with the view's field of view; below that of real ones: more blur");
 BOKEH_SETTING(float, FocusDistance, 5.0f, "metres along the view axis");
 BOKEH_SETTING(float, SensorHeight, 0.024f, "metres");
-BOKEH_SETTING(float, MaxCoC, 0.1f, "fraction of the image height");
+BOKEH_SETTING(float, MaxCoC, 0.1f, "largest circle of confusion: its diameter as a fraction of the image height");
 BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
 BOKEH_SETTING(float, Squeeze, 1.0f, "width over height of the bokeh");
 
-// Names and types are those of BokehDepthOfField.usf
+// Names and types are those of BokehDepthOfField.usf and bokeh_passes.ush
+#define BOKEH_DECLARE(Name, Default) SHADER_PARAMETER(float, Bokeh##Name)
 BEGIN_SHADER_PARAMETER_STRUCT(FBokehParameters, )
     SHADER_PARAMETER_STRUCT_REF(FViewUniformShaderParameters, View)
     SHADER_PARAMETER_STRUCT_INCLUDE(FSceneTextureShaderParameters, SceneTextures)
-    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColor)
-    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorB)
-    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorC)
-    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehDepth)
-    SHADER_PARAMETER_SAMPLER(SamplerState, BokehLinear)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSamp)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehDepthSamp)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSampB)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSampC)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSampD)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSampE)
+    SHADER_PARAMETER_RDG_TEXTURE(Texture2D, BokehColorSampF)
+    SHADER_PARAMETER_SAMPLER(SamplerState, BokehLinearClamp)
     SHADER_PARAMETER(FIntPoint, BokehViewMin)
     SHADER_PARAMETER(FIntPoint, BokehTargetMin)
-    SHADER_PARAMETER(FVector2f, BokehImageSize)
-    SHADER_PARAMETER(float, BokehApertureDiameter)
-    SHADER_PARAMETER(float, BokehFocalLength)
-    SHADER_PARAMETER(float, BokehFocusDistance)
-    SHADER_PARAMETER(float, BokehSensorHeight)
-    SHADER_PARAMETER(float, BokehMaxCoC)
-    SHADER_PARAMETER(float, BokehSqueeze)
-    SHADER_PARAMETER(float, BokehAngle)
-    SHADER_PARAMETER(float, BokehDebugMode)
+    SHADER_PARAMETER(FVector2f, BokehTargetSize)
+    BOKEH_PARAMETERS(BOKEH_DECLARE)
     RENDER_TARGET_BINDING_SLOTS()
 END_SHADER_PARAMETER_STRUCT()
 
 class FBokehShader : public FGlobalShader
 {
 public:
+    class FPreset : SHADER_PERMUTATION_INT("BOKEH_QUALITY", 4);
+    using FPermutationDomain = TShaderPermutationDomain<FPreset>;
     using FParameters = FBokehParameters;
     FBokehShader() = default;
     FBokehShader(const ShaderMetaType::CompiledShaderInitializerType& Initializer) : FGlobalShader(Initializer) {}
@@ -63,55 +65,80 @@ public:
     }
 };
 
-// One class for each entry point of the shader file
-#define BOKEH_SHADER(Name) \
+#define BOKEH_SHADER(Name, Entry) \
     class FBokeh##Name##PS : public FBokehShader \
     { \
         DECLARE_GLOBAL_SHADER(FBokeh##Name##PS); \
         SHADER_USE_PARAMETER_STRUCT(FBokeh##Name##PS, FBokehShader); \
     }; \
-    IMPLEMENT_GLOBAL_SHADER(FBokeh##Name##PS, "/Plugin/BokehDepthOfField/BokehDepthOfField.usf", #Name "PS", SF_Pixel)
+    IMPLEMENT_GLOBAL_SHADER(FBokeh##Name##PS, "/Plugin/BokehDepthOfField/BokehDepthOfField.usf", Entry, SF_Pixel)
 
-BOKEH_SHADER(Depth);
-BOKEH_SHADER(SignedCoCMap);
-BOKEH_SHADER(CoCMap);
-BOKEH_SHADER(HexagonFirst);
-BOKEH_SHADER(HexagonSecond);
-BOKEH_SHADER(OctagonFirst);
-BOKEH_SHADER(OctagonSecond);
-BOKEH_SHADER(Line);
-BOKEH_SHADER(LineFinal);
-BOKEH_SHADER(Debug);
+// those of bokeh_passes.ush read textures of the view's size only
+BOKEH_SHADER(LinearDepth, "BokehViewMetres_PS");
+BOKEH_SHADER(SignedCoCMap, "BokehViewMap_PS");
+BOKEH_SHADER(CoCMap, "BokehPaperMap_PS");
 
-// The passes of one view. All but the last write targets of the view's own size, so that the library's coordinates run
-// from 0 to 1 there, wherever the view lies in the engine's textures.
+// Draws a pass with a class's shader
+using FBokehDraw = void (*)(
+    FRDGBuilder&, const FSceneView&, const FString& Name, FBokehParameters*, const FIntRect& Area, FRHIBlendState*);
+
+template <typename ShaderType>
+static void AddBokehPass(FRDGBuilder& GraphBuilder, const FSceneView& View, const FString& Name,
+    FBokehParameters* Given, const FIntRect& Area, FRHIBlendState* Blend)
+{
+    typename ShaderType::FPermutationDomain Permutation;
+    Permutation.template Set<FBokehShader::FPreset>(FMath::Clamp(SettingPreset.GetValueOnRenderThread(), 0, 3));
+    const FGlobalShaderMap* ShaderMap = GetGlobalShaderMap(View.GetFeatureLevel());
+    const TShaderMapRef<ShaderType> PixelShader(ShaderMap, Permutation);
+    FPixelShaderUtils::AddFullscreenPass(GraphBuilder, ShaderMap, RDG_EVENT_NAME("Bokeh %s", *Name), PixelShader, Given,
+        Area, Blend);
+}
+
+// Parameters of a pass's own; the angle in degrees, before the rotation
+struct FBokehOwn
+{
+    float Angle = 0.0f;
+    float Sides = 0.0f;
+    float Axis = 0.0f;
+    float Layer = 0.0f;
+};
+
+// Textures that a pass reads ("-": leaves the slot out) and writes, and 1 / their size
+struct FBokehStep
+{
+    FBokehDraw Draw;
+    const TCHAR* Reads;
+    const TCHAR* Writes;
+    int32 Scale;
+    FBokehOwn Own;
+};
+
+#include "BokehFrames.h"
+
+// The passes of one view. All but the last write targets of the view's own size or a part of it, so that the library's
+// coordinates run from 0 to 1 there, wherever the view lies in the engine's textures.
 struct FBokehPasses
 {
     FRDGBuilder& GraphBuilder;
     const FSceneView& View;
     const FPostProcessMaterialInputs& Inputs;
     const FIntRect ViewRect;
+    const FScreenPassRenderTarget& Output;
+    TMap<FString, FRDGTextureRef> Textures;
 
-    FRDGTextureRef Target(const TCHAR* Name, EPixelFormat Format = PF_FloatRGBA) const
-    {
-        const FRDGTextureDesc Description = FRDGTextureDesc::Create2D(ViewRect.Size(), Format,
-            FClearValueBinding::None, TexCreate_ShaderResource | TexCreate_RenderTargetable);
-        return GraphBuilder.CreateTexture(Description, Name);
-    }
-
-    // What a pass is given; Degrees of its line, before the rotation
-    FBokehParameters* Parameters(FRDGTextureRef Color = nullptr, FRDGTextureRef Depth = nullptr,
-        float Degrees = 0.0f) const
+    // What all passes of the view are given
+    FBokehParameters* Parameters() const
     {
         FBokehParameters* Given = GraphBuilder.AllocParameters<FBokehParameters>();
+#define BOKEH_SET_DEFAULT(Name, Default) Given->Bokeh##Name = Default;
+        BOKEH_PARAMETERS(BOKEH_SET_DEFAULT)
         Given->View = View.ViewUniformBuffer;
         Given->SceneTextures = Inputs.SceneTextures;
-        Given->BokehColor = Color;
-        Given->BokehDepth = Depth;
-        Given->BokehLinear = TStaticSamplerState<SF_Bilinear, AM_Clamp, AM_Clamp, AM_Clamp>::GetRHI();
+        Given->BokehLinearClamp = TStaticSamplerState<SF_Bilinear, AM_Clamp, AM_Clamp, AM_Clamp>::GetRHI();
         Given->BokehViewMin = ViewRect.Min;
-        Given->BokehTargetMin = FIntPoint(0, 0);
-        Given->BokehImageSize = FVector2f(static_cast<float>(ViewRect.Width()), static_cast<float>(ViewRect.Height()));
+        Given->BokehImageWidth = static_cast<float>(ViewRect.Width());
+        Given->BokehImageHeight = static_cast<float>(ViewRect.Height());
+        Given->BokehAspectRatio = Given->BokehImageWidth / Given->BokehImageHeight;
         // M[1][1] is 1 / tan(half of the vertical field of view): docs/lens.md
         const float Zoom = static_cast<float>(View.ViewMatrices.GetProjectionMatrix().M[1][1]);
         Given->BokehFocalLength = 0.5f * SettingSensorHeight.GetValueOnRenderThread() * Zoom;
@@ -120,79 +147,54 @@ struct FBokehPasses
         Given->BokehSensorHeight = SettingSensorHeight.GetValueOnRenderThread();
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
         Given->BokehSqueeze = SettingSqueeze.GetValueOnRenderThread();
-        Given->BokehAngle = FMath::DegreesToRadians(Degrees + SettingRotation.GetValueOnRenderThread());
         Given->BokehDebugMode = static_cast<float>(SettingDebug.GetValueOnRenderThread() - 1);
         return Given;
     }
 
-    // Into targets of its own
-    template <typename ShaderType>
-    void Draw(const TCHAR* Name, FBokehParameters* Given, std::initializer_list<FRDGTextureRef> Targets) const
+    void Draw(const FBokehStep& Step)
     {
-        int32 Index = 0;
-        for (FRDGTextureRef Texture : Targets)
+        FBokehParameters* Given = Parameters();
+        Given->BokehAngle = FMath::DegreesToRadians(Step.Own.Angle + SettingRotation.GetValueOnRenderThread());
+        Given->BokehSides = Step.Own.Sides;
+        Given->BokehAxis = Step.Own.Axis;
+        Given->BokehLayer = Step.Own.Layer;
+        TArray<FString> Reads, Writes;
+        FString(Step.Reads).ParseIntoArray(Reads, TEXT(" "));
+        FString(Step.Writes).ParseIntoArray(Writes, TEXT(" "));
+        const auto Read = [&](int32 Slot) -> FRDGTextureRef
         {
-            Given->RenderTargets[Index++] = FRenderTargetBinding(Texture, ERenderTargetLoadAction::ENoAction);
-        }
-        AddPass<ShaderType>(Name, Given, FIntRect(FIntPoint(0, 0), ViewRect.Size()));
-    }
+            return Reads.IsValidIndex(Slot) ? Textures.FindRef(Reads[Slot]) : nullptr;
+        };
+        Given->BokehColorSamp = Read(0);
+        Given->BokehColorSampB = Read(1);
+        Given->BokehColorSampC = Read(2);
+        Given->BokehColorSampD = Read(3);
+        Given->BokehColorSampE = Read(4);
+        Given->BokehColorSampF = Read(5);
+        // depth kind 0, the default: metres
+        Given->BokehDepthSamp = Textures.FindRef(TEXT("metres"));
 
-    // The last pass: into the engine's place for this view
-    template <typename ShaderType>
-    void Finish(const TCHAR* Name, FBokehParameters* Given, const FScreenPassRenderTarget& Output) const
-    {
-        Given->BokehTargetMin = Output.ViewRect.Min;
-        Given->RenderTargets[0] = Output.GetRenderTargetBinding();
-        AddPass<ShaderType>(Name, Given, Output.ViewRect);
-    }
-
-    template <typename ShaderType>
-    void AddPass(const TCHAR* Name, FBokehParameters* Given, const FIntRect& Viewport) const
-    {
-        const FGlobalShaderMap* ShaderMap = GetGlobalShaderMap(View.GetFeatureLevel());
-        const TShaderMapRef<ShaderType> PixelShader(ShaderMap);
-        FPixelShaderUtils::AddFullscreenPass(GraphBuilder, ShaderMap, RDG_EVENT_NAME("Bokeh %s", Name), PixelShader,
-            Given, Viewport);
-    }
-
-    // Two passes; the first writes two targets for the hexagon, three for the octagon
-    void Exact(FRDGTextureRef CoC, bool bHexagon, const FScreenPassRenderTarget& Output) const
-    {
-        FRDGTextureRef Target2 = Target(TEXT("Bokeh.Target2"));
-        FRDGTextureRef Target3 = Target(TEXT("Bokeh.Target3"));
-        FBokehParameters* First = Parameters(CoC);
-        FBokehParameters* Second = Parameters(Target2);
-        Second->BokehColorB = Target3;
-        if (bHexagon)
+        FIntRect Area(FIntPoint(0, 0), FIntPoint::DivideAndRoundUp(ViewRect.Size(), Step.Scale));
+        FRHIBlendState* Blend = nullptr;
+        if (Writes[0] == TEXT("result"))
         {
-            Draw<FBokehHexagonFirstPS>(TEXT("first"), First, {Target2, Target3});
-            Finish<FBokehHexagonSecondPS>(TEXT("second"), Second, Output);
+            // into the engine's place for this view; alpha is the circle of confusion, and 0 there
+            Area = Output.ViewRect;
+            Given->RenderTargets[0] = Output.GetRenderTargetBinding();
+            Blend = TStaticBlendState<CW_RGBA, BO_Add, BF_One, BF_Zero, BO_Add, BF_Zero, BF_Zero>::GetRHI();
         }
-        else
+        for (int32 Index = 0; Blend == nullptr && Index < Writes.Num(); Index++)
         {
-            FRDGTextureRef Target4 = Target(TEXT("Bokeh.Target4"));
-            Second->BokehColorC = Target4;
-            Draw<FBokehOctagonFirstPS>(TEXT("first"), First, {Target2, Target3, Target4});
-            Finish<FBokehOctagonSecondPS>(TEXT("second"), Second, Output);
+            const EPixelFormat Format = Writes[Index] == TEXT("metres") ? PF_R32_FLOAT : PF_FloatRGBA;
+            const FRDGTextureDesc Description = FRDGTextureDesc::Create2D(Area.Size(), Format,
+                FClearValueBinding::None, TexCreate_ShaderResource | TexCreate_RenderTargetable);
+            FRDGTextureRef Texture = GraphBuilder.CreateTexture(Description, TEXT("Bokeh"));
+            Given->RenderTargets[Index] = FRenderTargetBinding(Texture, ERenderTargetLoadAction::ENoAction);
+            Textures.Add(Writes[Index], Texture);
         }
-    }
-
-    // One line a pass: two parallelograms, the second combined with the first by min
-    void Paper(FRDGTextureRef CoC, FRDGTextureRef Depth, bool bHexagon, const FScreenPassRenderTarget& Output) const
-    {
-        FRDGTextureRef Line = Target(TEXT("Bokeh.Line"));
-        FRDGTextureRef Finished = Target(TEXT("Bokeh.Finished"));
-        Draw<FBokehLinePS>(TEXT("line 1"), Parameters(CoC, Depth, bHexagon ? 90.0f : 0.0f), {Line});
-        Draw<FBokehLinePS>(TEXT("line 2"), Parameters(Line, Depth, bHexagon ? 30.0f : 90.0f), {Finished});
-        if (!bHexagon)
-        {
-            // the hexagon's two parallelograms share their first line, the octagon's do not
-            Line = Target(TEXT("Bokeh.LineB"));
-            Draw<FBokehLinePS>(TEXT("line 3"), Parameters(CoC, Depth, 45.0f), {Line});
-        }
-        FBokehParameters* Last = Parameters(Line, Depth, bHexagon ? 150.0f : 135.0f);
-        Last->BokehColorB = Finished;
-        Finish<FBokehLineFinalPS>(TEXT("last line"), Last, Output);
+        Given->BokehTargetMin = Area.Min;
+        Given->BokehTargetSize = FVector2f(static_cast<float>(Area.Width()), static_cast<float>(Area.Height()));
+        Step.Draw(GraphBuilder, View, Writes[0], Given, Area, Blend);
     }
 };
 
@@ -223,37 +225,28 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
         Inputs.GetInput(EPostProcessMaterialInput::SceneColor));
     const FScreenPassRenderTarget Output = FScreenPassRenderTarget::CreateFromInput(GraphBuilder, SceneColor,
         ERenderTargetLoadAction::ENoAction, TEXT("Bokeh.Result"));
-    const FBokehPasses Passes{GraphBuilder, View, Inputs, SceneColor.ViewRect};
+    FBokehPasses Passes{GraphBuilder, View, Inputs, SceneColor.ViewRect, Output, {}};
+    Passes.Textures.Add(TEXT("color"), SceneColor.Texture);
 
-    FRDGTextureRef CoC = Passes.Target(TEXT("Bokeh.CoC"));
-    // the exact passes read a signed CoC, the paper's an unsigned one and metres
     const bool bDebug = SettingDebug.GetValueOnRenderThread() > 0;
-    const bool bPaper = SettingPaper.GetValueOnRenderThread() != 0 && !bDebug;
-    FRDGTextureRef Depth = nullptr;
-    FBokehParameters* Map = Passes.Parameters(SceneColor.Texture);
-    if (bPaper)
+    const int32 Method = bDebug ? 0 : SettingMethod.GetValueOnRenderThread();
+    if (bDebug || Method == 2)
     {
-        Depth = Passes.Target(TEXT("Bokeh.Depth"), PF_R32_FLOAT);
-        Passes.Draw<FBokehDepthPS>(TEXT("depth"), Passes.Parameters(), {Depth});
-        Passes.Draw<FBokehCoCMapPS>(TEXT("circle of confusion"), Map, {CoC});
+        Passes.Draw({&AddBokehPass<FBokehLinearDepthPS>, TEXT(""), TEXT("metres"), 1, {}});
     }
-    else
-    {
-        Passes.Draw<FBokehSignedCoCMapPS>(TEXT("circle of confusion"), Map, {CoC});
-    }
-
-    const bool bHexagon = SettingSides.GetValueOnRenderThread() != 8;
+    // the paper's passes read an unsigned CoC
+    const FBokehDraw Map = Method == 2 ? &AddBokehPass<FBokehCoCMapPS> : &AddBokehPass<FBokehSignedCoCMapPS>;
+    Passes.Draw({Map, TEXT("color"), TEXT("coc"), 1, {}});
     if (bDebug)
     {
-        Passes.Finish<FBokehDebugPS>(TEXT("debug"), Passes.Parameters(CoC), Output);
+        Passes.Draw({&AddBokehPass<FBokehDebugPS>, TEXT("coc"), TEXT("result"), 1, {}});
+        return Output;
     }
-    else if (bPaper)
+    const auto Frame = Method == 0 ? &BokehLayered : Method == 1 ? &BokehExact : &BokehPaper;
+    const TArray<FBokehStep>* Steps = Frame(SettingSides.GetValueOnRenderThread());
+    for (const FBokehStep& Step : Steps ? *Steps : *Frame(6))
     {
-        Passes.Paper(CoC, Depth, bHexagon, Output);
-    }
-    else
-    {
-        Passes.Exact(CoC, bHexagon, Output);
+        Passes.Draw(Step);
     }
     return Output;
 }

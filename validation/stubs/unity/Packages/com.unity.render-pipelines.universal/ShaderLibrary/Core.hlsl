@@ -69,6 +69,8 @@ float Min3(float a, float b, float c) { return min(min(a, b), c); }
 float Max3(float a, float b, float c) { return max(max(a, b), c); }
 float Luminance(float3 linearRgb) { return dot(linearRgb, float3(0.2126729, 0.7151522, 0.0721750)); }
 float LinearEyeDepth(float depth, float4 zBufferParam) { return 1.0 / (zBufferParam.z * depth + zBufferParam.w); }
+float2 GetFullScreenTriangleTexCoord(uint id) { return float2((id << 1) & 2, 1.0 - (id & 2)); }
+float4 GetFullScreenTriangleVertexPosition(uint id) { return float4((id << 1) & 2, id & 2, 0.5, 1.0) * 2.0 - 1.0; }
 float Linear01Depth(float depth, float4 zBufferParam) { return 1.0 / (zBufferParam.x * depth + zBufferParam.y); }
 
 #endif

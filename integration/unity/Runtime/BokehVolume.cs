@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// All settings of BokehRendererFeature, as a Volume override (Add Override, Post-processing, Polygonal Bokeh). Without an
+// override they are the defaults below, with which the blur is seen.
+
+using System;
+using UnityEngine;
+using UnityEngine.Rendering;
+
+public enum BokehMethod { Layered, Exact, Paper }
+
+public enum BokehAperture { Square = 4, Hexagon = 6, Octagon = 8, Decagon = 10 }
+
+public enum BokehPreset { Low, Medium, High, Ultra }
+
+// Unity keeps an enum of a volume only in a class of its own
+[Serializable]
+public sealed class BokehMethodParameter : VolumeParameter<BokehMethod>
+{
+    public BokehMethodParameter(BokehMethod value) : base(value, false) { }
+}
+
+[Serializable]
+public sealed class BokehApertureParameter : VolumeParameter<BokehAperture>
+{
+    public BokehApertureParameter(BokehAperture value) : base(value, false) { }
+}
+
+[Serializable]
+public sealed class BokehPresetParameter : VolumeParameter<BokehPreset>
+{
+    public BokehPresetParameter(BokehPreset value) : base(value, false) { }
+}
+
+[Serializable, VolumeComponentMenu("Post-processing/Polygonal Bokeh")]
+public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
+{
+    [Tooltip("Share of the aperture: 0 is no blur, and no pass is drawn. Blend this one between volumes.")]
+    public ClampedFloatParameter strength = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
+
+    [Header("Lens")]
+    [Tooltip("Metres along the view axis. A BokehFocus on the camera overrides it.")]
+    public MinFloatParameter focusDistance = new MinFloatParameter(5.0f, 0.1f);
+
+    [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view, so a real lens's 2.8 "
+        + "blurs as little as that lens does; smaller than any real one: more blur")]
+    public MinFloatParameter fStop = new MinFloatParameter(0.2f, 0.01f);
+
+    [Tooltip("Millimetres: 24 is 35 mm film")]
+    public MinFloatParameter sensorHeight = new MinFloatParameter(24.0f, 1.0f);
+
+    [Tooltip("Largest circle of confusion: its diameter as a fraction of the image height")]
+    public ClampedFloatParameter maxCoC = new ClampedFloatParameter(0.1f, 0.0f, 0.5f);
+
+    [Header("Bokeh")]
+    [Tooltip("The paper's method has Hexagon and Octagon")]
+    public BokehApertureParameter aperture = new BokehApertureParameter(BokehAperture.Hexagon);
+
+    [Tooltip("Degrees")]
+    public ClampedFloatParameter rotation = new ClampedFloatParameter(0.0f, 0.0f, 360.0f);
+
+    [Tooltip("Width over height: 0.5 is anamorphic")]
+    public ClampedFloatParameter squeeze = new ClampedFloatParameter(1.0f, 0.25f, 1.0f);
+
+    [Header("Quality")]
+    [Tooltip("Layered: near things spread over what is behind them. Exact: one layer, cheaper, near things keep a hard "
+        + "outline. Paper: McIntosh 2012, lines combined by min")]
+    public BokehMethodParameter method = new BokehMethodParameter(BokehMethod.Layered);
+
+    [Tooltip("Samples of a line and distance between them")]
+    public BokehPresetParameter preset = new BokehPresetParameter(BokehPreset.Medium);
+
+    public bool IsActive()
+    {
+        return strength.value > 0.0f;
+    }
+}
