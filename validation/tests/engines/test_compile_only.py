@@ -47,7 +47,7 @@ def source(engine: str) -> str:
     shader, stubs = text(SHADERS[engine]), STUBS / engine
     found = {path.relative_to(stubs).as_posix(): path for path in stubs.rglob("*") if path.is_file()}
     found |= {f"/{name}": path for name, path in found.items()}
-    for path in SHADERS[engine].parents[engine == "unity"].glob("bokeh*.*sh*"):
+    for path in SHADERS[engine].parents[engine == "unity"].glob("bokeh*"):
         found |= {f"../{path.name}": path, f"/Plugin/BokehDepthOfField/{path.name}": path}
     result, count = shader.partition("HLSLINCLUDE\n")[2].partition("ENDHLSL")[0] or shader, 1
     while count:
