@@ -84,14 +84,15 @@
 //   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float
 //                                              holds; lower, it is the clamp against fireflies
 //
-//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, both
-//   passes of the exact hexagon. Smooth: up to this CoC in pixels samples are as close as that.
+//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, colour
+//   and depth, in the three passes of the exact hexagon. Smooth: up to this CoC in pixels samples
+//   are as close as the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
-//   BOKEH_PRESET_LOW        5          2.0      22       20
-//   BOKEH_PRESET_MEDIUM     9          1.5      38       27      the default
-//   BOKEH_PRESET_HIGH       17         1.0      70       34
-//   BOKEH_PRESET_ULTRA      33         1.0      134      66
+//   BOKEH_PRESET_LOW        5          2.0      24       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      40       27      the default
+//   BOKEH_PRESET_HIGH       17         1.0      72       34
+//   BOKEH_PRESET_ULTRA      33         1.0      136      66
 
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_SAMPLES 5
@@ -501,7 +502,7 @@ float4 BokehResolved(float4 sum, float4 centerPixel)
 //
 //   A polygon is cut into parallelograms that do not overlap. Their blurs are ADDED: no light is
 //   lost as by min. The first pass blurs along all edges of one half of the outline but the last,
-//   the second along all but the first: docs/methods/polygons.md.
+//   the second along all but the first: docs/methods/exact.md.
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
@@ -648,7 +649,7 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 
 // Exact: the samples along edge k, as many as its CoC needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
-//   all of it rejected, must not come back at full strength (docs/methods/polygons.md).
+//   all of it rejected, must not come back at full strength (docs/methods/exact.md).
 //   returns       rgb = mean of colour times weight, a = mean weight, in the second pass times the
 //                 area of the edge's parallelograms; 0 where the pixel is in focus
 float4 BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon, bool secondPass,

@@ -267,7 +267,7 @@ float BokehReachTiles(BokehLayers layers)
     return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
 
-// Layers: the largest CoC that reach a tile; along rows first, then along columns
+// Layers: the largest CoC of any neighbouring tile that reaches this one; rows first, then columns
 //   axis          (1, 0), then (0, 1)
 float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayers layers BOKEH_SAMPLER)
 {
@@ -994,7 +994,7 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
 
 // Layers: 1 / radius^2 of what two CoC spread over, pixels
 //   For r = CoC / 2 that is (r^2 + 0.8) / r^4: pixels and the linear filter blur by themselves. 0.8
-//   suits input of one sample a pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
+//   suits input of one sample per pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
 //   .116 and .0620).
 float2 BokehSpreadInverse(float2 CoC)
 {
