@@ -223,7 +223,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             if (name != "result")
             {
                 TextureDesc wanted = description;
-                wanted.name = "Bokeh " + name;
+                wanted.name = name;
                 wanted.width = (wanted.width + scale - 1) / scale;
                 wanted.height = (wanted.height + scale - 1) / scale;
                 wanted.colorFormat = name == "metres" ? GraphicsFormat.R32_SFloat : GraphicsFormat.R16G16B16A16_SFloat;
