@@ -68,6 +68,8 @@ Shader "Hidden/BokehDepthOfField"
     #error Bokeh: single-pass instanced rendering has texture arrays; set the XR plug-in to multi-pass
     #endif
 
+    // fxc: "integer divides may be slow", of which a pass has two
+    #pragma warning (disable : 3556)
     // textures and samplers as Direct3D 11 has them; Unity translates that for all of its platforms
     #define BOKEH_HLSL_SM 5
     #include "../bokeh.hlsl"
