@@ -9,7 +9,7 @@ import typer
 
 from bokeh_validation import files, paths, shaders, terminal
 from bokeh_validation.errors import UserError
-from bokeh_validation.frame import copies, methods, plan, samples
+from bokeh_validation.frame import copies, methods, plan, reshade, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -67,6 +67,7 @@ def _regions() -> Iterator[tuple[str, str, Iterable[str]]]:
     yield UNITY_FRAMES, HLSL_PASSES, (f"{name}," for name in copies.drawn())
     yield UNITY_SHADER, HLSL_PASSES, copies.unity_passes()
     yield f"{UNREAL_PRIVATE}/BokehFrames.h", HLSL_PASSES, copies.unreal_classes()
+    yield "integration/reshade/PolygonalBokeh.fx", FRAME, reshade.effect()
     yield "docs/reference/passes.md", FRAME, passes_page()
     yield "docs/reference/parameters.md", PARAMETER_LIST, parameter_table()
 

@@ -19,7 +19,8 @@ from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
-NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web"})
+# but those without code of their own
+NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web", "reshade"})
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture

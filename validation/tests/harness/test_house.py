@@ -63,7 +63,7 @@ LEVELS = [
 paths errors files locks process terminal shaders
 exr frame windows browser compilers.fxc compilers.tool compilers.packages
 drivers reference
-jobs metrics pictures compilers options compare render frame.fetches frame.plan frame.port frame.samples
+jobs metrics pictures compilers options compare render frame.fetches frame.plan frame.port frame.reshade frame.samples
 probes isa doctor
 truth engines figures
 run bench check demo mutants release

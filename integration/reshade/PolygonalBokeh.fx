@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+//
+// Polygonal bokeh for ReShade: depth of field with a hexagonal aperture. README.md says how to install it.
+// Presets: PolygonalBokeh's preprocessor definition POLYGONAL_BOKEH_PRESET is 1 LOW, 2 MEDIUM, 3 HIGH, 4 ULTRA.
+
+#include "ReShade.fxh"
+
+#ifndef POLYGONAL_BOKEH_PRESET
+#define POLYGONAL_BOKEH_PRESET 2
+#endif
+#if POLYGONAL_BOKEH_PRESET == 1
+#define BOKEH_PRESET_LOW 1
+#elif POLYGONAL_BOKEH_PRESET == 3
+#define BOKEH_PRESET_HIGH 1
+#elif POLYGONAL_BOKEH_PRESET == 4
+#define BOKEH_PRESET_ULTRA 1
+#endif
+// textures as ReShade FX has them; the rest of the library's section [2] is as it is for shader model 3
+#define BOKEH_HLSL_SM 3
+#define sampler2D sampler
+#include "bokeh.hlsl"
+#include "bokeh_layers.hlsl"
+
+uniform int FocusMode <
+    ui_category = "Focus"; ui_type = "combo"; ui_label = "Focus on";
+    ui_items = "the distance below\0the middle of the screen\0the pixel under the cursor\0";
+    ui_tooltip = "Automatic focus reads depth at one pixel and moves there smoothly.";
+> = 1;
+uniform float FocusDistance <
+    ui_category = "Focus"; ui_type = "slider"; ui_label = "Distance (m)"; ui_min = 0.2; ui_max = 200.0;
+    ui_tooltip = "Metres from the camera to what is sharp.";
+> = 5.0;
+uniform float PullTime <
+    ui_category = "Focus"; ui_type = "slider"; ui_label = "Pull (s)"; ui_min = 0.0; ui_max = 3.0;
+    ui_tooltip = "Seconds in which automatic focus goes 63 % of its way; 0: at once.";
+> = 0.25;
+uniform float MetresToFarPlane <
+    ui_category = "Focus"; ui_type = "slider"; ui_label = "Far plane (m)"; ui_min = 10.0; ui_max = 2000.0;
+    ui_tooltip = "Metres that a depth of 1 stands for. ReShade does not know the game's units: set it so that\n"
+        "'Distance' is right for something that you know, such as a person two metres away.";
+> = 1000.0;
+
+uniform float FStop <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "f-stop"; ui_min = 0.1; ui_max = 22.0;
+    ui_tooltip = "Focal length over the diameter of the aperture: smaller blurs more.";
+> = 1.4;
+uniform float FocalLength <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Focal length (mm)"; ui_min = 10.0; ui_max = 300.0;
+    ui_tooltip = "On a sensor 24 mm high. 50 mm sees 27 degrees from top to bottom; longer blurs more.";
+> = 50.0;
+uniform float LargestBlur <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur (% of the height)"; ui_min = 0.5; ui_max = 20.0;
+    ui_tooltip = "No bokeh is wider than this.";
+> = 10.0;
+uniform float Rotation <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Rotation (degrees)"; ui_min = 0.0; ui_max = 60.0;
+> = 0.0;
+uniform float Squeeze <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Squeeze"; ui_min = 0.3; ui_max = 1.0;
+    ui_tooltip = "Width of the bokeh over its height: 0.5 as of an anamorphic lens.";
+> = 1.0;
+
+uniform float Highlights <
+    ui_category = "Colour"; ui_type = "slider"; ui_label = "Highlights"; ui_min = 0.0; ui_max = 0.99;
+    ui_tooltip = "The game has compressed bright light. 0 takes the picture as linear light, 0.95 makes white 20 times\n"
+        "as bright before the blur, and undoes it after it: lights become clear polygons.";
+> = 0.9;
+
+uniform float FrameTime < source = "frametime"; >;
+uniform float2 MousePoint < source = "mousepoint"; >;
+
+texture PolygonalBokehFocus { Format = R32F; };
+texture PolygonalBokehFocusBefore { Format = R32F; };
+sampler Focus { Texture = PolygonalBokehFocus; MinFilter = POINT; MagFilter = POINT; };
+sampler FocusBefore { Texture = PolygonalBokehFocusBefore; MinFilter = POINT; MagFilter = POINT; };
+
+float MetresAt(float2 uv)
+{
+    return ReShade::GetLinearizedDepth(uv) * MetresToFarPlane;
+}
+
+// sRGB to linear light, and the curve of the game's tone mapping undone: max(r, g, b) = x becomes x / (1 - Highlights x)
+float3 Expanded(float3 color)
+{
+    float3 low = color / 12.92;
+    float3 high = pow(abs(color + 0.055) / 1.055, 2.4);
+    float3 light = color <= 0.04045 ? low : high;
+    return light / (1.0 - Highlights * min(BokehBrightest(light), 1.0));
+}
+
+// The other way round
+float3 Compressed(float3 light)
+{
+    light = light / (1.0 + Highlights * BokehBrightest(light));
+    float3 low = light * 12.92;
+    float3 high = 1.055 * pow(abs(light), 1.0 / 2.4) - 0.055;
+    return light <= 0.0031308 ? low : high;
+}
+
+BokehPolygon Aperture()
+{
+    return BokehMakePolygon(6, radians(Rotation), Squeeze);
+}
+
+BokehLayers Layers(float2 uv)
+{
+    return BokehMakeLayers(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), LargestBlur / 100.0);
+}
+
+// Focus distances are averaged as 1 / metres: the same blur from frame to frame, near and far
+float4 FocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
+{
+    float before = tex2Dlod(FocusBefore, float4(0.5, 0.5, 0.0, 0.0)).r;
+    float2 at = FocusMode == 2 ? MousePoint / float2(BUFFER_WIDTH, BUFFER_HEIGHT) : float2(0.5, 0.5);
+    float metres = FocusMode == 0 ? FocusDistance : MetresAt(saturate(at));
+    float inverse = 1.0 / clamp(metres, 0.2, 10000.0);
+    // 0 in the first frame
+    if (FocusMode > 0 && PullTime > 0.0 && before > 0.0)
+    {
+        inverse = lerp(inverse, 1.0 / before, exp(-0.001 * FrameTime / PullTime));
+    }
+    return float4(1.0 / inverse, 0.0, 0.0, 1.0);
+}
+
+float4 KeepFocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
+{
+    return tex2Dlod(Focus, float4(0.5, 0.5, 0.0, 0.0));
+}
+
+float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
+{
+    BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop, 0.001 * FocalLength,
+        tex2Dlod(Focus, float4(0.5, 0.5, 0.0, 0.0)).r);
+    lens.maxCoC = LargestBlur / 100.0;
+    float3 color = Expanded(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb);
+    return float4(color, BokehSignedCoC(max(MetresAt(uv), 0.01), lens));
+}
+
+// generated by validation/run port from frame/methods.py: begin
+texture PolygonalBokehLayered0 { Width = (BUFFER_WIDTH + 0) / 1; Height = (BUFFER_HEIGHT + 0) / 1; Format = RGBA16F; };
+sampler Layered0 { Texture = PolygonalBokehLayered0; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered1 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
+sampler Layered1 { Texture = PolygonalBokehLayered1; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered2 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
+sampler Layered2 { Texture = PolygonalBokehLayered2; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered3 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered3 { Texture = PolygonalBokehLayered3; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered4 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered4 { Texture = PolygonalBokehLayered4; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered5 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered5 { Texture = PolygonalBokehLayered5; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered6 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered6 { Texture = PolygonalBokehLayered6; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered7 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
+sampler Layered7 { Texture = PolygonalBokehLayered7; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered8 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
+sampler Layered8 { Texture = PolygonalBokehLayered8; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered9 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
+sampler Layered9 { Texture = PolygonalBokehLayered9; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered10 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered10 { Texture = PolygonalBokehLayered10; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered11 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered11 { Texture = PolygonalBokehLayered11; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered12 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered12 { Texture = PolygonalBokehLayered12; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered13 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered13 { Texture = PolygonalBokehLayered13; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered14 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered14 { Texture = PolygonalBokehLayered14; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered15 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
+sampler Layered15 { Texture = PolygonalBokehLayered15; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered16 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered16 { Texture = PolygonalBokehLayered16; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehLayered17 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+sampler Layered17 { Texture = PolygonalBokehLayered17; AddressU = CLAMP; AddressV = CLAMP; };
+
+void LayeredTileMax1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
+{
+    BokehLayers layers = Layers(uv);
+    target0 = BokehTileMax(Layered0, layers);
+}
+
+void LayeredTileDilate2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
+{
+    BokehLayers layers = Layers(uv);
+    target0 = BokehTileDilate(Layered1, float2(1.0, 0.0), layers);
+}
+
+void LayeredTileDilate3PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
+{
+    BokehLayers layers = Layers(uv);
+    target0 = BokehTileDilate(Layered2, float2(0.0, 1.0), layers);
+}
+
+void LayeredPrefilter4PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPrefiltered targets = BokehPrefilter(Layered0, Layered1, layers);
+    target0 = targets.nearLayer;
+    target1 = targets.farLayer;
+    target2 = targets.kernelSums;
+    target3 = targets.leftovers;
+}
+
+void LayeredKernelReduce5PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehLayers layers = Layers(uv);
+    BokehKernels targets = BokehKernelReduce(Layered5, Layered6, layers);
+    target0 = targets.leftovers;
+    target1 = targets.sums;
+}
+
+void LayeredKernelRows6PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehLayers layers = Layers(uv);
+    BokehKernels targets = BokehKernelRows(Layered2, Layered7, Layered1, layers);
+    target0 = targets.leftovers;
+    target1 = targets.sums;
+}
+
+void LayeredKernelColumns7PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehLayers layers = Layers(uv);
+    BokehSizes targets = BokehKernelColumns(Layered8, Layered9, Layered1, layers);
+    target0 = targets.reach;
+    target1 = targets.sizes;
+}
+
+void LayeredDownsample8PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPolygon polygon = Aperture();
+    BokehLevels targets = BokehDownsample(Layered0, Layered1, Layered3, Layered4, Layered7, polygon, layers);
+    target0 = targets.middle;
+    target1 = targets.far;
+    target2 = targets.nearLevel;
+    target3 = targets.farLevel;
+}
+
+void LayeredHoleFill9PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPolygon polygon = Aperture();
+    BokehFilled targets = BokehHoleFill(Layered10, Layered11, Layered1, polygon, layers);
+    target0 = targets.middle;
+    target1 = targets.back;
+}
+
+void LayeredHexagonLayerFirst10PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPolygon polygon = Aperture();
+    BokehLayersTargets targets = BokehLayersFirst(Layered3, Layered12, Layered4, Layered13, BokehLayerSizes(Layered7, layers), polygon, layers);
+    target0 = targets.near2;
+    target1 = targets.far2;
+    target2 = targets.near3;
+    target3 = targets.far3;
+}
+
+void LayeredHexagonLayerSecond11PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPolygon polygon = Aperture();
+    BokehBlurred targets = BokehLayersSecond(Layered5, Layered6, Layered16, Layered17, BokehLayerSizes(Layered7, layers), polygon, layers);
+    target0 = targets.near;
+    target1 = targets.far;
+}
+
+void LayeredComposite12PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 color : SV_Target0)
+{
+    BokehLayers layers = Layers(uv);
+    BokehPolygon polygon = Aperture();
+    color = BokehComposite(Layered0, Layered2, Layered3, Layered4, Layered14, Layered15, polygon, layers);
+    color = float4(Compressed(color.rgb), 1.0);
+}
+
+technique PolygonalBokeh < ui_tooltip = "Near objects spread over what is behind them."; >
+{
+    pass { VertexShader = PostProcessVS; PixelShader = FocusPS; RenderTarget = PolygonalBokehFocus; }
+    pass { VertexShader = PostProcessVS; PixelShader = KeepFocusPS; RenderTarget = PolygonalBokehFocusBefore; }
+    pass { VertexShader = PostProcessVS; PixelShader = MapPS; RenderTarget0 = PolygonalBokehLayered0; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileMax1PS; RenderTarget0 = PolygonalBokehLayered1; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate2PS; RenderTarget0 = PolygonalBokehLayered2; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate3PS; RenderTarget0 = PolygonalBokehLayered1; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredPrefilter4PS; RenderTarget0 = PolygonalBokehLayered3; RenderTarget1 = PolygonalBokehLayered4; RenderTarget2 = PolygonalBokehLayered5; RenderTarget3 = PolygonalBokehLayered6; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelReduce5PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelRows6PS; RenderTarget0 = PolygonalBokehLayered8; RenderTarget1 = PolygonalBokehLayered9; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelColumns7PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredDownsample8PS; RenderTarget0 = PolygonalBokehLayered10; RenderTarget1 = PolygonalBokehLayered11; RenderTarget2 = PolygonalBokehLayered12; RenderTarget3 = PolygonalBokehLayered13; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredHoleFill9PS; RenderTarget0 = PolygonalBokehLayered14; RenderTarget1 = PolygonalBokehLayered15; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredHexagonLayerFirst10PS; RenderTarget0 = PolygonalBokehLayered5; RenderTarget1 = PolygonalBokehLayered6; RenderTarget2 = PolygonalBokehLayered16; RenderTarget3 = PolygonalBokehLayered17; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredHexagonLayerSecond11PS; RenderTarget0 = PolygonalBokehLayered3; RenderTarget1 = PolygonalBokehLayered4; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredComposite12PS; }
+}
+
+texture PolygonalBokehExact0 { Width = (BUFFER_WIDTH + 0) / 1; Height = (BUFFER_HEIGHT + 0) / 1; Format = RGBA16F; };
+sampler Exact0 { Texture = PolygonalBokehExact0; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehExact1 { Width = (BUFFER_WIDTH + 0) / 1; Height = (BUFFER_HEIGHT + 0) / 1; Format = RGBA16F; };
+sampler Exact1 { Texture = PolygonalBokehExact1; AddressU = CLAMP; AddressV = CLAMP; };
+texture PolygonalBokehExact2 { Width = (BUFFER_WIDTH + 0) / 1; Height = (BUFFER_HEIGHT + 0) / 1; Format = RGBA16F; };
+sampler Exact2 { Texture = PolygonalBokehExact2; AddressU = CLAMP; AddressV = CLAMP; };
+
+void ExactHexagonFirst1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+{
+    BokehPolygon polygon = Aperture();
+    BokehFilter settings = BokehDefaultFilter(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
+    BokehTargets targets = BokehHexagonFirst(Exact0, uv, polygon, settings);
+    target0 = targets.edge2;
+    target1 = targets.edge3;
+}
+
+void ExactHexagonSecond2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 color : SV_Target0)
+{
+    BokehPolygon polygon = Aperture();
+    BokehFilter settings = BokehDefaultFilter(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
+    color = BokehHexagonSecond(Exact1, Exact2, uv, polygon, settings);
+    color = float4(Compressed(color.rgb), 1.0);
+}
+
+technique PolygonalBokehExact < ui_tooltip = "Fewer passes; near objects keep a hard outline."; >
+{
+    pass { VertexShader = PostProcessVS; PixelShader = FocusPS; RenderTarget = PolygonalBokehFocus; }
+    pass { VertexShader = PostProcessVS; PixelShader = KeepFocusPS; RenderTarget = PolygonalBokehFocusBefore; }
+    pass { VertexShader = PostProcessVS; PixelShader = MapPS; RenderTarget0 = PolygonalBokehExact0; }
+    pass { VertexShader = PostProcessVS; PixelShader = ExactHexagonFirst1PS; RenderTarget0 = PolygonalBokehExact1; RenderTarget1 = PolygonalBokehExact2; }
+    pass { VertexShader = PostProcessVS; PixelShader = ExactHexagonSecond2PS; }
+}
+// generated by validation/run port from frame/methods.py: end
