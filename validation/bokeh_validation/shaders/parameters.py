@@ -23,7 +23,7 @@ BLOCK = {
     "BokehFocusDistance": Parameter(5.0, "m", "S1, more than f"),
     "BokehSensorHeight": Parameter(0.024, "m", "35 mm film"),
     "BokehMaxCoC": Parameter(0.1, "height", "limit of the CoC, 0 .. 1"),
-    "BokehConstantCoC": Parameter(0.0, "height", "of ConstantCoC: everywhere"),
+    "BokehConstantCoC": Parameter(0.0, "height", "ConstantCoC: the CoC everywhere"),
     "BokehAspectRatio": Parameter(1.0, "", "width / height of the image"),
     "BokehAngle": Parameter(0.0, "radians", "of the polygon; paper: of the line"),
     "BokehAngleB": Parameter(0.0, "radians", "NaiveGrid: the other side"),
