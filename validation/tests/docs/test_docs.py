@@ -4,13 +4,15 @@ The README's snippets are run by test_paste.py.
 """
 
 import re
+from itertools import product, starmap
 from math import atan, exp, inf, tan
 from pathlib import Path
 
 import pytest
 
 from bokeh_validation import paths
-from bokeh_validation.frame import fetches, methods
+from bokeh_validation.frame import fetches, methods, plan
+from bokeh_validation.shaders.entries import EXACT
 
 
 def prose(document: Path) -> str:
@@ -48,6 +50,28 @@ def test_fetches_of_the_readme():
             settings = methods.Settings(method, preset=name.lower())
             counts = fetches.of_frame(methods.plan(settings, (1920, 1080)).passes)
             assert int(number) == round(counts["color"] + counts["depth"]), (name, settings.method)
+
+
+def costs(method: str, aperture: str = "hexagon", preset: str = "medium", targets: bool = True) -> tuple[int, int]:
+    """Passes of a frame as `plan` prints it, and fetches of colour and depth for a pixel."""
+    planned = plan.frame(methods.Settings(method, aperture, preset=preset, targets=targets), (1920, 1080))
+    return len(planned["passes"]), round(sum(planned["fetches"].values()))
+
+
+def test_counts_of_all_pages():
+    """The table of docs/start.md is the frame's. What any page calls so many passes or fetches is some frame's count, or
+    what the pass of the steady map or of lateral colour fetches.
+    """
+    start = (paths.ROOT / "docs/start.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\| [^|]+ \| \*\*`(\w+)`\*\* \| (\d+) \| (\d+) \|$", start, re.MULTILINE)
+    assert len(shown) == 2 and all((int(a), int(b)) == costs(method) for method, a, b in shown)
+    kinds = product(("exact", "layered"), EXACT, methods.PRESETS, (True, False))
+    known = [*starmap(costs, kinds), *(costs(name) for name in ("paper", "naive"))]
+    allowed = {"passes": {passes for passes, _ in known}, "fetches": {12, 3} | {number for _, number in known}}
+    folders = (paths.ROOT / name for name in ("docs", "integration"))
+    for page in (paths.ROOT / "README.md", *(path for folder in folders for path in folder.rglob("*.md"))):
+        for number, kind in re.findall(r"\b(\d+) (passes|fetches)\b", prose(page)):
+            assert int(number) in allowed[kind], f"{page.name}: {number} {kind}"
 
 
 def test_results_of_the_readme():
