@@ -3,7 +3,7 @@
 
 using UnityEngine;
 
-[RequireComponent(typeof(BokehFocus))]
+[RequireComponent(typeof(BokehPull))]
 public sealed class BokehLights : MonoBehaviour
 {
     const int Rows = 7;
@@ -25,12 +25,5 @@ public sealed class BokehLights : MonoBehaviour
             material.EnableKeyword("_EMISSION");
             material.SetColor("_EmissionColor", 60.0f * Color.HSVToRGB((float)column / Columns, 0.6f, 1.0f));
         }
-    }
-
-    void Update()
-    {
-        // 1 / distance goes the way, from 1 / 2 m to 1 / 20 m and back in 8 seconds: docs/lens.md
-        float share = Mathf.PingPong(0.25f * Time.time, 1.0f);
-        GetComponent<BokehFocus>().distance = 1.0f / Mathf.Lerp(0.5f, 0.05f, share);
     }
 }
