@@ -32,11 +32,10 @@ export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
 export const { composer, bokeh } = addBokeh(renderer, scene, camera);
 composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
 
-// In each frame
-bokeh.focusOn(subject);
-composer.render();
+bokeh.focusOn(subject); // again where camera or subject move
+composer.render(); // in each frame
 
-// A click focuses on what is there.
+// A click focuses on what is there. With a render loop of your own, leave the last argument out.
 export const focus = bokeh.focusByClicks(renderer.domElement, scene, () => composer.render());
 
 // Keys 0 to 3 choose the debug view.
