@@ -1,6 +1,7 @@
 """For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32, metres.f32 and a .f16 for each shot are raw rows, v = 0 first; capture.json says what they are.
+color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0
+first; capture.json says what they are.
 """
 
 import json
@@ -10,43 +11,38 @@ from pathlib import Path
 from struct import pack, unpack
 
 import scene
-from bokeh_panda3d import EXACT_HEXAGON, DepthOfField
-from bokeh_panda3d.apertures import EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
+from bokeh_panda3d import DepthOfField
 from panda3d.core import PandaSystem
-from sample import PARAMETERS, Frame, focus_at, focus_on, pull_focus, start
+from sample import frames, start
 
-SHOTS = {
-    "exact-hexagon": EXACT_HEXAGON,
-    "exact-octagon": EXACT_OCTAGON,
-    "paper-hexagon": PAPER_HEXAGON,
-    "paper-octagon": PAPER_OCTAGON,
-}
+SIDES = {"hexagon": 6, "octagon": 8}
+SHOTS = ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon", "paper-hexagon", "paper-octagon")
 # under which the autofocus looks
 POINTS = ((304, 82), (190, 128))
 
 
-def save(base, texture, path, kind):
-    """Write a texture's pixels, red first; `kind` is struct's: e float16, f float32.
+def pixels(base, texture, kind):
+    """A texture's pixels as bytes, red first; `kind` is struct's: e float16, f float32.
 
     Panda3D keeps blue first, and reads half floats back as floats. Raises ValueError for pixels of another kind.
     """
     base.graphicsEngine.extractTextureData(texture, base.win.getGsg())
-    pixels = array("f", texture.getRamImageAs("RGBA" if texture.getNumComponents() == 4 else "R").getData())
-    if len(pixels) != scene.SIZE[0] * scene.SIZE[1] * texture.getNumComponents():
-        raise ValueError(f"{texture}: {len(pixels)} values")
-    packed = pack(f"<{len(pixels)}{kind}", *pixels)
-    if array("f", unpack(f"<{len(pixels)}{kind}", packed)) != pixels:
+    found = array("f", texture.getRamImageAs("RGBA" if texture.getNumComponents() == 4 else "R").getData())
+    if len(found) != texture.getXSize() * texture.getYSize() * texture.getNumComponents():
+        raise ValueError(f"{texture}: {len(found)} values")
+    packed = pack(f"<{len(found)}{kind}", *found)
+    if array("f", unpack(f"<{len(found)}{kind}", packed)) != found:
         raise ValueError(f"{texture}: not what was asked for, its values do not fit {kind!r}")
-    path.write_bytes(packed)
+    return packed
 
 
-def pull(focus, depths):
+def pull(effect, depths):
     """The autofocus, frame by frame."""
-    found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
+    found = {"frame": 1 / 30, "seconds": 0.2, "from": effect.focus_distance, "distances": []}
     found["points"] = [[(x + 0.5) / scene.SIZE[0], (y + 0.5) / scene.SIZE[1], depth] for (x, y), depth in depths.items()]
     for _ in range(12):
-        focus = pull_focus(focus, depths.values(), found["frame"], found["seconds"])
-        found["distances"].append(focus)
+        effect.pull_focus(depths.values(), found["frame"], found["seconds"])
+        found["distances"].append(effect.focus_distance)
     return found
 
 
@@ -54,26 +50,27 @@ def main(folder):
     """Every shot of the same frame, focused on the panda."""
     base = start()
     panda = scene.build(base)
-    frame = Frame(base)
-    focus = focus_on(base, panda)
-    effects = {}
-    for name, passes in SHOTS.items():
-        effects[name] = DepthOfField(frame.manager, frame.color, frame.depth, passes)
-        effects[name].set(BokehFocusDistance=focus, **PARAMETERS)
-    base.graphicsEngine.renderFrame()
-    base.graphicsEngine.renderFrame()
+    effect = DepthOfField(base.win, base.cam, f_stop=1.4)
+    effect.parameters["BokehMaxCoC"] = 0.12
+    effect.focus_on(panda)
     shots = []
-    for name, effect in effects.items():
-        save(base, effect.textures["result"], folder / f"{name}.f16", "e")
+    for name in SHOTS:
         method, aperture = name.split("-")
+        effect.change(method, SIDES[aperture])
+        frames(base)
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        (folder / shot["result"]).write_bytes(pixels(base, effect.textures["result"], "e"))
+        if method == "layered":
+            shot["written"] = f"{name}.written"
+            targets = [target for _, _, written in effect.passes for target in written]
+            (folder / shot["written"]).write_bytes(b"".join(pixels(base, target, "e") for target in targets))
         if method == "paper":
             # what the preset MEDIUM stands for
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
-    save(base, frame.color, folder / "color.f16", "e")
-    save(base, frame.depth, folder / "depth.f32", "f")
-    save(base, effect.textures["metres"], folder / "metres.f32", "f")
+    (folder / "color.f16").write_bytes(pixels(base, effect.textures["color"], "e"))
+    (folder / "depth.f32").write_bytes(pixels(base, effect.textures["depth"], "f"))
+    (folder / "metres.f32").write_bytes(pixels(base, effect.textures["metres"], "f"))
     capture = {
         "engine": f"Panda3D {PandaSystem.getVersionString()}",
         "device": base.win.getGsg().getDriverRenderer(),
@@ -83,13 +80,13 @@ def main(folder):
         "depth": "depth.f32",
         "stored": {"kind": 1, "near": scene.NEAR, "far": scene.FAR},
         "camera": {
-            "aperture_diameter": PARAMETERS["BokehApertureDiameter"],
-            "focal_length": PARAMETERS["BokehFocalLength"],
-            "focus_distance": focus,
-            "sensor_height": PARAMETERS["BokehSensorHeight"],
-            "max_coc": PARAMETERS["BokehMaxCoC"],
+            "aperture_diameter": effect.values["BokehApertureDiameter"],
+            "focal_length": effect.values["BokehFocalLength"],
+            "focus_distance": effect.focus_distance,
+            "sensor_height": effect.sensor_height,
+            "max_coc": effect.parameters["BokehMaxCoC"],
         },
-        "pull": pull(focus, {(x, y): focus_at(base, frame.depth, x, y) for x, y in POINTS}),
+        "pull": pull(effect, {(x, y): effect.depth_at(x, y) for x, y in POINTS}),
         "shots": shots,
     }
     (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")

@@ -62,10 +62,10 @@ def python(name: str) -> Path:
         process.run([sys.executable, "-I", "-m", "venv", folder], INSTALL_SECONDS)
         process.run([*pip, "--require-hashes", "-r", requirements], INSTALL_SECONDS, extra=cache)
 
-    return _built(name, "venv", [requirements, sys.version, sys.base_prefix], install) / "bin/python"
+    return built(name, "venv", [requirements, sys.version, sys.base_prefix], install) / "bin/python"
 
 
-def _built(name: str, what: str, ingredients: list[str | Path], build) -> Path:
+def built(name: str, what: str, ingredients: list[str | Path], build) -> Path:
     """See locks.built_once(). Raises Unavailable where it cannot be fetched or built."""
     try:
         return locks.built_once(f"engines/{name}/{what}", ingredients, build)
@@ -102,7 +102,7 @@ def _java() -> list[str]:
         process.run(ivy, INSTALL_SECONDS)
         process.run(["sha256sum", "--quiet", "--check", sums], SECONDS, folder)
 
-    jars = ":".join(map(str, _built("jmonkeyengine", "jars", [description, sums], fetch).glob("*.jar")))
+    jars = ":".join(map(str, built("jmonkeyengine", "jars", [description, sums], fetch).glob("*.jar")))
 
     def build(folder: Path) -> None:
         process.run([java, *JAVAC, "-d", folder, "-cp", jars, *sources], SECONDS)
