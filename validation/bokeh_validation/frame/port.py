@@ -96,6 +96,7 @@ HEXAGON = {"HEXAGON": "layered hexagon"}
 EXACT_HEXAGON = {"EXACT_HEXAGON": "exact hexagon"}
 FLAT_OTHERS = {"EXACT_OCTAGON": "exact octagon", "PAPER_HEXAGON": "paper hexagon", "PAPER_OCTAGON": "paper octagon"}
 OTHERS = {"OCTAGON": "layered octagon", **EXACT_HEXAGON, **FLAT_OTHERS}
+DIRECT3D = {"LAYERED_HEXAGON": "layered hexagon", **EXACT_HEXAGON, **FLAT_OTHERS}
 UPPER = {method.upper(): method for method in ("layered", "exact", "paper")}
 UNITY_FRAMES = f"{copies.UNITY}/Runtime/BokehFrames.cs"
 UNITY_SHADER = f"{copies.UNITY}/Shaders/Resources/BokehDepthOfField.shader"
@@ -116,11 +117,8 @@ TABLES = (
     (UNITY_FRAMES, samples.UNITY, TITLED),
     (f"{UNREAL_PRIVATE}/BokehFrames.h", samples.UNREAL, TITLED),
     ("integration/bevy/src/lib.rs", samples.BEVY, EXACT_HEXAGON | FLAT_OTHERS),
-    (
-        "integration/direct3d11/main.cpp",
-        samples.DIRECT3D11,
-        {"LAYERED_HEXAGON": "layered hexagon", **EXACT_HEXAGON, **FLAT_OTHERS},
-    ),
+    ("integration/direct3d11/main.cpp", samples.DIRECT3D11, DIRECT3D),
+    ("integration/direct3d9/main.c", samples.DIRECT3D9, DIRECT3D),
 )
 
 

@@ -72,6 +72,10 @@ DIRECT3D11 = Language(
     "{{&BokehParameters::{}, {:.1f}f}}", "{{&BokehParameters::{}, {:.1f}f * PI / 180.0f}}", spacing=0.0,
     metres='    {"BokehLinearDepth_PS", "", "metres", 1, {}},',
 )  # fmt: skip
+DIRECT3D9 = Language(
+    "static const Pass {}[MAX_PASSES] = {{", '    {{"{entry}_PS", "{reads}", "{writes}", {scale}{sets}}},', "}};",
+    ", {{PARAMETER({}), {:.1f}f}}", ", {{PARAMETER({}), {:.1f}f * 3.14159265f / 180.0f}}", spacing=0.0,
+)  # fmt: skip
 OGRE = Language(
     "static Frame {}(int sides)\n{{\n    static const std::map<int, Frame> frames = {{",
     '            {{"{define}", "{reads}", "{writes}", {scale}, {{{sets}}}}},',

@@ -13,7 +13,7 @@ EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
 # The others' default is layered
-WITHOUT_LAYERED = ("direct3d9", "bevy")
+WITHOUT_LAYERED = ("bevy",)
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
     **dict.fromkeys(("opengl", "panda3d"), (16.071, 1.4)),
