@@ -57,9 +57,7 @@ PYTHON = Language(
     '"Bokeh{}": {:g}', '"Bokeh{}": radians({:g})',
     metres='    ("LINEAR_DEPTH", "", "metres", 1, {}),',
 )  # fmt: skip
-PANDA3D = PYTHON._replace(
-    head="{} = {{", row=f"    {PYTHON.row}", tail="}}", polygon="    {}: [", its_end="    ],"
-)
+PANDA3D = PYTHON._replace(head="{} = {{", row=f"    {PYTHON.row}", tail="}}", polygon="    {}: [", its_end="    ],")
 JAVA = Language(
     "public static final BokehFilter.Step[] {} = {{",
     '    new BokehFilter.Step(BokehPass.{define}, "{reads}", "{writes}", {scale}, Map.of({sets})),', "}};",
