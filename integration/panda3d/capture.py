@@ -1,7 +1,7 @@
 """For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
 
-color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0
-first; capture.json says what they are.
+color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows,
+v = 0 first; capture.json says what they are.
 """
 
 import json
