@@ -12,7 +12,10 @@ from bokeh_validation.shaders.entries import ENTRIES, EXACT
 
 UNITY, UNREAL = "integration/unity", "integration/unreal/BokehDepthOfField"
 STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
-LICENSED = (f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE")
+LICENSED = (
+    f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE",
+    "integration/panda3d/LICENSE",
+)  # fmt: skip
 # These engines place textures and parameters themselves
 UNPLACED = (
     (r" : register\([\w#]+\)", ""),
