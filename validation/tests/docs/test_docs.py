@@ -94,6 +94,20 @@ def test_results_of_the_readme():
         assert numbers == [*flips, light], label
 
 
+def test_engines_of_the_readme():
+    """Each engine of integration/README.md, with whether it has `layered`."""
+    text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| \[([^]]+?)(?: 3\.3)?\]\([^|]*\|[^|]*\| ([^|]*) \|$", table, re.MULTILINE)
+    shown = re.findall(r"^\* \*\*(`layered`, )?`exact`\*\*: ([^*]*)$", text, re.MULTILINE)
+    found = {
+        name: bool(layered)
+        for layered, names in shown
+        for name in re.split(r"[,;]\s+", re.sub(r" \(.*", "", names).strip())
+    }
+    assert found == {name: "layered" in methods for name, methods in rows}
+
+
 # What docs/troubleshooting.md says that a user sees -> the tests that keep this package from it. What is not named here
 # only a user's own engine can do wrong.
 KEPT = {
