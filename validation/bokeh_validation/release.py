@@ -21,7 +21,7 @@ ARCHIVES = {
 # Of a folder only these
 KEPT = {
     paths.ROOT: {*paths.LANGUAGES, "docs", "integration", "LICENSE", "README.md", "CHANGELOG.md", "CONTRIBUTING.md"},
-    paths.ROOT / "integration": {"parameters", "frames"},
+    paths.ROOT / "integration": {"parameters", "frames", "stereo"},
 }
 # Left by npm and Python
 LEFT_OUT = {"node_modules", "package-lock.json", "__pycache__"}

@@ -1,6 +1,4 @@
-"""BOKEH_CUSTOM_FETCH: textures read in another way than by section [2], as docs/inputs.md has it: arrays for stereo."""
-
-import re
+"""BOKEH_CUSTOM_FETCH: textures read in another way than by section [2], by integration/stereo: arrays."""
 
 import moderngl
 import numpy as np
@@ -11,19 +9,15 @@ from bokeh_validation import paths, shaders
 from bokeh_validation.compilers import dxc, fxc, glslang
 from bokeh_validation.shaders.passes import Pass
 
-BLOCKS = dict(
-    re.findall(
-        r"```(glsl|hlsl)\n(#define BOKEH_CUSTOM_FETCH.*?)```",
-        (paths.ROOT / "docs" / "inputs.md").read_text("utf-8"),
-        re.S,
-    )
-)
+BLOCKS = {
+    language: (paths.ROOT / f"integration/stereo/stereo.{language}").read_text("ascii") for language in ("glsl", "hlsl")
+}
 ENTRIES = ("BokehSignedCoCMap", "BokehHexagonFirst", "BokehHexagonSecond", "BokehNaiveGather", "BokehComposite")
 SIZE = (48, 32)
 
 
 def stereo(entry: str) -> str:
-    """A GLSL program with the block of the page before the library."""
+    """A GLSL program with stereo.glsl before the library."""
     head, version, rest = shaders.glsl(entry).partition("#version 330\n")
     return f"{head}{version}{BLOCKS['glsl']}{rest}"
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+//
+// Both eyes in one texture array: put this before bokeh.glsl (docs/inputs.md).
+
+#define BOKEH_CUSTOM_FETCH 1
+#define BOKEH_TEXTURE sampler2DArray
+#define BOKEH_DEPTH_TEXTURE sampler2DArray
+uniform float BokehEye; // 0 left, 1 right; with multiview gl_ViewID_OVR
+vec4 BokehFetchTexture(sampler2DArray tex, vec2 coords)
+{
+    return textureLod(tex, vec3(coords, BokehEye), 0.0);
+}
+vec4 BokehFetchTexel(sampler2DArray tex, vec2 coords)
+{
+    ivec2 size = textureSize(tex, 0).xy;
+    ivec2 texel = min(ivec2(clamp(coords, 0.0, 1.0) * vec2(size)), size - ivec2(1, 1));
+    return texelFetch(tex, ivec3(texel, int(BokehEye)), 0);
+}
+float BokehFetchDepth(sampler2DArray tex, vec2 coords)
+{
+    return BokehFetchTexel(tex, coords).r;
+}

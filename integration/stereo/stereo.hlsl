@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+//
+// Both eyes in one texture array: put this before bokeh.hlsl (docs/inputs.md). Functions that filter have the
+// sampler as their last parameter.
+
+#define BOKEH_CUSTOM_FETCH 1
+#define BOKEH_TEXTURE Texture2DArray
+#define BOKEH_DEPTH_TEXTURE Texture2DArray
+#define BOKEH_SAMPLER , SamplerState BokehLinearClamp
+#define BOKEH_LINEAR , BokehLinearClamp
+static float BokehEye = 0.0; // 0 left, 1 right: from SV_ViewID, or a uniform
+float4 BokehFetchTexture(Texture2DArray tex, float2 coords, SamplerState BokehLinearClamp)
+{
+    return tex.SampleLevel(BokehLinearClamp, float3(coords, BokehEye), 0.0);
+}
+float4 BokehFetchTexel(Texture2DArray tex, float2 coords)
+{
+    uint width, height, eyes;
+    tex.GetDimensions(width, height, eyes);
+    int2 size = int2(width, height);
+    int2 texel = min(int2(saturate(coords) * float2(size)), size - int2(1, 1));
+    return tex.Load(int4(texel, int(BokehEye), 0));
+}
+float BokehFetchDepth(Texture2DArray tex, float2 coords)
+{
+    return BokehFetchTexel(tex, coords).r;
+}
