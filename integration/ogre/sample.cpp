@@ -22,7 +22,7 @@ static std::string readFile(const std::string& path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Depth of field for what a viewport's camera sees. It lives as long as what is returned.
+// Depth of field for what a viewport's camera sees. Keep the returned pointer.
 static std::unique_ptr<PolygonBokeh> addBokeh(Ogre::Viewport* viewport, const Ogre::Vector3& subject,
     const PolygonBokeh::Frame& frame = PolygonBokeh::layered(6))
 {

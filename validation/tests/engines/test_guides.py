@@ -24,7 +24,7 @@ NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - 
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture
-PROGRAMS = ("opengl", "raylib", "love", "jmonkeyengine")
+PROGRAMS = ("opengl", "raylib", "love", "jmonkeyengine", "panda3d")
 # A window of raylib's, closed after two frames; the second is written to PICTURE
 RAYLIB = """
 import raylib as rl
@@ -36,6 +36,19 @@ def close(picture=PICTURE.encode()):
     return ended
 rl.WindowShouldClose = close
 rl.SetTraceLogLevel(rl.LOG_WARNING)
+"""
+PANDA = """
+from direct.showbase.ShowBase import ShowBase
+from panda3d.core import PNMImage, loadPrcFileData
+loadPrcFileData("", "load-display p3headlessgl\\nwindow-type offscreen\\nwin-size 384 256")
+loadPrcFileData("", "audio-library-name null\\nmodel-cache-dir")
+def run(base, picture=PICTURE):
+    for _ in range(3):
+        base.taskMgr.step()
+    shot = PNMImage()
+    base.win.getScreenshot(shot)
+    shot.write(picture)
+ShowBase.run = run
 """
 LOVE = """
 love.errorhandler = function(message)
@@ -155,6 +168,19 @@ def test_code_is_the_samples(name):
         assert any(is_quoted(block, text) for text in texts), block
 
 
+SECTIONS = ["Install", "Program", "Depth", "In the frame", "Settings", "Change at run time", "Not here", "Traps"]
+
+
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"reshade", "vulkan"}))
+def test_pattern(name):
+    """One pattern: its sections in their order, units and defaults in a table, the picture at the end."""
+    text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
+    assert re.findall(r"^#+ (.*)$", FENCE.sub("", text), re.MULTILINE)[1:] == SECTIONS
+    settings = text.partition("## Settings")[2].partition("\n## ")[0]
+    assert "README.md#settings" in settings or re.search(r"^\| .*\(unit\) \| (default|sample) \|$", settings, re.MULTILINE)
+    assert "never run" in text or "](picture.png)\n\n*" in text
+
+
 BUILDS = {name: f"{' '.join(words)} -o {name}.exe" for name, words in direct3d.BUILDS.items()}
 
 
@@ -228,7 +254,7 @@ def test_program(name, tmp_path):
             start[parts] += f":{tmp_path}"
             process.run([*start, "Run"], desktop.SECONDS, sample)
         else:
-            before = RAYLIB.replace("PICTURE", repr(str(drawn))) if name == "raylib" else ""
+            before = {"raylib": RAYLIB, "panda3d": PANDA}.get(name, "").replace("PICTURE", repr(str(drawn)))
             process.run([*start, "-c", before + program, drawn], desktop.SECONDS, sample)
     with Image.open(sample / "picture.png") as sheet:
         width, height = (side // 2 for side in sheet.size)
