@@ -1,4 +1,4 @@
-"""The package for Panda3D: installed by pip as a user does it, and its errors."""
+"""The package for Panda3D, installed by pip as a user does it."""
 
 import shutil
 import sys
@@ -11,16 +11,9 @@ from bokeh_validation import paths, process
 from bokeh_validation.engines import desktop
 
 SAMPLE = paths.ROOT / "integration/panda3d"
-GIT = ("git", "-c", "user.name=x", "-c", "user.email=x")
 PIP = ("-I", "-m", "pip", "--disable-pip-version-check", "--no-input")
-WRONG = """
-from bokeh_panda3d import DepthOfField
-for wrong in ({"method": "gather"}, {"sides": 5}, {"preset": "high"}, {"method": "paper", "sides": 4}):
-    try:
-        DepthOfField.change(None, **wrong)
-    except ValueError as error:
-        print(error)
-"""
+COMMIT = "git init -q && git add . && git -c user.name=x -c user.email=x commit -qm x"
+WRONG = "from bokeh_panda3d import DepthOfField as D; D.change(None, sides=5)"
 
 
 @pytest.mark.sample("panda3d")
@@ -32,27 +25,20 @@ def test_installed(form, tmp_path):
     """
     with needed("panda3d"):
         owner = desktop.python("panda3d")
-        wheels = desktop.built(
-            "panda3d",
-            "setuptools",
-            [sys.version],
-            lambda target: process.run([owner, *PIP, "download", "-qd", target, "setuptools>=77"], desktop.SECONDS),
-        )
+        fetch = [owner, *PIP, "download", "-q", "setuptools>=77"]
+        wheels = desktop.built("panda3d", "setuptools", fetch, lambda target: process.run(fetch, 99, target))
     repository, folder, away = (tmp_path / name for name in ("repository", "venv", "away"))
-    source = repository / "integration/panda3d"
-    shutil.copytree(SAMPLE, source)
+    shutil.copytree(SAMPLE, source := repository / "integration/panda3d")
     if form == "git":
-        for command in (("init", "-q"), ("add", "."), ("commit", "-qm", "x")):
-            process.run([*GIT, *command], desktop.SECONDS, repository)
+        process.run(["sh", "-c", COMMIT], desktop.SECONDS, repository)
         source = f"git+file://{repository}#subdirectory=integration/panda3d"
     process.run([sys.executable, "-I", "-m", "venv", folder], desktop.SECONDS)
-    (packages,) = folder.glob("lib/*/site-packages")
-    (packages / "panda3d.pth").write_text(str(next(owner.parents[1].glob("lib/*/site-packages"))))
-    process.run([folder / "bin/python", *PIP, "install", "--no-index", "--find-links", wheels, source], desktop.SECONDS)
-    away.mkdir()
-    for name in ("sample.py", "scene.py"):
-        shutil.copy(SAMPLE / name, away)
-    process.run([folder / "bin/python", "sample.py", "picture.png"], desktop.SECONDS, away)
-    assert_picture(away / "picture.png", SAMPLE / "picture.png")
-    said = process.run([folder / "bin/python", "-c", WRONG], desktop.SECONDS, away).splitlines()
-    assert len(said) == 4 and all(line.startswith("no passes for method") for line in said)
+    packages, theirs = (next(place.glob("lib/*/site-packages")) for place in (folder, owner.parents[1]))
+    (packages / "panda3d.pth").write_text(str(theirs))
+    python = folder / "bin/python"
+    process.run([python, *PIP, "install", "--no-index", "--find-links", wheels, source], desktop.SECONDS)
+    shutil.copytree(SAMPLE, away, ignore=shutil.ignore_patterns("bokeh_panda3d"))
+    process.run([python, "sample.py", "drawn.png"], desktop.SECONDS, away)
+    assert_picture(away / "drawn.png", SAMPLE / "picture.png")
+    with pytest.raises(RuntimeError, match="ValueError: no passes for method 'layered', sides 5, preset 'MEDIUM'"):
+        process.run([python, "-c", WRONG], desktop.SECONDS, away)
