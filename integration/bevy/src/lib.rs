@@ -2,6 +2,9 @@
 
 //! Depth of field with polygonal bokeh for perspective 3D cameras: add [`BokehPlugin`], put a [`Bokeh`] on the camera.
 
+#[rustfmt::skip]
+mod passes;
+
 use bevy::{
     camera::Hdr,
     core_pipeline::{Core3dSystems, schedule::Core3d},
@@ -12,29 +15,18 @@ use bevy::{
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
-            binding_types::{sampler, texture_2d, uniform_buffer},
+            binding_types::{sampler, texture_2d, texture_depth_2d_multisampled, uniform_buffer},
             *,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
         texture::{CachedTexture, TextureCache},
         view::{ExtractedView, ViewDepthTexture, ViewTarget},
     },
+    shader::ShaderDefVal,
 };
 
-const SHADERS: &str = concat!(
-    include_str!("../../../wgsl/bokeh.wgsl"),
-    include_str!("../../../wgsl/bokeh_paper.wgsl"),
-    include_str!("../../../wgsl/bokeh_layers.wgsl"),
-    include_str!("../../../wgsl/bokeh_lens.wgsl"),
-    include_str!("../../../wgsl/bokeh_passes.wgsl"),
-);
-
-/// The lines of `bokeh.wgsl` that a preset sets.
-const SAMPLES: &str = "override BOKEH_NUM_SAMPLES: i32 = 9;";
-const SPACING: &str = "override BOKEH_SPACING: f32 = 1.5;";
-
-/// How finely lines are sampled: `bokeh.wgsl` has the numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How finely is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BokehPreset {
     Low,
     #[default]
@@ -43,27 +35,44 @@ pub enum BokehPreset {
     Ultra,
 }
 
-/// Depth of field for every camera that has a [`Bokeh`]. Add it after `DefaultPlugins`.
-#[derive(Default)]
-pub struct BokehPlugin {
-    pub preset: BokehPreset,
+/// What a preset defines in `bokeh.wgsl`.
+const DEFINITIONS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC"];
+
+impl BokehPreset {
+    /// Of [`DEFINITIONS`], then pixels between samples.
+    fn numbers(self) -> ([i32; 4], f32) {
+        match self {
+            Self::Low => ([5, 1, 11, 0], 2.0),
+            Self::Medium => ([9, 2, 11, 1], 1.5),
+            Self::High => ([17, 3, 18, 1], 1.0),
+            Self::Ultra => ([33, 4, 18, 1], 1.0),
+        }
+    }
 }
 
-/// How the polygon is made: docs/methods/polygons.md.
+/// Depth of field for every camera that has a [`Bokeh`]. Add it after `DefaultPlugins`.
+pub struct BokehPlugin;
+
+/// How the polygon is made: docs/methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehMethod {
-    /// Two passes, all light is kept.
+    /// Near objects spread over what is behind them, and what they hide is filled.
     #[default]
+    Layered,
+    /// Each pixel by its own circle of confusion, in three passes: near objects keep a hard outline.
     Exact,
-    /// The paper's three or four passes, combined by min.
+    /// The paper's lines, combined by min: hexagon and octagon only, of which the others get the first.
     Paper,
 }
 
+/// The aperture, by its number of blades.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehShape {
+    Square = 4,
     #[default]
-    Hexagon,
-    Octagon,
+    Hexagon = 6,
+    Octagon = 8,
+    Decagon = 10,
 }
 
 /// What is shown in place of the result; the values are those of BokehDebugMode.
@@ -79,9 +88,9 @@ pub enum BokehDebug {
     Focus = 3,
 }
 
-/// The lens of a camera. Lengths are in metres: one unit of the world is one metre.
+/// The lens of a camera; all of it may change in any frame. Lengths are in metres: one unit of the world is one metre.
 ///
-/// Turns HDR on and multisampling off, since there is no linear depth of several samples.
+/// Turns HDR on. With [`Msaa`], depth is that of the first sample.
 #[derive(Component, ExtractComponent, Clone, Debug)]
 #[require(Hdr)]
 pub struct Bokeh {
@@ -94,6 +103,7 @@ pub struct Bokeh {
     pub max_coc: f32,
     pub method: BokehMethod,
     pub shape: BokehShape,
+    pub preset: BokehPreset,
     /// Of the polygon, radians.
     pub rotation: f32,
     pub debug: Option<BokehDebug>,
@@ -107,8 +117,9 @@ impl Default for Bokeh {
             focus_distance: 5.0,
             sensor_height: 0.024,
             max_coc: 0.1,
-            method: BokehMethod::Exact,
-            shape: BokehShape::Hexagon,
+            method: default(),
+            shape: default(),
+            preset: default(),
             rotation: 0.0,
             debug: None,
         }
@@ -129,7 +140,9 @@ impl Bokeh {
     pub fn pull_focus(&mut self, dt: f32, depths: impl IntoIterator<Item = f32>, tau: f32) {
         let nearest = depths.into_iter().fold(f32::INFINITY, f32::min);
         let k = 1.0 - (-dt / tau).exp();
-        self.focus_distance = 1.0 / ((1.0 - k) / self.focus_distance + k / nearest);
+        // recovers from 0 and NaN
+        let from = if self.focus_distance > 0.0 { self.focus_distance } else { nearest };
+        self.focus_distance = 1.0 / ((1.0 - k) / from + k / nearest);
     }
 }
 
@@ -142,31 +155,14 @@ pub fn view_depth(camera: &GlobalTransform, point: Vec3) -> f32 {
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BokehSystems;
 
-/// A view's textures, in the render world.
+/// What a view's passes write before the result, by name, in their order, in the render world. It may be copied from:
+/// Rgba16Float, but R32Float for the "metres" along the view axis of [`BokehMethod::Paper`].
 #[derive(Component)]
-pub struct BokehTextures {
-    /// Metres along the view axis, R32Float, written by [`BokehMethod::Paper`] only; may be copied from.
-    pub depth: CachedTexture,
-    coc: CachedTexture,
-    a: CachedTexture,
-    b: CachedTexture,
-    c: CachedTexture,
-}
+pub struct BokehTextures(pub Vec<(&'static str, CachedTexture)>);
 
 impl Plugin for BokehPlugin {
     fn build(&self, app: &mut App) {
-        let (samples, spacing) = match self.preset {
-            BokehPreset::Low => (5, 2.0),
-            BokehPreset::Medium => (9, 1.5),
-            BokehPreset::High => (17, 1.0),
-            BokehPreset::Ultra => (33, 1.0),
-        };
-        // Bevy hands no pipeline constants on to wgpu, so the overrides get their values here
-        assert!(SHADERS.contains(SAMPLES) && SHADERS.contains(SPACING), "bokeh.wgsl has no {SAMPLES} {SPACING}");
-        let source = SHADERS
-            .replace(SAMPLES, &format!("override BOKEH_NUM_SAMPLES: i32 = {samples};"))
-            .replace(SPACING, &format!("override BOKEH_SPACING: f32 = {spacing:?};"));
-        let shader = Shader::from_wgsl(source, "bokeh_passes.wgsl");
+        let shader = Shader::from_wgsl(include_str!("bokeh.wgsl"), "bokeh.wgsl");
         let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(shader);
         app.add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -185,129 +181,121 @@ impl Plugin for BokehPlugin {
     }
 }
 
-fn let_depth_be_read(mut cameras: Query<(&mut Camera3d, &mut Msaa), Added<Bokeh>>) {
-    for (mut camera, mut msaa) in &mut cameras {
+fn let_depth_be_read(mut cameras: Query<&mut Camera3d, Added<Bokeh>>) {
+    for mut camera in &mut cameras {
         let usages = TextureUsages::from(camera.depth_texture_usages) | TextureUsages::TEXTURE_BINDING;
         camera.depth_texture_usages = usages.into();
-        *msaa = Msaa::Off;
-    }
-}
-
-/// What a pass reads and writes.
-#[derive(Clone, Copy)]
-enum Target {
-    /// The camera's depth buffer.
-    DeviceDepth,
-    /// The same in metres, for the paper's method.
-    Depth,
-    /// The camera's image, as it comes.
-    Scene,
-    CoC,
-    A,
-    B,
-    C,
-    /// The camera's image, as it goes on.
-    Result,
-}
-use Target::{A, B, C, CoC, Depth, DeviceDepth, Result as Out, Scene};
-
-impl Target {
-    fn format(self) -> TextureFormat {
-        if matches!(self, Depth) { TextureFormat::R32Float } else { TextureFormat::Rgba16Float }
     }
 }
 
 /// One full-screen pass.
-struct Pass {
-    /// Of `bokeh_passes.wgsl`.
-    entry: &'static str,
-    /// Bound to BokehColorSamp, BokehColorSampB and BokehColorSampC.
-    reads: &'static [Target],
-    writes: &'static [Target],
+pub struct Pass {
+    /// Of `bokeh.wgsl`.
+    pub entry: &'static str,
+    /// Textures for BokehColorSamp, BokehColorSampB to F: of passes before it, or "color", the image as it comes; "-": none.
+    pub reads: &'static [&'static str],
+    /// Its targets; "result" is the image as it goes on.
+    pub writes: &'static [&'static str],
+    /// Their size is that of the image divided by it, rounded up.
+    pub scale: u32,
+    sets: &'static [Own],
+}
+
+/// A parameter of one pass alone.
+enum Own {
     /// Degrees, beside the polygon's rotation.
-    angle: f32,
+    Angle(f32),
+    Axis(f32),
+    Layer(f32),
+    Sides(f32),
 }
 
-const fn pass(entry: &'static str, reads: &'static [Target], writes: &'static [Target], angle: f32) -> Pass {
-    Pass { entry, reads, writes, angle }
+/// Number of sides, passes after the circle of confusion.
+type Table = &'static [(u32, &'static [Pass])];
+
+const fn pass(
+    entry: &'static str,
+    reads: &'static [&'static str],
+    writes: &'static [&'static str],
+    scale: u32,
+    sets: &'static [Own],
+) -> Pass {
+    Pass { entry, reads, writes, scale, sets }
 }
 
-const LINEAR_DEPTH: &[Pass] = &[pass("BokehLinearDepth_PS", &[Scene], &[Depth], 0.0)];
-// generated by validation/run port from frame/methods.py: begin
-const EXACT_HEXAGON: &[Pass] = &[
-    pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0),
-    pass("BokehHexagonFirst_PS", &[CoC], &[A, B], 0.0),
-    pass("BokehHexagonSecond_PS", &[A, B], &[Out], 0.0),
-];
+impl Pass {
+    /// Whether its depth is that of BokehLinearDepth_PS; else it is the camera's depth buffer.
+    fn reads_metres(&self) -> bool {
+        matches!(self.entry, "BokehCoCMap_PS" | "BokehAdaptive_PS" | "BokehAdaptiveFinal_PS")
+    }
 
-const EXACT_OCTAGON: &[Pass] = &[
-    pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0),
-    pass("BokehOctagonFirst_PS", &[CoC], &[A, B, C], 0.0),
-    pass("BokehOctagonSecond_PS", &[A, B, C], &[Out], 0.0),
-];
+    /// Whether its depth is multisampled, where the camera's has so many samples.
+    fn is_multisampled(&self, samples: u32) -> bool {
+        samples > 1 && !self.reads_metres()
+    }
+}
 
-const PAPER_HEXAGON: &[Pass] = &[
-    pass("BokehCoCMap_PS", &[Scene], &[CoC], 0.0),
-    pass("BokehAdaptive_PS", &[CoC], &[A], 90.0),
-    pass("BokehAdaptive_PS", &[A], &[B], 30.0),
-    pass("BokehAdaptiveFinal_PS", &[A, B], &[Out], 150.0),
-];
-
-const PAPER_OCTAGON: &[Pass] = &[
-    pass("BokehCoCMap_PS", &[Scene], &[CoC], 0.0),
-    pass("BokehAdaptive_PS", &[CoC], &[A], 0.0),
-    pass("BokehAdaptive_PS", &[A], &[B], 90.0),
-    pass("BokehAdaptive_PS", &[CoC], &[A], 45.0),
-    pass("BokehAdaptiveFinal_PS", &[A, B], &[Out], 135.0),
-];
-// generated by validation/run port from frame/methods.py: end
-const DEBUG: &[Pass] =
-    &[pass("BokehSignedCoCMap_PS", &[Scene], &[CoC], 0.0), pass("BokehDebug_PS", &[CoC], &[Out], 0.0)];
+const SIGNED_MAP: &[Pass] = &[pass("BokehSignedCoCMap_PS", &["color"], &["coc"], 1, &[])];
+const PAPER_MAP: &[Pass] =
+    &[pass("BokehLinearDepth_PS", &[], &["metres"], 1, &[]), pass("BokehCoCMap_PS", &["color"], &["coc"], 1, &[])];
+const DEBUG: Table = &[(6, &[pass("BokehDebug_PS", &["coc"], &["result"], 1, &[])])];
 
 /// Of BokehDepthKind: 1 at the near plane, 0 at infinity.
 const REVERSED_INFINITE: f32 = 3.0;
 
-const ALL: [&[Pass]; 6] = [LINEAR_DEPTH, EXACT_HEXAGON, EXACT_OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON, DEBUG];
+fn format(texture: &str) -> TextureFormat {
+    if texture == "metres" { TextureFormat::R32Float } else { TextureFormat::Rgba16Float }
+}
 
 impl Bokeh {
-    fn passes(&self) -> impl Iterator<Item = &'static Pass> {
-        let filter = match (self.debug, self.method, self.shape) {
-            (Some(_), _, _) => DEBUG,
-            (None, BokehMethod::Exact, BokehShape::Hexagon) => EXACT_HEXAGON,
-            (None, BokehMethod::Exact, BokehShape::Octagon) => EXACT_OCTAGON,
-            (None, BokehMethod::Paper, BokehShape::Hexagon) => PAPER_HEXAGON,
-            (None, BokehMethod::Paper, BokehShape::Octagon) => PAPER_OCTAGON,
+    /// What is drawn, in its order.
+    pub fn passes(&self) -> impl Iterator<Item = &'static Pass> {
+        let (map, table) = match (self.debug, self.method) {
+            (Some(_), _) => (SIGNED_MAP, DEBUG),
+            (None, BokehMethod::Layered) => (SIGNED_MAP, passes::LAYERED),
+            (None, BokehMethod::Exact) => (SIGNED_MAP, passes::EXACT),
+            (None, BokehMethod::Paper) => (PAPER_MAP, passes::PAPER),
         };
-        let metres = self.debug.is_none() && self.method == BokehMethod::Paper;
-        if metres { LINEAR_DEPTH } else { &[] }.iter().chain(filter)
+        let row = table.iter().find(|(sides, _)| *sides == self.shape as u32).unwrap_or(&table[0]);
+        map.iter().chain(row.1)
     }
 
     fn parameters(&self, size: UVec2, near: f32, pass: &Pass) -> BokehParameters {
         let size = size.as_vec2();
-        BokehParameters {
+        let mut parameters = BokehParameters {
             aperture_diameter: self.aperture_diameter,
             focal_length: self.focal_length,
             focus_distance: self.focus_distance,
             sensor_height: self.sensor_height,
             max_coc: self.max_coc,
             aspect_ratio: size.x / size.y,
-            angle: pass.angle.to_radians() + self.rotation,
+            angle: self.rotation,
             bleeding_bias: 0.02,
             bleeding_mult: 30.0,
             blur_coc: 1.0,
             debug_mode: self.debug.map_or(0.0, |mode| mode as u32 as f32),
             line_length: 1.0,
             squeeze: 1.0,
+            spacing: self.preset.numbers().1,
             image_width: size.x,
             image_height: size.y,
             depth_kind: REVERSED_INFINITE,
             near,
             ..default()
+        };
+        for own in pass.sets {
+            match own {
+                Own::Angle(degrees) => parameters.angle += degrees.to_radians(),
+                Own::Axis(axis) => parameters.axis = *axis,
+                Own::Layer(layer) => parameters.layer = *layer,
+                Own::Sides(sides) => parameters.sides = *sides,
+            }
         }
+        parameters
     }
 }
 
-/// The struct of the same name in `bokeh_passes.wgsl`; docs/reference/parameters.md has the units.
+/// The struct of the same name in `bokeh.wgsl`; docs/reference/parameters.md has the units.
 #[derive(ShaderType, Default)]
 struct BokehParameters {
     // generated by validation/run port from shaders/parameters.py: begin
@@ -367,115 +355,136 @@ struct BokehShader(Handle<Shader>);
 
 #[derive(Resource)]
 struct BokehPipelines {
-    layout: BindGroupLayoutDescriptor,
+    shader: Handle<Shader>,
+    /// For depth of one sample, and of several.
+    layouts: [BindGroupLayoutDescriptor; 2],
     linear: Sampler,
-    by_entry: HashMap<&'static str, CachedRenderPipelineId>,
+    /// By entry, preset and whether depth has several samples.
+    made: HashMap<(&'static str, BokehPreset, bool), CachedRenderPipelineId>,
 }
 
 /// The parameters of every pass of every view.
 #[derive(Resource, Default)]
 struct BokehUniforms(DynamicUniformBuffer<BokehParameters>);
 
-/// A view's passes, each with the place of its parameters in [`BokehUniforms`].
+/// A view's passes, each with its pipeline and the place of its parameters in [`BokehUniforms`].
 #[derive(Component)]
-struct BokehPasses(Vec<(&'static Pass, u32)>);
+struct BokehPasses {
+    drawn: Bokeh,
+    steps: Vec<(&'static Pass, CachedRenderPipelineId, u32)>,
+}
 
-fn create_pipelines(
-    mut commands: Commands,
-    shader: Res<BokehShader>,
-    device: Res<RenderDevice>,
-    cache: Res<PipelineCache>,
-) {
+fn create_pipelines(mut commands: Commands, shader: Res<BokehShader>, device: Res<RenderDevice>) {
     let color = || texture_2d(TextureSampleType::Float { filterable: true });
     let table = || texture_2d(TextureSampleType::Float { filterable: false });
-    let layout = BindGroupLayoutDescriptor::new(
-        "bokeh",
-        &BindGroupLayoutEntries::sequential(
-            ShaderStages::FRAGMENT,
-            (
-                uniform_buffer::<BokehParameters>(true),
-                color(),
-                table(),
-                color(),
-                color(),
-                color(),
-                table(),
-                sampler(SamplerBindingType::Filtering),
-            ),
-        ),
-    );
-    let mut by_entry = HashMap::default();
-    for pass in ALL.iter().copied().flatten() {
-        by_entry.entry(pass.entry).or_insert_with(|| {
+    let layouts = [table(), texture_depth_2d_multisampled()].map(|depth| {
+        let uniform = uniform_buffer::<BokehParameters>(true);
+        let linear = sampler(SamplerBindingType::Filtering);
+        let entries = (uniform, color(), depth, color(), color(), color(), table(), linear, color(), color());
+        BindGroupLayoutDescriptor::new("bokeh", &BindGroupLayoutEntries::sequential(ShaderStages::FRAGMENT, entries))
+    });
+    let (mag_filter, min_filter) = (FilterMode::Linear, FilterMode::Linear);
+    commands.insert_resource(BokehPipelines {
+        shader: shader.0.clone(),
+        layouts,
+        linear: device.create_sampler(&SamplerDescriptor { mag_filter, min_filter, ..default() }),
+        made: default(),
+    });
+}
+
+impl BokehPipelines {
+    /// Made when a view first needs it: Bevy compiles it beside the frames.
+    fn get(&mut self, cache: &PipelineCache, pass: &Pass, preset: BokehPreset, msaa: Msaa) -> CachedRenderPipelineId {
+        let several = pass.is_multisampled(msaa.samples());
+        let (shader, layout) = (self.shader.clone(), &self.layouts[several as usize]);
+        *self.made.entry((pass.entry, preset, several)).or_insert_with(|| {
+            let numbers = DEFINITIONS.into_iter().zip(preset.numbers().0);
+            let mut shader_defs: Vec<_> = numbers.map(|(name, value)| ShaderDefVal::Int(name.into(), value)).collect();
+            if several {
+                shader_defs.push("BOKEH_DEPTH_MULTISAMPLED".into());
+            }
             cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some(pass.entry.into()),
                 layout: vec![layout.clone()],
                 vertex: VertexState {
-                    shader: shader.0.clone(),
+                    shader: shader.clone(),
+                    shader_defs: shader_defs.clone(),
                     entry_point: Some("BokehFullScreen_VS".into()),
                     ..default()
                 },
                 fragment: Some(FragmentState {
-                    shader: shader.0.clone(),
+                    shader,
+                    shader_defs,
                     entry_point: Some(pass.entry.into()),
                     // without a blend state, since alpha is the circle of confusion
-                    targets: pass.writes.iter().map(|target| Some(target.format().into())).collect(),
-                    ..default()
+                    targets: pass.writes.iter().map(|target| Some(format(target).into())).collect(),
                 }),
                 ..default()
             })
-        });
+        })
     }
-    commands.insert_resource(BokehPipelines {
-        layout,
-        linear: device.create_sampler(&SamplerDescriptor {
-            mag_filter: FilterMode::Linear,
-            min_filter: FilterMode::Linear,
-            ..default()
-        }),
-        by_entry,
-    });
 }
+
+type PreparedView = (
+    Entity,
+    &'static ExtractedCamera,
+    &'static ExtractedView,
+    &'static Msaa,
+    &'static Bokeh,
+    Option<&'static BokehPasses>,
+);
 
 fn prepare_bokeh(
     mut commands: Commands,
-    views: Query<(Entity, &ExtractedCamera, &ExtractedView, &Bokeh)>,
+    views: Query<PreparedView>,
+    mut pipelines: ResMut<BokehPipelines>,
     mut uniforms: ResMut<BokehUniforms>,
     mut textures: ResMut<TextureCache>,
-    device: Res<RenderDevice>,
-    queue: Res<RenderQueue>,
+    (cache, device, queue): (Res<PipelineCache>, Res<RenderDevice>, Res<RenderQueue>),
 ) {
     uniforms.0.clear();
-    for (entity, camera, view, bokeh) in &views {
+    for (entity, camera, view, msaa, bokeh, last) in &views {
         let Some(size) = camera.physical_target_size else {
             continue;
         };
+        let mut made = |drawn: &Bokeh| -> Vec<_> {
+            drawn.passes().map(|pass| (pass, pipelines.get(&cache, pass, drawn.preset, *msaa))).collect()
+        };
+        let mut drawn = bokeh.clone();
+        let mut wanted = made(&drawn);
+        // While another method, shape or preset is being compiled, the one before is drawn
+        if let Some(last) = last
+            && wanted.iter().any(|(_, pipeline)| cache.get_render_pipeline(*pipeline).is_none())
+        {
+            let Bokeh { method, shape, preset, debug, .. } = last.drawn;
+            drawn = Bokeh { method, shape, preset, debug, ..drawn };
+            wanted = made(&drawn);
+        }
         // Bevy's perspective projection has it there, whatever the camera is made of
         let near = view.clip_from_view.w_axis.z;
-        let mut texture = |label, target: Target| {
-            let descriptor = TextureDescriptor {
-                label: Some(label),
-                size: Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format: target.format(),
-                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            };
-            textures.get(&device, descriptor)
-        };
-        let passes = bokeh.passes().map(|pass| (pass, uniforms.0.push(&bokeh.parameters(size, near, pass))));
-        commands.entity(entity).insert((
-            BokehPasses(passes.collect()),
-            BokehTextures {
-                depth: texture("bokeh depth", Depth),
-                coc: texture("bokeh circle of confusion", CoC),
-                a: texture("bokeh a", A),
-                b: texture("bokeh b", B),
-                c: texture("bokeh c", C),
-            },
-        ));
+        let mut written = Vec::new();
+        let mut steps = Vec::new();
+        for (pass, pipeline) in wanted {
+            steps.push((pass, pipeline, uniforms.0.push(&drawn.parameters(size, near, pass))));
+            for name in pass.writes.iter().filter(|name| **name != "result") {
+                let descriptor = TextureDescriptor {
+                    label: Some(*name),
+                    size: Extent3d {
+                        width: size.x.div_ceil(pass.scale),
+                        height: size.y.div_ceil(pass.scale),
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: TextureDimension::D2,
+                    format: format(name),
+                    usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+                    view_formats: &[],
+                };
+                written.push((*name, textures.get(&device, descriptor)));
+            }
+        }
+        commands.entity(entity).insert((BokehPasses { drawn, steps }, BokehTextures(written)));
     }
     uniforms.0.write_buffer(&device, &queue);
 }
@@ -491,39 +500,35 @@ fn bokeh(
 ) {
     let (view_target, device_depth, textures, passes) = view.into_inner();
     // Nothing is drawn before every shader is compiled
-    let ready: Option<Vec<_>> =
-        passes.0.iter().map(|(pass, _)| cache.get_render_pipeline(pipelines.by_entry[pass.entry])).collect();
+    let ready: Option<Vec<_>> = passes.steps.iter().map(|step| cache.get_render_pipeline(step.1)).collect();
     let (Some(ready), Some(parameters)) = (ready, uniforms.0.binding()) else {
         return;
     };
     let image = view_target.post_process_write();
-    let view_of = |target: Target| match target {
-        DeviceDepth => device_depth.view(),
-        Depth => &textures.depth.default_view,
-        Scene => image.source,
-        CoC => &textures.coc.default_view,
-        A => &textures.a.default_view,
-        B => &textures.b.default_view,
-        C => &textures.c.default_view,
-        Out => image.destination,
+    // A slot that the pass does not read needs a texture all the same: the image
+    let view_of = |texture: &str| match textures.0.iter().find(|(name, _)| *name == texture) {
+        Some((_, found)) => &found.default_view,
+        None if texture == "result" => image.destination,
+        None => image.source,
     };
-    let layout = cache.get_bind_group_layout(&pipelines.layout);
-    let mut depth = DeviceDepth;
-    for ((pass, offset), pipeline) in passes.0.iter().zip(ready) {
-        // A slot that the pass does not read needs a texture all the same
-        let read = |slot: usize| view_of(*pass.reads.get(slot).unwrap_or(&pass.reads[0]));
+    for ((pass, _, offset), pipeline) in passes.steps.iter().zip(ready) {
+        let read = |slot: usize| view_of(pass.reads.get(slot).unwrap_or(&"-"));
+        let several = pass.is_multisampled(device_depth.texture.sample_count());
+        let depth = if pass.reads_metres() { view_of("metres") } else { device_depth.view() };
         let bindings = context.render_device().create_bind_group(
             pass.entry,
-            &layout,
+            &cache.get_bind_group_layout(&pipelines.layouts[several as usize]),
             &BindGroupEntries::sequential((
                 parameters.clone(),
                 read(0),
-                view_of(depth),
+                depth,
                 read(1),
                 read(2),
-                read(0),
-                read(0),
+                read(3),
+                image.source,
                 &pipelines.linear,
+                read(4),
+                read(5),
             )),
         );
         let attachments: Vec<_> = pass
@@ -531,7 +536,7 @@ fn bokeh(
             .iter()
             .map(|target| {
                 Some(RenderPassColorAttachment {
-                    view: view_of(*target),
+                    view: view_of(target),
                     depth_slice: None,
                     resolve_target: None,
                     ops: Operations::default(),
@@ -549,9 +554,5 @@ fn bokeh(
         render_pass.set_pipeline(pipeline);
         render_pass.set_bind_group(0, &bindings, &[*offset]);
         render_pass.draw(0..3, 0..1);
-        drop(render_pass);
-        if matches!(pass.writes, [Depth]) {
-            depth = Depth;
-        }
     }
 }

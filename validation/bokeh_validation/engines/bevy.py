@@ -27,13 +27,20 @@ def run(name: str, folder: Path) -> None:
     drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
     if not drivers:
         raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
+    build(copied(), "--example", EXAMPLE)
+    extra = {"VK_ICD_FILENAMES": str(drivers[0]), "BEVY_ASSET_ROOT": str(folder)}
+    process.run([_program(), folder], RUN_S, folder, extra)
+
+
+def build(project: Path, *arguments: str) -> None:
+    """Cargo's build of a project that uses the crate; all have one target folder. Raises errors.Unavailable, RuntimeError."""
     # downloads go to the user's place for them, if there is one; all else to the cache folder
     downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
     downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
-    building = {"CARGO_TARGET_DIR": str(_home() / "target"), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
-    process.run([_cargo(), "build", "--quiet", "--example", EXAMPLE], BUILD_S, _copied(), building)
-    extra = {"VK_ICD_FILENAMES": str(drivers[0]), "BEVY_ASSET_ROOT": str(folder)}
-    process.run([_program(), folder], RUN_S, folder, extra)
+    extra = {"CARGO_TARGET_DIR": str(_home() / "target"), "CARGO_HOME": str(downloads), "CARGO_TERM_COLOR": "never"}
+    # the crate's own profile, so that Bevy is built once
+    extra |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0"}
+    process.run([_cargo(), "build", "--quiet", *arguments], BUILD_S, project, extra)
 
 
 def built() -> bool:
@@ -49,13 +56,11 @@ def _program() -> Path:
     return _home() / "target/debug/examples" / EXAMPLE
 
 
-def _copied() -> Path:
-    """The crate's copy, with wgsl/ where its includes look; Cargo.lock stays in it."""
-    root = _home() / "source"
-    for folder in (SAMPLE, paths.ROOT / "wgsl"):
-        target, own = root / folder.relative_to(paths.ROOT), shutil.ignore_patterns("target", "Cargo.lock")
-        shutil.copytree(folder, target, ignore=own, copy_function=_copy_changed, dirs_exist_ok=True)
-    return root / SAMPLE.relative_to(paths.ROOT)
+def copied() -> Path:
+    """The crate's folder, alone; Cargo.lock stays in it."""
+    target, own = _home() / "source/integration/bevy", shutil.ignore_patterns("target", "Cargo.lock")
+    shutil.copytree(SAMPLE, target, ignore=own, copy_function=_copy_changed, dirs_exist_ok=True)
+    return target
 
 
 def _copy_changed(source: str, target: str) -> None:

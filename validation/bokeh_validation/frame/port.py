@@ -21,6 +21,8 @@ PAGE_SIZE = (1920, 1080)
 PANDA3D = "integration/panda3d/bokeh_panda3d"
 # The plans of integration/frames
 PLANNED = [(method, aperture) for method in ("exact", "layered") for aperture in ("square", "hexagon", "octagon")]
+# What the Bevy plugin sets for a preset; spacing is a parameter
+BEVY_DEFINITIONS = (methods.EXACT_CONSTANTS[0], *methods.PRESET_CONSTANTS)
 # What Godot's language does not have of section [2]: precision of all floats at once, variables outside of functions.
 # So there is no BOKEH_VIEWPORT; a viewport of Godot's is always full.
 NOT_IN_GODOT = (
@@ -51,6 +53,7 @@ def out_of_date() -> dict[str, str]:
     """
     texts = godot_shaders() | copies.texts() | {"integration/web/shaders.js": web_shaders()}
     texts[f"{PANDA3D}/shaders.py"] = python_shaders()
+    texts["integration/bevy/src/bokeh.wgsl"] = bevy_shaders()
     for method, aperture in PLANNED:
         planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
         head = {"generated": f"by validation/run port from {FRAME}"}
@@ -116,7 +119,7 @@ TABLES = (
     ("integration/godot/addons/polygon_bokeh/frames.gd", samples.GODOT, UPPER),
     (UNITY_FRAMES, samples.UNITY, TITLED),
     (f"{UNREAL_PRIVATE}/BokehFrames.h", samples.UNREAL, TITLED),
-    ("integration/bevy/src/lib.rs", samples.BEVY, EXACT_HEXAGON | FLAT_OTHERS),
+    ("integration/bevy/src/passes.rs", samples.BEVY, UPPER),
     ("integration/direct3d11/main.cpp", samples.DIRECT3D11, DIRECT3D),
     ("integration/direct3d9/main.c", samples.DIRECT3D9, DIRECT3D),
 )
@@ -174,6 +177,23 @@ def python_shaders() -> str:
 def _code(text: str) -> Iterator[str]:
     """Lines without comments."""
     return filter(None, (line.strip() for line in shaders.COMMENT.sub("", text).splitlines()))
+
+
+def bevy_shaders() -> str:
+    """What the crate has of the package: all of wgsl/ without comments. Raises UserError.
+
+    Bevy hands no pipeline constants on to wgpu: what a preset sets, and the type of depth, are its shader definitions.
+    """
+    text = "".join(shaders.file_text("wgsl", stem) for stem in paths.STEMS)
+    changes = {rf"(override {name}: i32 =) \d+;": rf"\1 #{{{name}}};" for name in BEVY_DEFINITIONS}
+    depth = "alias BokehDepthTexture = texture_2d<f32>;"
+    several = depth.replace("texture_2d<f32>", "texture_depth_multisampled_2d")
+    changes[re.escape(depth)] = "\n".join(("#ifdef BOKEH_DEPTH_MULTISAMPLED", several, "#else", depth, "#endif"))
+    for pattern, change in changes.items():
+        text, count = re.subn(pattern, change, text)
+        if count != 1:
+            raise UserError(f"wgsl/: found {count} times, not once: {pattern}")
+    return "\n".join([f"// {WRITTEN_BY} wgsl/", "// SPDX-License-Identifier: MIT", *_code(text)]) + "\n"
 
 
 # The line of a parameter. The structs have what fills the buffer up too.

@@ -26,8 +26,8 @@ class Language(NamedTuple):
     head, tail        around all; {} is its name
     row               a pass: {entry} such as BokehTileMax, {name} without Bokeh, {define} such as TILE_MAX, {scale}
                       that its targets' size is divided by, {call} of the library in GLSL, {returned} for the struct
-                      and members of several targets, {sets} for its own parameters, {turn} in degrees, {reads} with
-                      '-' for a colour slot that it leaves out, {writes}, and {quoted} for these, each in quotes
+                      and members of several targets, {sets} for its own parameters, {reads} with '-' for a colour
+                      slot that it leaves out, {writes}, and {quoted} for these, each in quotes
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -103,7 +103,10 @@ UNREAL = Language(
     "    if (Sides == {})\n    {{\n        static const TArray<FBokehStep> Steps = {{",
     "        }};\n        return &Steps;\n    }}", camel=True,
 )  # fmt: skip
-BEVY = Language("const {}: &[Pass] = &[", '    pass("{entry}_PS", &[{reads}], &[{writes}], {turn:.1f}),', "];")
+BEVY = Language(
+    "pub const {}: Table = &[", '        pass("{entry}_PS", &["{reads}"], &["{writes}"], {scale}, &[{sets}]),', "];",
+    "{}({:.1f})", "", "    ({}, &[", "    ]),",
+)  # fmt: skip
 
 
 def table(language: Language, name: str, method: str, aperture: str = "") -> Iterator[str]:
@@ -128,10 +131,9 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     names = {}
     for name in (texture["name"] for texture in planned["textures"]):
         names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
-    names |= _three_textures(planned["textures"]) if language is BEVY else {}
     names |= DEPTH_NAMES
     word, replacement = language.replaced
-    separator = ", " if language is BEVY else " "
+    separator = '", "' if language is BEVY else " "
     lines = []
     steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
     for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True):
@@ -152,21 +154,11 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
             quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
             scale=item.scale,
             sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
-            turn=sets.get("Angle", 0.0),
             call=call(item, names),
             returned=f", {language.quote}{' '.join(returned(item))}{language.quote}" if len(writes) > 1 else "",
         )
         lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
     return lines
-
-
-def _three_textures(textures: list[dict]) -> dict[str, str]:
-    """Bevy's names. Three textures do between the passes: those that may share their memory are one."""
-    places, letters = {"color": "Scene", "coc": "CoC", "result": "Out"}, {}
-    for texture in textures:
-        if texture["written"] and texture["name"] not in places:
-            places[texture["name"]] = letters.setdefault(texture["memory"], "ABC"[len(letters) % 3])
-    return places
 
 
 def call(item: Pass, names: dict[str, str]) -> str:

@@ -1,19 +1,18 @@
 """Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
 import json
+import shutil
 from math import exp, radians, tan
 
 import pytest
 from support import needed
 
-from bokeh_validation import engines, paths
+from bokeh_validation import engines, paths, process
 from bokeh_validation.engines import bevy, pages
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
-# The others' default is layered
-WITHOUT_LAYERED = ("bevy",)
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
     **dict.fromkeys(("opengl", "panda3d"), (16.071, 1.4)),
@@ -84,7 +83,7 @@ def test_sample(name, request):
         check_pull(paths.cache_folder() / "engines" / name / "capture", capture.shots[-1].case.depth)
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
-    assert name in WITHOUT_LAYERED or shown[0] == ("layered", "hexagon")
+    assert shown[0] == ("layered", "hexagon")
     check_shots(capture)
     for shot in capture.shots:
         check_lens(shot.case.settings.camera, *LENSES[name])
@@ -92,3 +91,40 @@ def test_sample(name, request):
         depth, color = shot.case.depth, shot.case.color
         assert depth.max() > 2 * depth.min() and color[..., :3].max() > 4.0
         assert abs(shot.result.astype(float) - color.astype(float))[..., :3].max() > 0.1
+
+
+MANIFEST = """[package]
+name = "game"
+edition = "2024"
+
+[dependencies]
+bevy = {{ version = "0.19", default-features = false }}
+bokeh-bevy = {{ {} = "{}" }}
+"""
+
+
+@pytest.mark.sample("bevy")
+@pytest.mark.timeout(4000)
+@pytest.mark.parametrize("way", ["path", "git"])
+def test_bevy_dependency(way, request):
+    """An empty project builds with the guide's program and the crate's folder, of which nothing else is there."""
+    if not request.config.getoption("--all"):
+        pytest.skip("--all builds it")
+    with needed("bevy"):
+        crate = bevy.copied()
+        # always the same place: Cargo keeps what it built by it
+        project, repository = crate.parent / f"by-{way}", crate.parent / "repository"
+        shutil.rmtree(project, ignore_errors=True)
+        place = str(crate)
+        if way == "git":
+            shutil.rmtree(repository, ignore_errors=True)
+            shutil.copytree(crate, repository)
+            for words in ("init -q", "add .", "-c user.name=a -c user.email=a@b.c commit -qm crate"):
+                process.run(["git", *words.split()], 60.0, repository)
+            place = repository.as_uri()
+        (project / "src").mkdir(parents=True)
+        shutil.copyfile(bevy.SAMPLE / "examples/game.rs", project / "src/main.rs")
+        for lock in crate.glob("Cargo.lock"):
+            shutil.copyfile(lock, project / "Cargo.lock")
+        (project / "Cargo.toml").write_text(MANIFEST.format(way, place), encoding="utf-8")
+        bevy.build(project)

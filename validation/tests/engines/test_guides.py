@@ -15,7 +15,7 @@ from support_pages import assert_picture
 
 from bokeh_validation import paths, process
 from bokeh_validation.engines import desktop, direct3d
-from bokeh_validation.frame import methods
+from bokeh_validation.frame import methods, port
 from bokeh_validation.shaders.entries import ENTRIES
 
 INTEGRATION = paths.ROOT / "integration"
@@ -222,15 +222,17 @@ def test_web_presets():
     assert found == {name: (*methods.EXACT_PRESETS[name], *methods.PRESETS[name]) for name in methods.PRESETS}
 
 
-def test_bevy_passes():
-    """Every entry that the plugin names is there and writes as many targets as it says; the samples' line is there."""
+def test_bevy_presets():
+    """What the plugin defines for a preset; its own passes write as many targets as the entries do."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
-    found = re.findall(r'pass\("(\w+)_PS", &\[[^\]]*\], &\[([^\]]*)\]', plugin)
-    assert len(found) > 10
-    for entry, writes in found:
+    (names,) = re.findall(r"^const DEFINITIONS: .* = \[(.*)\];$", plugin, re.MULTILINE)
+    assert tuple(re.findall(r"\w+", names)) == port.BEVY_DEFINITIONS
+    rows = re.findall(r"Self::(\w+) => \(\[(.*)\], (.*)\),", plugin)
+    found = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}
+    wanted = {name: (exact[0], *methods.PRESETS[name], exact[1]) for name, exact in methods.EXACT_PRESETS.items()}
+    assert found == wanted
+    for entry, writes in re.findall(r'pass\("(\w+)_PS", &\[[^\]]*\], &\[([^\]]*)\]', plugin):
         assert len(writes.split(",")) == ENTRIES[entry].targets, entry
-    (line,) = re.findall(r'^const SAMPLES: &str = "(.*)";$', plugin, re.MULTILINE)
-    assert paths.shader("wgsl", "bokeh").read_text(encoding="ascii").count(line) == 1
 
 
 @pytest.mark.sample

@@ -14,27 +14,35 @@ use bevy::{
         extract_resource::{ExtractResource, ExtractResourcePlugin},
         gpu_readback::{Readback, ReadbackComplete},
         render_asset::RenderAssets,
-        render_resource::{Extent3d, Texture, TextureDimension, TextureFormat, TextureUsages},
+        render_resource::{
+            Extent3d, TexelCopyBufferInfo, TexelCopyBufferLayout, Texture, TextureDimension, TextureFormat,
+            TextureUsages,
+        },
         renderer::{RenderAdapterInfo, RenderContext, ViewQuery},
-        texture::GpuImage,
+        storage::{GpuShaderBuffer, ShaderBuffer},
         view::ViewTarget,
     },
 };
-use bokeh_bevy::{Bokeh, BokehDebug, BokehMethod, BokehShape, BokehSystems, BokehTextures};
+use bokeh_bevy::{Bokeh, BokehDebug, BokehMethod, BokehPreset, BokehShape, BokehSystems, BokehTextures};
 use std::{fs, path::PathBuf};
 
-/// A row of 4-byte pixels is a multiple of 256 bytes, so rows are read back without gaps.
-const WIDTH: u32 = 384;
-const HEIGHT: u32 = 256;
+/// Widths are multiples of 256, so that rows of all targets are, in bytes, and are read back without gaps.
+const SMALL: UVec2 = UVec2::new(256, 172);
+const SIZE: UVec2 = UVec2::new(512, 344);
 
 /// Frames until what is read back is the new shot.
 const FRAMES_PER_SHOT: u32 = 12;
 
-const SHOTS: [(&str, BokehMethod, BokehShape); 4] = [
-    ("paper-hexagon", BokehMethod::Paper, BokehShape::Hexagon),
-    ("paper-octagon", BokehMethod::Paper, BokehShape::Octagon),
-    ("exact-octagon", BokehMethod::Exact, BokehShape::Octagon),
-    ("exact-hexagon", BokehMethod::Exact, BokehShape::Hexagon),
+/// Method, shape, preset, [`Msaa`] and size, in one run. Nothing moves: depth is that of the paper's shots.
+const SHOTS: [(&str, BokehMethod, BokehShape, BokehPreset, Msaa, UVec2); 8] = [
+    ("layered-small", BokehMethod::Layered, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
+    ("paper-small", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
+    ("paper-hexagon", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
+    ("paper-octagon", BokehMethod::Paper, BokehShape::Octagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
+    ("exact-octagon", BokehMethod::Exact, BokehShape::Octagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
+    ("exact-hexagon", BokehMethod::Exact, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
+    ("layered-octagon", BokehMethod::Layered, BokehShape::Octagon, BokehPreset::High, Msaa::Sample4, SIZE),
+    ("layered-hexagon", BokehMethod::Layered, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
 ];
 
 pub struct CapturePlugin {
@@ -44,13 +52,13 @@ pub struct CapturePlugin {
 #[derive(Resource)]
 struct Folder(PathBuf);
 
-/// Images that the camera's own are copied to, so that they can be read back.
+/// The camera's target.
+#[derive(Resource)]
+struct Picture(Handle<Image>);
+
+/// What the camera's image and the targets are copied to, so that they can be read back.
 #[derive(Resource, ExtractResource, Clone)]
-struct Copies {
-    color: Handle<Image>,
-    depth: Handle<Image>,
-    result: Handle<Image>,
-}
+struct Copies(Handle<ShaderBuffer>);
 
 /// What was read back last, by name.
 #[derive(Resource, Default)]
@@ -67,76 +75,98 @@ impl Plugin for CapturePlugin {
             Core3d,
             (
                 copy_color.after(Core3dSystems::EarlyPostProcess).before(BokehSystems),
-                copy_result.after(BokehSystems).before(Core3dSystems::PostProcess),
+                copy_written.after(BokehSystems).before(Core3dSystems::PostProcess),
             ),
         );
     }
 }
 
-fn prepare(mut commands: Commands, mut images: ResMut<Assets<Image>>, camera: Single<Entity, With<Bokeh>>) {
-    let mut image = |name: &'static str, format| {
-        let mut image = Image::new_target_texture(WIDTH, HEIGHT, format, None);
-        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        let handle = images.add(image);
-        commands.spawn(Readback::texture(handle.clone())).observe(
-            move |read: On<ReadbackComplete>, mut latest: ResMut<Latest>| {
-                latest.0.insert(name, read.data.clone());
-            },
-        );
-        handle
-    };
-    let copies = Copies {
-        color: image("color", TextureFormat::Rgba16Float),
-        depth: image("depth", TextureFormat::R32Float),
-        result: image("result", TextureFormat::Rgba16Float),
-    };
-    let picture = image("picture", TextureFormat::Rgba8UnormSrgb);
-    commands.insert_resource(copies);
-    commands.entity(*camera).insert(RenderTarget::Image(picture.into()));
+fn prepare(
+    mut commands: Commands,
+    mut images: ResMut<Assets<Image>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
+    camera: Single<Entity, With<Bokeh>>,
+) {
+    let mut picture = Image::new_target_texture(SMALL.x, SMALL.y, TextureFormat::Rgba8UnormSrgb, None);
+    picture.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    let picture = images.add(picture);
+    let copies = buffers.add(ShaderBuffer::with_size(7 * texels(SIZE, 1) * 8, RenderAssetUsages::default()));
+    for (name, readback) in
+        [("picture", Readback::texture(picture.clone())), ("copies", Readback::buffer(copies.clone()))]
+    {
+        commands.spawn(readback).observe(move |read: On<ReadbackComplete>, mut latest: ResMut<Latest>| {
+            latest.0.insert(name, read.data.clone());
+        });
+    }
+    commands.entity(*camera).insert(RenderTarget::Image(picture.clone().into()));
+    commands.insert_resource(Picture(picture));
+    commands.insert_resource(Copies(copies));
 }
 
-fn copy(context: &mut RenderContext, from: &Texture, to: Option<&GpuImage>) {
-    if let Some(to) = to {
-        let (from, size) = (from.as_image_copy(), to.texture.size());
-        context.command_encoder().copy_texture_to_texture(from, to.texture.as_image_copy(), size);
+/// Of a target.
+fn texels(size: UVec2, scale: u32) -> usize {
+    (size.x.div_ceil(scale) * size.y.div_ceil(scale)) as usize
+}
+
+/// Copy textures one after the other to where `offset` is.
+fn copy<'a>(
+    context: &mut RenderContext,
+    from: impl Iterator<Item = &'a Texture>,
+    to: &GpuShaderBuffer,
+    mut offset: u64,
+) {
+    for texture in from {
+        let bytes_per_row = texture.width() * texture.format().block_copy_size(None).unwrap();
+        let layout = TexelCopyBufferLayout { offset, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
+        let place = TexelCopyBufferInfo { buffer: &to.buffer, layout };
+        context.command_encoder().copy_texture_to_buffer(texture.as_image_copy(), place, texture.size());
+        offset += u64::from(bytes_per_row * texture.height());
     }
 }
 
 fn copy_color(
     view: ViewQuery<&ViewTarget, With<Bokeh>>,
     copies: Res<Copies>,
-    images: Res<RenderAssets<GpuImage>>,
+    buffers: Res<RenderAssets<GpuShaderBuffer>>,
     mut context: RenderContext,
 ) {
-    copy(&mut context, view.into_inner().main_texture(), images.get(&copies.color));
+    if let Some(to) = buffers.get(&copies.0) {
+        copy(&mut context, std::iter::once(view.into_inner().main_texture()), to, 0);
+    }
 }
 
-fn copy_result(
+/// All targets in the order of the passes, after the colour.
+fn copy_written(
     view: ViewQuery<(&ViewTarget, &BokehTextures), With<Bokeh>>,
     copies: Res<Copies>,
-    images: Res<RenderAssets<GpuImage>>,
+    buffers: Res<RenderAssets<GpuShaderBuffer>>,
     mut context: RenderContext,
 ) {
     let (target, textures) = view.into_inner();
-    copy(&mut context, target.main_texture(), images.get(&copies.result));
-    copy(&mut context, &textures.depth.texture, images.get(&copies.depth));
+    if let Some(to) = buffers.get(&copies.0) {
+        let result = target.main_texture();
+        let targets = textures.0.iter().map(|(_, target)| &target.texture).chain([result]);
+        copy(&mut context, targets, to, u64::from(result.width() * result.height() * 8));
+    }
 }
 
 /// Keep what the shot has drawn, then go on to the next one; the debug view is the last.
 fn next_shot(
     mut frame: Local<u32>,
-    mut camera: Single<&mut Bokeh>,
-    latest: Res<Latest>,
-    folder: Res<Folder>,
+    camera: Single<(&mut Bokeh, &mut Msaa)>,
+    mut images: ResMut<Assets<Image>>,
+    (picture, latest, folder): (Res<Picture>, Res<Latest>, Res<Folder>),
     adapter: Res<RenderAdapterInfo>,
     mut exit: MessageWriter<AppExit>,
 ) {
+    let (mut bokeh, mut msaa) = camera.into_inner();
     let shot = (*frame / FRAMES_PER_SHOT) as usize;
     if frame.is_multiple_of(FRAMES_PER_SHOT) {
-        if let Some((_, method, shape)) = SHOTS.get(shot) {
-            (camera.method, camera.shape) = (*method, *shape);
+        if let Some((_, method, shape, preset, samples, size)) = SHOTS.get(shot) {
+            (bokeh.method, bokeh.shape, bokeh.preset, *msaa) = (*method, *shape, *preset, *samples);
+            images.get_mut(&picture.0).unwrap().resize(extent(*size));
         } else {
-            camera.debug = Some(BokehDebug::Focus);
+            bokeh.debug = Some(BokehDebug::Focus);
         }
     }
     *frame += 1;
@@ -145,41 +175,53 @@ fn next_shot(
     }
     let write =
         |name: String, bytes: &[u8]| fs::write(folder.0.join(name), bytes).expect("the folder can be written to");
-    if let Some((name, method, _)) = SHOTS.get(shot) {
-        write("color.f16".into(), &latest.0["color"]);
-        // only this method makes metres; nothing in the scene moves
-        if *method == BokehMethod::Paper {
-            write("depth.f32".into(), &latest.0["depth"]);
-        }
-        write(format!("{name}.f16"), &latest.0["result"]);
-        save(&latest.0["picture"], folder.0.join("picture.png"));
-    } else {
+    let Some((name, method, .., size)) = SHOTS.get(shot) else {
         save(&latest.0["picture"], folder.0.join("debug.png"));
-        write("capture.json".into(), description(&camera, &adapter).as_bytes());
+        write("capture.json".into(), description(&bokeh, &adapter).as_bytes());
         exit.write(AppExit::Success);
+        return;
+    };
+    let bytes = |name: &&str, scale| texels(*size, scale) * if *name == "metres" { 4 } else { 8 };
+    let written = bokeh.passes().flat_map(|pass| pass.writes.iter().map(|name| bytes(name, pass.scale))).sum();
+    let (color, targets) = latest.0["copies"].split_at(texels(*size, 1) * 8);
+    write(format!("color-{}.f16", size.x), color);
+    if *method == BokehMethod::Paper {
+        write(format!("depth-{}.f32", size.x), &targets[..texels(*size, 1) * 4]);
     }
+    write(format!("{name}.written"), &targets[..written]);
+    write(format!("{name}.f16"), &targets[written - color.len()..written]);
+    save(&latest.0["picture"], folder.0.join("picture.png"));
+}
+
+fn extent(size: UVec2) -> Extent3d {
+    Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
 }
 
 fn save(pixels: &[u8], path: PathBuf) {
-    let size = Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 };
-    let format = TextureFormat::Rgba8UnormSrgb;
-    let image = Image::new(size, TextureDimension::D2, pixels.to_vec(), format, RenderAssetUsages::MAIN_WORLD);
+    let size = if pixels.len() == texels(SIZE, 1) * 4 { SIZE } else { SMALL };
+    let (shape, format, usages) = (TextureDimension::D2, TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::MAIN_WORLD);
+    let image = Image::new(extent(size), shape, pixels.to_vec(), format, usages);
     image.try_into_dynamic().unwrap().to_rgb8().save(path).expect("the folder can be written to");
 }
 
 /// capture.json: validation/bokeh_validation/engines/capture.py has its format.
 fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
-    let shots = SHOTS.map(|(name, method, shape)| {
-        let (method, shape) = (format!("{method:?}").to_lowercase(), format!("{shape:?}").to_lowercase());
-        // what the preset stands for
-        let adaptive = if method == "paper" { r#", "spacing": 1.5, "samples": 9"# } else { "" };
+    let shots = SHOTS.map(|(name, method, shape, preset, _, UVec2 { x, y })| {
+        let [method, shape, preset] = [format!("{method:?}"), format!("{shape:?}"), format!("{preset:?}")];
+        // the paper's with what the preset stands for
+        let more = if method == "Paper" {
+            r#""spacing": 1.5, "samples": 9"#.into()
+        } else {
+            format!(r#""preset": "{preset}""#)
+        };
         format!(
-            r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", "result": "{name}.f16"{adaptive}}}"#
+            r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", {more}, "width": {x}, "height": {y},
+"color": "color-{x}.f16", "depth": "depth-{x}.f32", "result": "{name}.f16", "written": "{name}.written"}}"#
         )
+        .to_lowercase()
     });
     format!(
-        r#"{{"engine": "Bevy 0.19.1, {:?}", "device": "{}, {}", "width": {WIDTH}, "height": {HEIGHT},
-"color": "color.f16", "depth": "depth.f32",
+        r#"{{"engine": "Bevy 0.19.1, {:?}", "device": "{}, {}",
 "camera": {{"aperture_diameter": {}, "focal_length": {}, "focus_distance": {}, "sensor_height": {}, "max_coc": {}}},
 "pull": {},
 "shots": [

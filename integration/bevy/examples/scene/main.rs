@@ -23,7 +23,7 @@ fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins(DefaultPlugins.set(no_window).set(all_shaders_first))
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
-        .add_plugins(BokehPlugin::default())
+        .add_plugins(BokehPlugin)
         .add_systems(Startup, setup)
         .add_systems(PostUpdate, focus_on_subjects.after(TransformSystems::Propagate));
     app.add_plugins(CapturePlugin { folder: std::env::args_os().nth(1).unwrap_or(".".into()).into() });
