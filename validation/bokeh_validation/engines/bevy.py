@@ -33,7 +33,7 @@ def run(name: str, folder: Path) -> None:
 
 
 def build(project: Path, *arguments: str) -> None:
-    """Cargo's build of a project that uses the crate; all have one target folder. Raises errors.Unavailable, RuntimeError."""
+    """Cargo builds a project that uses the crate, all in one folder. Raises errors.Unavailable, RuntimeError."""
     # downloads go to the user's place for them, if there is one; all else to the cache folder
     downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
     downloads = downloads if downloads.is_dir() else paths.ensured(_home() / "cargo")
