@@ -171,7 +171,7 @@ def test_code_is_the_samples(name):
 SECTIONS = ["Install", "Program", "Depth", "In the frame", "Settings", "Change at run time", "Not here", "Traps"]
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - {"reshade", "vulkan", "bevy"}))
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"reshade", "vulkan"}))
 def test_pattern(name):
     """One pattern: its sections in their order, units and defaults in a table, the picture at the end."""
     text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
