@@ -20,6 +20,7 @@ browser=""
 if [ "$(. /etc/os-release 2>/dev/null && printf '%s' "${ID:-}")" = debian ]; then browser="chromium"; fi
 command -v npm >/dev/null || browser+=" npm"
 engines="mono-mcs love default-jre-headless ivy g++ pkg-config libogre-1.12-dev vkbasalt vulkan-tools"
+engines+=" libvulkan-dev vulkan-validationlayers"
 everything="$opengl $vulkan $compilers $windows $browser $engines"
 
 # The packages that a command line of validation/run needs, in $@: nobody gets Wine who asks for the version.

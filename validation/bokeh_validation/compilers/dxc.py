@@ -5,8 +5,10 @@ The Linux library ships in the source package of compushady.
 
 import ctypes
 import platform
+import re
 import sys
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 
 from bokeh_validation.compilers import spirv
@@ -110,7 +112,24 @@ def build(source: str, stage: str, entry: str, to_spirv: bool = True) -> Compile
     Not for several threads at once: there is one compiler object. Raises Unavailable.
     """
     profile = {"vert": "vs_6_0", "frag": "ps_6_0"}[stage]
-    options = ["bokeh.hlsl", "-T", profile, "-E", entry, *(spirv_options(source) if to_spirv else ())]
+    return _compile(source, ["-T", profile, "-E", entry, *(spirv_options(source) if to_spirv else ())])
+
+
+def command(words: Sequence[str]) -> str | None:
+    """DXC's own command as far as `OPTIONS -Fo OUTPUT INPUT`: what it says where it refuses. Raises Unavailable."""
+    *options, _, output, file = words
+
+    def included(found: re.Match) -> str:
+        return Path(file).parent.joinpath(found[1]).read_text(encoding="ascii")
+
+    text = Path(file).read_text(encoding="ascii")
+    result = _compile(re.sub(r'^#include "(.*)"', included, text, flags=re.MULTILINE), options)
+    Path(output).write_bytes(result.binary)
+    return None if result.ok else result.messages
+
+
+def _compile(source: str, options: Sequence[str]) -> CompileResult:
+    options = ["bokeh.hlsl", *options]
     arguments = ((ctypes.c_wchar_p * len(options))(*options), ctypes.c_uint32(len(options)))
     data = source.encode("ascii")
     buffer, result = Buffer(data, len(data), UTF8), ctypes.c_void_p()

@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from bokeh_validation import jobs, paths, pictures, terminal
-from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages
+from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages, vulkan
 from bokeh_validation.engines.capture import Broken, Capture, read
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.probes.model import Check
@@ -30,6 +30,7 @@ ENGINES: dict[str, Callable[[str, Path], None]] = {
     "godot": godot.run,
     "direct3d9": direct3d.run,
     "direct3d11": direct3d.run,
+    **dict.fromkeys(vulkan.NAMES, vulkan.run),
     "bevy": bevy.run,
 }
 # Left out unless they are asked for: the first build takes many minutes

@@ -24,11 +24,9 @@ VERSION_S = 60.0
 
 def run(name: str, folder: Path) -> None:
     """Leave the capture of the sample in `folder`. Raises errors.Unavailable, RuntimeError."""
-    drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
-    if not drivers:
-        raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
+    lavapipe = driver()
     build(copied(), "--example", EXAMPLE)
-    extra = {"VK_ICD_FILENAMES": str(drivers[0]), "BEVY_ASSET_ROOT": str(folder)}
+    extra = {"VK_ICD_FILENAMES": str(lavapipe), "BEVY_ASSET_ROOT": str(folder)}
     process.run([_program(), folder], RUN_S, folder, extra)
 
 
@@ -41,6 +39,14 @@ def build(project: Path, *arguments: str) -> None:
     # the crate's own profile, so that Bevy is built once
     extra |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0"}
     process.run([_cargo(), "build", "--quiet", *arguments], BUILD_S, project, extra)
+
+
+def driver() -> Path:
+    """The description of lavapipe, Mesa's Vulkan on the processor. Raises Unavailable."""
+    drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
+    if not drivers:
+        raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
+    return drivers[0]
 
 
 def built() -> bool:

@@ -99,6 +99,7 @@ HEXAGON = {"HEXAGON": "layered hexagon"}
 EXACT_HEXAGON = {"EXACT_HEXAGON": "exact hexagon"}
 FLAT_OTHERS = {"EXACT_OCTAGON": "exact octagon", "PAPER_HEXAGON": "paper hexagon", "PAPER_OCTAGON": "paper octagon"}
 OTHERS = {"OCTAGON": "layered octagon", **EXACT_HEXAGON, **FLAT_OTHERS}
+VULKAN = {f"{method}_{shape}".upper(): f"{method} {shape}" for method in ("layered", "exact") for shape in EXACT}
 DIRECT3D = {"LAYERED_HEXAGON": "layered hexagon", **EXACT_HEXAGON, **FLAT_OTHERS}
 UPPER = {method.upper(): method for method in ("layered", "exact", "paper")}
 UNITY_FRAMES = f"{copies.UNITY}/Runtime/BokehFrames.cs"
@@ -122,6 +123,7 @@ TABLES = (
     ("integration/bevy/src/passes.rs", samples.BEVY, UPPER),
     ("integration/direct3d11/main.cpp", samples.DIRECT3D11, DIRECT3D),
     ("integration/direct3d9/main.c", samples.DIRECT3D9, DIRECT3D),
+    ("integration/vulkan/frames.h", samples.VULKAN, VULKAN),
 )
 
 

@@ -27,7 +27,8 @@ class Language(NamedTuple):
     row               a pass: {entry} such as BokehTileMax, {name} without Bokeh, {define} such as TILE_MAX, {scale}
                       that its targets' size is divided by, {call} of the library in GLSL, {returned} for the struct
                       and members of several targets, {sets} for its own parameters, {reads} with '-' for a colour
-                      slot that it leaves out, {writes}, and {quoted} for these, each in quotes
+                      slot that it leaves out, {writes}, {quoted} for these, each in quotes, {memory}, {sides}, {copy}:
+                      1 where one of {sets} is 1, in a block of parameters that passes share
     parameter, angle  one of {sets}; an angle is in degrees
     polygon, its_end  around the rows of each of several polygons; {} is its sides
     replaced          a word and what the language has in its place
@@ -73,6 +74,10 @@ DIRECT3D11 = Language(
 DIRECT3D9 = Language(
     "static const Pass {}[MAX_PASSES] = {{", '    {{"{entry}_PS", "{reads}", "{writes}", {scale}{sets}}},', "}};",
     ", {{PARAMETER({}), {:.1f}f}}", ", {{PARAMETER({}), {:.1f}f * 3.14159265f / 180.0f}}", spacing=0.0,
+)  # fmt: skip
+VULKAN = Language(
+    "inline const std::vector<BokehPass> {} = {{",
+    '    {{"{entry}", "{define}", {{"{reads}"}}, {{"{writes}"}}, {{{memory}}}, {scale}, {sides}, {copy}}},', "}};",
 )  # fmt: skip
 OGRE = Language(
     "static Frame {}(int sides)\n{{\n    static const std::map<int, Frame> frames = {{",
@@ -132,8 +137,9 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     for name in (texture["name"] for texture in planned["textures"]):
         names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
     names |= DEPTH_NAMES
+    memory = {texture["name"]: str(texture["memory"]) for texture in planned["textures"]}
     word, replacement = language.replaced
-    separator = '", "' if language is BEVY else " "
+    separator = '", "' if language in (BEVY, VULKAN) else " "
     lines = []
     steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
     for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True):
@@ -152,7 +158,10 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
             reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
             writes=separator.join(writes),
             quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
+            memory=", ".join(memory[name] for name in item.outputs),
             scale=item.scale,
+            sides=EXACT.get(aperture),
+            copy=int(1.0 in sets.values()),
             sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
             call=call(item, names),
             returned=f", {language.quote}{' '.join(returned(item))}{language.quote}" if len(writes) > 1 else "",

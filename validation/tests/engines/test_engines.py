@@ -8,11 +8,13 @@ import pytest
 from support import needed
 
 from bokeh_validation import engines, paths, process
-from bokeh_validation.engines import bevy, pages
+from bokeh_validation.engines import bevy, pages, vulkan
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
-WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre")
+WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre", *vulkan.NAMES)
+# Godot's autofocus is in test_godot.py; Vulkan's scene is one picture
+WITHOUT_PULL = ("godot", *vulkan.NAMES)
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
 LENSES = {
     **dict.fromkeys(("opengl", "panda3d"), (16.071, 1.4)),
@@ -20,6 +22,7 @@ LENSES = {
     **dict.fromkeys((*pages.NAMES, "godot"), (45.0, 0.07)),
     **dict.fromkeys(("direct3d9", "direct3d11"), (16.071, 1.0)),
     "bevy": (26.991, 0.2),
+    **dict.fromkeys(vulkan.NAMES, (26.991, 0.7003)),
 }
 
 
@@ -79,7 +82,7 @@ def test_sample(name, request):
         pytest.skip(f"{name}: not built here yet; --all builds it")
     with needed(name):
         capture = engines.run(name)
-    if name != "godot":  # its autofocus is in test_godot.py
+    if name not in WITHOUT_PULL:
         check_pull(paths.cache_folder() / "engines" / name / "capture", capture.shots[-1].case.depth)
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
