@@ -14,7 +14,7 @@ from support import needed
 from support_pages import assert_picture
 
 from bokeh_validation import paths, process
-from bokeh_validation.engines import desktop, direct3d
+from bokeh_validation.engines import desktop, direct3d, vulkan
 from bokeh_validation.frame import methods, port
 from bokeh_validation.shaders.entries import ENTRIES
 
@@ -171,7 +171,7 @@ def test_code_is_the_samples(name):
 SECTIONS = ["Install", "Program", "Depth", "In the frame", "Settings", "Change at run time", "Not here", "Traps"]
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - {"reshade", "vulkan"}))
+@pytest.mark.parametrize("name", NAMES)
 def test_pattern(name):
     """One pattern: its sections in their order, units and defaults in a table, the picture at the end."""
     text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
@@ -185,7 +185,10 @@ def test_pattern(name):
 BUILDS = {name: f"{' '.join(words)} -o {name}.exe" for name, words in direct3d.BUILDS.items()}
 
 
-@pytest.mark.parametrize(("name", "command"), [*BUILDS.items(), ("ogre", f"{desktop.BUILD_OGRE} -o sample\n")])
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [*BUILDS.items(), ("ogre", f"{desktop.BUILD_OGRE} -o sample\n"), ("vulkan", f"{vulkan.BUILD} -o sample\n")],
+)
 def test_build_command(name, command):
     """The guide builds as the tests do."""
     assert any(command in text for _, text in blocks(name))
