@@ -183,6 +183,7 @@ def test_pattern(name):
 
 
 BUILDS = {name: f"{' '.join(words)} -o {name}.exe" for name, words in direct3d.BUILDS.items()}
+BUILDS |= {name: f"{words} -o sample\n" for name, words in (("ogre", desktop.BUILD_OGRE), ("vulkan", vulkan.BUILD))}
 
 
 @pytest.mark.parametrize(
