@@ -39,12 +39,12 @@ def test_temporal_anti_aliasing():
 
 
 def test_steady():
-    """At rest only jitter moves: a steady map takes two fifths of what that changes, and more of the worst."""
+    """At rest only jitter moves: a steady map takes more than a third of what that changes, and half of the worst."""
     rows, _ = motion.measured("still", ["exact", "layered medium"], "egl", None, SIZE, POINTS, 8)
     got = {(row["input"], row["label"]): row["change"] for row in rows}
     for label in ("exact", "layered medium"):
         before, steady = got["temporal, before", label], got[motion.STEADY, label]
-        assert steady[0] < 0.6 * before[0] and steady[1] < 0.5 * before[1], got
+        assert steady[0] < 0.65 * before[0] and steady[1] < 0.5 * before[1], got
 
 
 def test_pan(monkeypatch):
