@@ -28,7 +28,7 @@ class Option:
     """An option of the command line, and what it sets.
 
     name     `--name`; of a switch also `--no-name`
-    field    of methods.Settings: 'squeeze', or 'camera.max_coc' of its camera, or 'axial.0' of a tuple
+    field    of methods.Settings: 'squeeze', or 'camera.max_coc' of its camera
     kind     str, int, float, or bool for a switch
     help     for --help
     allowed  the words it takes, or the least and the most of a number, and the same in words
@@ -56,16 +56,13 @@ class Option:
         """What the settings have for it."""
         owner, _, part = self.field.partition(".")
         whole = getattr(settings, owner)
-        return whole if not part else whole[int(part)] if part.isdigit() else getattr(whole, part)
+        return getattr(whole, part) if part else whole
 
     def put(self, settings: Settings, value: object) -> Settings:
         """The settings with another value for it."""
         owner, _, part = self.field.partition(".")
-        whole = getattr(settings, owner)
-        if part.isdigit():
-            value = tuple(value if index == int(part) else other for index, other in enumerate(whole))
-        elif part:
-            value = replace(whole, **{part: value})
+        if part:
+            value = replace(getattr(settings, owner), **{part: value})
         return replace(settings, **{owner: value})
 
     def told(self, settings: Settings) -> str:

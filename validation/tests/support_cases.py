@@ -64,11 +64,11 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     return found.outputs["result"], found.comparisons["result"]
 
 
-def judged(probe: patterns.Probe, shift: float = 1.0, **changes) -> list[patterns.Check]:
-    """The checks of a probe rendered with other settings than its own; `shift` is a factor of the cases'."""
+def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
+    """The checks of a probe rendered with other settings than its own."""
     outputs, driver = {}, load("egl")
     for case in probe.cases:
-        other = replace(case, shift=shift * case.shift, settings=replace(case.settings, **changes))
+        other = replace(case, settings=replace(case.settings, **changes))
         found = driver.run(other.plan.passes, other.textures(), other.size, keep=case.keep)
         outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in found.items()}
     return probe.judge(outputs)

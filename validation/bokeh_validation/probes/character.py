@@ -1,14 +1,15 @@
-"""The character of a lens, by one light: cat's eye, and red and blue at other places than green (lateral) or of other
-sizes (axial: the frame three times, docs/methods/character.md).
+"""The character of a lens, by one light: cat's eye, and red and blue at other places than green.
+
+Axial colour is frames with other CoC (docs/methods/character.md), which other probes have.
 """
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
 from bokeh_validation.frame import polygons
-from bokeh_validation.probes import exact, near_edges
+from bokeh_validation.probes import exact
 from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, ROUNDED, Bokeh, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, overlap, pixel_center
 
@@ -17,17 +18,14 @@ COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
-def whole(
-    aperture: str, coc: float = COC, size: tuple[int, int] = SIZE, place: tuple[int, int] = PLACE, texel: int = 1
-) -> Bokeh:
-    """Of the light through a lens without character; around the middle of its texel, which is so many pixels wide."""
-    x, y = (texel * (pixel // texel + 0.5) for pixel in place)
-    return Bokeh(polygon_of(aperture, ROTATION, coc), size, (x, y))
+def whole(aperture: str) -> Bokeh:
+    """Of the light through a lens without character."""
+    return Bokeh(polygon_of(aperture, ROTATION, COC), SIZE, pixel_center(*PLACE))
 
 
-def lit(label: str, bokeh: Bokeh, aperture: str = "hexagon", depth: float = 10.0, **changes) -> Case:
+def lit(label: str, aperture: str = "hexagon", **changes) -> Case:
     """One bright pixel in the exact method, with changes to its settings; a sample a pixel."""
-    return bokeh.case(label, replace(exact.settings(aperture, ROTATION, bokeh.size, COC), **changes), depth)
+    return whole(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes))
 
 
 # ------------------------------------------------------------------------------------------------------------ cat's eye
@@ -92,30 +90,14 @@ CUT = Probe(
     "cats-eye-exact",
     "A light towards a corner of the image is cut by the lens barrel",
     "The narrow side points to the middle of the image; edges are straight, and the brightness is even.",
-    tuple(lit(aperture, whole(aperture), aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
+    tuple(lit(aperture, aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
     _judge_cut,
 )
 
 # --------------------------------------------------------------------------------------------------------------- colour
 
 LATERAL = {"red larger": 0.05, "blue larger": -0.05}
-AXIAL = (-4, 6)  # pixels of signed CoC that red and blue have more, as through a plain lens
-AXIAL_FRAME = (128, 96), (92, 34)  # as above, but the place matters little: so far off that a shift would show
-CHANNELS, SIDES = ("red", "green", "blue"), {"far": 1, "near": -1}
-
-
-def axial_cases(method: str) -> tuple[Case, ...]:
-    """A plane with a light, out of focus, far and near; for each channel with its own shift of the map."""
-    bokeh = whole("hexagon", COC, *AXIAL_FRAME)
-    height, lens = bokeh.size[1], {"method": method, "camera": near_edges.CAMERA, "coc": None}
-    if method == "layered":
-        lens |= {"preset": "high", "samples": None, "spacing": None}
-    cases = []
-    for side, sign in SIDES.items():
-        plane = lit("", bokeh, depth=near_edges.metres(sign * COC, height), **lens)
-        shifts = zip(CHANNELS, (AXIAL[0], 0, AXIAL[1]), strict=True)
-        cases += [replace(plane, label=f"{side}, {channel}", shift=more / height) for channel, more in shifts]
-    return tuple(cases)
+CHANNELS = ("red", "green", "blue")
 
 
 def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
@@ -149,36 +131,11 @@ def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
     return checks
 
 
-def _judge_axial(texel: int, outputs: dict[str, Outputs]) -> list[Check]:
-    """A channel is as large as its signed CoC says: what is larger far away is smaller nearby."""
-    checks = []
-    for side, sign in SIDES.items():
-        for channel, more in enumerate((AXIAL[0], 0, AXIAL[1])):
-            label = f"{side}, {CHANNELS[channel]}"
-            share = (outputs[label]["result"][..., channel] - AMBIENT) / PEAK
-            bokeh = whole("hexagon", sign * COC + more, *AXIAL_FRAME, texel)
-            checks += _color_checks(label, share, bokeh, 0.5)
-    return checks
-
-
 LATERAL_COLOR = Probe(
     "lateral-color",
     "Red and blue of a picture at other scales",
     "A red rim on one side of the bokeh and a blue one on the other, both on the line to the image's middle.",
-    tuple(lit(label, whole("hexagon"), lateral=amount) for label, amount in LATERAL.items()),
+    tuple(lit(label, lateral=amount) for label, amount in LATERAL.items()),
     _judge_lateral,
 )
-# A layer has half the size: a light lies in the middle of its texel there
-TEXELS = {"exact": 1, "layered": 2}
-AXIAL_COLOR = tuple(
-    Probe(
-        f"axial-color-{method}",
-        "Red and blue are in focus at other distances",
-        "Far bokeh has a blue rim and near bokeh a red one; nothing moves.",
-        axial_cases(method),
-        partial(_judge_axial, texel),
-    )
-    for method, texel in TEXELS.items()
-)
-
-PROBES = (CUT, LATERAL_COLOR, *AXIAL_COLOR)
+PROBES = (CUT, LATERAL_COLOR)

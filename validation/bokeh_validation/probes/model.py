@@ -1,7 +1,7 @@
 """What a probe is: pictures to render, checks on them, and the comparison with the reference."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import blake2b
 
@@ -24,7 +24,6 @@ class Case:
 
     color, depth  (H, W, 4) float16 and (H, W) float32
     keep          textures to look at, the result last
-    shift         added to the signed CoC of the map, in its alpha, fraction of the image height; exact and layered
     """
 
     label: str
@@ -32,7 +31,6 @@ class Case:
     color: np.ndarray
     depth: np.ndarray
     keep: tuple[str, ...] = ("result",)
-    shift: float = 0.0
 
     @property
     def size(self) -> tuple[int, int]:
@@ -41,15 +39,14 @@ class Case:
 
     @property
     def plan(self) -> methods.Plan:
-        """Its passes; with a shift those after the map, which `textures` has then."""
-        planned = methods.plan(self.settings, self.size)
-        return replace(planned, passes=planned.passes[1:]) if self.shift else planned
+        """Its passes."""
+        return methods.plan(self.settings, self.size)
 
     @cached_property
     def _key(self) -> tuple:
         # not id(): another image may have that of one that was freed
         images = [(pixels.shape, blake2b(pixels.tobytes()).digest()) for pixels in (self.color, self.depth)]
-        return *images, self.settings, self.keep, self.shift
+        return *images, self.settings, self.keep
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Case) and self._key == other._key
@@ -59,12 +56,7 @@ class Case:
 
     def textures(self) -> dict[str, np.ndarray]:
         """Everything the passes read."""
-        textures = {"color": self.color, "depth": self.depth, **self.plan.tables}
-        if not self.shift:
-            return textures
-        first, *_ = methods.plan(self.settings, self.size).passes
-        shifted = Reference().run([first], textures, self.size, keep=(first.output,))[first.output]
-        return textures | {first.output: shifted + np.float16([0.0, 0.0, 0.0, self.shift])}
+        return {"color": self.color, "depth": self.depth, **self.plan.tables}
 
 
 @dataclass(frozen=True)

@@ -62,11 +62,14 @@ def drawn(
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
     case = replace(case, depth=depth, settings=replace(case.settings, **changes))
-    frames = [replace(case, shift=shift) for shift in ((axial[0], 0.0, axial[1]) if any(axial) else (0.0,))]
-    results = [driver.run(frame.plan.passes, frame.textures(), frame.size)["result"] for frame in frames]
-    if any(axial):
-        results[1][..., ::2] = np.stack([results[0][..., 0], results[2][..., 2]], axis=-1)
-    pixels = pictures.filmic(results[len(results) // 2], exposure)
+    (first, *others), textures = case.plan.passes, case.textures()
+    coc = driver.run([first], textures, case.size, keep=("coc",))["coc"]
+    results = {}
+    for shift in {axial[0], 0.0, axial[1]}:
+        given = {**textures, "coc": coc + np.float16([0.0, 0.0, 0.0, shift])}
+        results[shift] = driver.run(others, given, case.size)["result"]
+    channels = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
+    pixels = pictures.filmic(np.stack(channels, axis=-1), exposure)
     return pictures.crop(pixels, *cut) if cut else pictures.halved(pixels)
 
 

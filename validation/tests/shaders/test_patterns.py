@@ -42,7 +42,6 @@ NOTICED = {
     # no cut, half of one, and a CoC that is too small; no colour, too little, and red for blue
     "cats-eye-exact": [{"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15}],
     "lateral-color": [{"lateral": 0.0}, {"lateral": 0.03}],
-    **{f"axial-color-{method}": [{"shift": 0.0}, {"shift": -1.0}] for method in ("exact", "layered")},
 }
 
 
