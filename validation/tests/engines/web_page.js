@@ -1,4 +1,4 @@
-// What test_web.py asks of the classes for WebGLRenderer, in a scene of planes that face the camera.
+// What test_web.py asks of the classes for WebGLRenderer, in the scene of web_scene.js.
 
 import * as THREE from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
@@ -6,8 +6,8 @@ import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { ShaderPass } from 'three/addons/postprocessing/ShaderPass.js';
 import { CopyShader } from 'three/addons/shaders/CopyShader.js';
 import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
+import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './web_scene.js';
 
-const SIZE = [96, 64];
 const renderer = new THREE.WebGLRenderer();
 renderer.setSize(...SIZE);
 document.body.append(renderer.domElement);
@@ -15,25 +15,7 @@ document.body.append(renderer.domElement);
 const warnings = [];
 console.warn = (...said) => warnings.push(said.join(' '));
 
-function plane(scene, color, size, x, z, options = {}) {
-  const material = new THREE.MeshBasicMaterial({ color, ...options });
-  const mesh = new THREE.Mesh(new THREE.PlaneGeometry(size, size), material);
-  mesh.position.set(x, 0, z);
-  scene.add(mesh);
-  return mesh;
-}
-
-// A sharp plane at 4 m, one before and one behind it, and a wall
-function makeScene() {
-  const scene = new THREE.Scene();
-  scene.background = new THREE.Color(0.02, 0.03, 0.05);
-  const subject = plane(scene, 0xc08040, 1, 0, -4);
-  plane(scene, 0x4080ff, 0.4, -0.5, -2);
-  plane(scene, 0xffffff, 0.3, 1.2, -7).material.color.multiplyScalar(8);
-  plane(scene, 0x203040, 60, 0, -12);
-  const camera = new THREE.PerspectiveCamera(45, SIZE[0] / SIZE[1], 0.1, 50);
-  return { scene, camera, subject };
-}
+const makeScene = () => sceneOf(8);
 
 // { composer, bokeh, scenePass, ... } with passes between the scene and the bokeh, and after it
 function chain({ scene, camera, subject }, options, { samples = 0, depth = true, between = 0, after = () => [] } = {}) {
@@ -59,7 +41,6 @@ function drawn({ composer }, frames = 1) {
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
-const off = (a, b) => Math.max(...a.map((value, i) => Math.abs(value - b[i])));
 const thrown = (call) => {
   try {
     call();
@@ -69,6 +50,7 @@ const thrown = (call) => {
 };
 
 window.bokeh = {
+  ...calls(renderer, makeScene, chain, drawn),
   revision: () => THREE.REVISION,
 
   refused(options) {
@@ -172,61 +154,21 @@ window.bokeh = {
     return off(drawn(made), drawn(wanted));
   },
 
-  // Uniforms of an extra set to what changes nothing, and to what does: how far from a pass without it
-  extra([name, neutral, values, options]) {
-    const world = makeScene();
-    const plain = drawn(chain(world, options));
-    return [neutral, values].map((set) => {
-      const made = chain(world, { ...options, extras: [name] });
-      for (const [key, value] of Object.entries(set)) made.bokeh.uniforms[key].value = value;
-      return off(drawn(made), plain);
-    });
-  },
-
-  memory() {
-    const { bokeh } = chain(makeScene(), { method: 'exact' });
-    return { bytes: bokeh.memory, passes: bokeh.passes.length };
-  },
-
-  // A transparent canvas: the result over a page's colour, and the scene before that colour, blurred
-  alpha(options) {
-    const { scene, camera, subject } = makeScene();
-    scene.remove(scene.children.at(-1)); // the wall
-    const page = [0.3, 0.5, 0.2];
-    scene.background = null;
-    renderer.setClearColor(0, 0);
-    const clear = drawn(chain({ scene, camera, subject }, { ...options, alpha: true }));
-    scene.background = new THREE.Color(...page);
-    const truth = drawn(chain({ scene, camera, subject }, options));
-    renderer.setClearColor(0, 1);
-    const over = clear.map((value, i) => (i % 4 < 3 ? value + page[i % 4] * (1 - clear[i - (i % 4) + 3]) : 1));
-    const shares = clear.filter((_, i) => i % 4 === 3);
-    const inside = shares.filter((share) => share > 0.01 && share < 0.99).length;
-    return { off: off(over, truth), inside, shares: [Math.min(...shares), Math.max(...shares)] };
-  },
-
-  // Glass on layer 1, half behind the subject: the picture with it, and what it has to be
+  // Glass: the picture without it and with it, at three places
   glass() {
     const world = makeScene();
     const without = drawn(chain(world, {}));
-    const pane = plane(world.scene, 0x00ff00, 1.2, 0.7, -4.5, { transparent: true, opacity: 0.5, depthWrite: false });
-    pane.layers.set(1);
+    addGlass(world);
     const result = drawn(chain(world, {}, { after: (bokeh) => [new SharpPass(bokeh, world.scene)] }));
-    const at = (image, x, y) => image.slice(4 * (y * SIZE[0] + x), 4 * (y * SIZE[0] + x) + 3);
-    const places = { behind: [50, 32], glass: [66, 32], beside: [8, 8] };
-    const found = {};
-    for (const [name, [x, y]] of Object.entries(places)) found[name] = [at(without, x, y), at(result, x, y)];
-    return { found, background: world.scene.background.getHex(), mask: world.camera.layers.mask };
+    return glassFound([without, result], world);
   },
 
   // Four samples a pixel: how far from one in the middle of the subject, and what share of its light a picture keeps
   samples() {
     const world = makeScene();
-    const total = (image) => image.reduce((sum, value, i) => (i % 4 < 3 ? sum + value : sum), 0);
-    const middle = 4 * (32 * SIZE[0] + 48);
     const [several, one] = [4, 0].map((samples) => {
       const image = drawn(chain(world, {}, { samples }));
-      return { at: image.slice(middle, middle + 3), kept: total(image) / total(drawn(chain(world, {}, { samples, depth: false }))) };
+      return { at: inMiddle(image), kept: total(image) / total(drawn(chain(world, {}, { samples, depth: false }))) };
     });
     return { middle: off(several.at, one.at), kept: [several.kept, one.kept] };
   },

@@ -1,8 +1,9 @@
-// What test_web.py asks of the class for WebGPURenderer, in a scene of planes that face the camera.
+// What test_web.py asks of the class for WebGPURenderer, in the scene of web_scene.js.
 
 import * as THREE from 'three/webgpu';
 import { pass } from 'three/tsl';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
+import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './web_scene.js';
 
 // How many pipelines were made while the caller waited
 let pipelines = 0;
@@ -12,25 +13,13 @@ GPUDevice.prototype.createRenderPipeline = function (...given) {
   return createRenderPipeline.call(this, ...given);
 };
 
-const SIZE = [96, 64];
 const Pipeline = THREE.RenderPipeline ?? THREE.PostProcessing;
 const renderer = new THREE.WebGPURenderer();
 renderer.setSize(...SIZE);
 document.body.append(renderer.domElement);
 await renderer.init();
 
-function makeScene(camera = new THREE.PerspectiveCamera(45, SIZE[0] / SIZE[1], 0.1, 50)) {
-  const scene = new THREE.Scene();
-  scene.background = new THREE.Color(0.02, 0.03, 0.05);
-  const rows = [[0xc08040, 1, 0, -4], [0x4080ff, 0.4, -0.5, -2], [0xffffff, 0.3, 1.2, -7], [0x203040, 60, 0, -12]];
-  const [subject] = rows.map(([color, size, x, z]) => {
-    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(size, size), new THREE.MeshBasicMaterial({ color }));
-    mesh.position.set(x, 0, z);
-    scene.add(mesh);
-    return mesh;
-  });
-  return { scene, camera, subject };
-}
+const makeScene = (camera) => sceneOf(1, camera);
 
 function chain({ scene, camera, subject }, options, other = renderer, settings = {}) {
   const bokeh = new PolygonBokehNode(pass(scene, camera, settings), options);
@@ -49,10 +38,11 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
-const off = (a, b) => Math.max(...a.map((value, i) => Math.abs(value - b[i])));
 const message = (call) => call().then(() => '', (error) => error.message);
 
 window.bokeh = {
+  ...calls(renderer, makeScene, chain, drawn),
+
   refused: (options) => message(async () => new PolygonBokehNode(pass(...Object.values(makeScene()).slice(0, 2)), options)),
 
   // WebGL under WebGPURenderer, and a depth buffer that cannot be read: what render() throws
@@ -90,61 +80,18 @@ window.bokeh = {
     return { off: off(await drawn(made), await drawn(wanted)), kind: depthKind.value, far: farPlane.value };
   },
 
-  async extra([name, neutral, values, options]) {
-    const plain = await drawn(chain(makeScene(), options));
-    const found = [];
-    for (const set of [neutral, values]) {
-      const made = chain(makeScene(), { ...options, extras: [name] });
-      for (const [key, value] of Object.entries(set)) made.bokeh.uniforms[key].value = value;
-      found.push(off(await drawn(made), plain));
-    }
-    return found;
-  },
-
-  async alpha(options) {
-    const world = makeScene();
-    const { scene } = world;
-    scene.remove(scene.children.at(-1)); // the wall
-    const page = [0.3, 0.5, 0.2];
-    scene.background = null;
-    renderer.setClearColor(0, 0);
-    const clear = await drawn(chain(world, { ...options, alpha: true }));
-    scene.background = new THREE.Color(...page);
-    const truth = await drawn(chain(world, options));
-    const over = clear.map((value, i) => (i % 4 < 3 ? value + page[i % 4] * (1 - clear[i - (i % 4) + 3]) : 1));
-    const shares = clear.filter((_, i) => i % 4 === 3);
-    const inside = shares.filter((share) => share > 0.01 && share < 0.99).length;
-    return { off: off(over, truth), inside, shares: [Math.min(...shares), Math.max(...shares)] };
-  },
-
-  // Glass on layer 1, half behind the subject: the picture without it and with it, at three places
+  // Glass: the picture without it and with it, at three places
   async glass() {
     const world = makeScene();
     const without = await drawn(chain(world, {}));
-    const material = new THREE.MeshBasicMaterial({ color: 0x00ff00, transparent: true, opacity: 0.5, depthWrite: false });
-    const pane = new THREE.Mesh(new THREE.PlaneGeometry(1.2, 1.2), material);
-    pane.position.set(0.7, 0, -4.5);
-    pane.layers.set(1);
-    world.scene.add(pane);
+    addGlass(world);
     const made = chain(world, { sharpLayer: 1 });
-    const frames = [await drawn(made), await drawn(made)];
-    const at = (image, x) => image.slice(4 * (32 * SIZE[0] + x), 4 * (32 * SIZE[0] + x) + 3);
-    const places = { behind: 50, glass: 66, beside: 8 };
-    const found = Object.entries(places).map(([name, x]) => [name, [without, ...frames].map((image) => at(image, x))]);
-    return { found: Object.fromEntries(found), background: Boolean(world.scene.background), mask: world.camera.layers.mask };
+    return glassFound([without, await drawn(made), await drawn(made)], world);
   },
 
   // Four samples a pixel: how far from one in the middle of the subject, and what share of the light is kept
   async samples() {
-    const total = (image) => image.reduce((sum, value, i) => (i % 4 < 3 ? sum + value : sum), 0);
     const [several, one] = [await drawn(chain(makeScene(), {}, renderer, { samples: 4 })), await drawn(chain(makeScene(), {}))];
-    const middle = 4 * (32 * SIZE[0] + 48);
-    return { middle: off(several.slice(middle, middle + 3), one.slice(middle, middle + 3)), light: total(several) / total(one) };
-  },
-
-  memory: async () => {
-    const made = chain(makeScene(), { method: 'exact' });
-    await drawn(made);
-    return { bytes: made.bokeh.memory, passes: made.bokeh.passes.length };
+    return { middle: off(inMiddle(several), inMiddle(one)), light: total(several) / total(one) };
   },
 };
