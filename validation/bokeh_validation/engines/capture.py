@@ -79,11 +79,6 @@ class Capture:
     device: str
     shots: list[Shot]
 
-    @property
-    def ok(self) -> bool:
-        """All of them."""
-        return bool(self.shots) and all(shot.comparison.ok for shot in self.shots)
-
 
 def read(folder: Path) -> Capture:
     """Read a folder and compare every shot with the reference. Raises Broken."""

@@ -12,7 +12,7 @@ import pytest
 from bokeh_validation import paths
 from bokeh_validation.errors import UserError
 from bokeh_validation.mutants import by_hand, operators
-from bokeh_validation.mutants.mutants_command import all_mutants, chosen
+from bokeh_validation.mutants.mutants_command import all_mutants
 
 EVERYTHING = all_mutants()
 NAMES = "caught alive refused equivalent broken"
@@ -86,13 +86,3 @@ def test_interrupted(tmp_path):
     assert process.communicate(timeout=20)[1] == "" and process.returncode == 128 + signal.SIGINT
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
-
-
-def test_choice():
-    """By name, and some of each kind, always the same."""
-    some = chosen(EVERYTHING, None, 5)
-    assert some == chosen(EVERYTHING, None, 5) and {m.kind for m in some} == {m.kind for m in EVERYTHING}
-    assert chosen(EVERYTHING, [some[0].name], None) == some[:1]
-    for only, sample in ((["no-such"], None), (None, 0)):
-        with pytest.raises(UserError):
-            chosen(EVERYTHING, only, sample)
