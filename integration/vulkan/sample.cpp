@@ -17,12 +17,11 @@ static const std::map<std::string, const std::vector<BokehPass> *> NAMED = {{"la
                                                                             {"layered-octagon", &LAYERED_OCTAGON},
                                                                             {"exact-hexagon", &EXACT_HEXAGON},
                                                                             {"exact-octagon", &EXACT_OCTAGON}};
-static constexpr VkImageAspectFlags COLOR = VK_IMAGE_ASPECT_COLOR_BIT, DEPTH = VK_IMAGE_ASPECT_DEPTH_BIT;
-static constexpr BokehUse NOTHING = {VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
-static constexpr BokehUse COPY_FROM = {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
-                                       VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
-static constexpr BokehUse COPY_TO = {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
+static const vk::ImageAspectFlags COLOR = vk::ImageAspectFlagBits::eColor, DEPTH = vk::ImageAspectFlagBits::eDepth;
+static const BokehUse NOTHING = {}, COPY_FROM = {vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferRead,
+                                                 vk::ImageLayout::eTransferSrcOptimal};
+static const BokehUse COPY_TO = {vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite,
+                                 vk::ImageLayout::eTransferDstOptimal};
 
 // SPIR-V by the compilers of the Vulkan SDK, into the folder; an engine does that when it is built.
 static void compile(bool hlsl, const std::string &folder, const std::string &entry, const std::string &define,
@@ -48,41 +47,35 @@ static std::string read(const std::string &path)
 }
 
 // What your renderer draws, here the bytes of a file.
-static VkImageView upload(BokehDevice &own, VkCommandBuffer commands, const std::string &file, VkExtent2D size,
-                          VkFormat format, VkImageAspectFlags aspect)
+static vk::ImageView upload(BokehDevice &own, vk::CommandBuffer commands, const std::string &file, vk::Extent2D size,
+                            vk::Format format, vk::ImageAspectFlags aspect)
 {
     char *mapped;
     const std::string bytes = read(file);
-    const VkBuffer buffer = own.make_buffer(bytes.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, mapped);
-    const VkImage image = own.make_image(format, size, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
-    const VkBufferImageCopy all = {0, 0, 0, {aspect, 0, 0, 1}, {}, {size.width, size.height, 1}};
+    const vk::Buffer buffer = own.make_buffer(bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, mapped);
+    const vk::Image image =
+        own.make_image(format, size, vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled);
     memcpy(mapped, bytes.data(), bytes.size());
     own.share_memory({image});
     own.barrier(commands, image, NOTHING, COPY_TO, aspect);
-    vkCmdCopyBufferToImage(commands, buffer, image, COPY_TO.layout, 1, &all);
+    const vk::BufferImageCopy all(0, 0, 0, {aspect, 0, 0, 1}, {}, {size.width, size.height, 1});
+    commands.copyBufferToImage(buffer, image, COPY_TO.layout, all);
     own.barrier(commands, image, COPY_TO, PolygonBokeh::READ, aspect);
     return own.make_view(image, format, aspect);
 }
 
-// The frame on a device: its first queue family draws.
-static void draw(VkPhysicalDevice gpu, VkDevice device, bool hlsl, const std::string &name, const std::string &folder)
+static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::string name, std::string folder)
 {
     const std::vector<BokehPass> &frame = *NAMED.at(name);
-    BokehDevice own(gpu, device);
-    VkExtent2D size;
-    VkQueue queue;
-    VkCommandBuffer commands;
+    BokehDevice own{gpu, device};
+    vk::Extent2D size;
     std::istringstream camera(read(folder + "/camera.txt"));
     camera >> size.width >> size.height;
-    const VkCommandPool pool =
-        own.make(vkCreateCommandPool, vkDestroyCommandPool, {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO});
-    const VkCommandBufferAllocateInfo asked = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, pool,
-                                               VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
-    const VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    own.check(vkAllocateCommandBuffers(device, &asked, &commands));
-    own.check(vkBeginCommandBuffer(commands, &begin));
-    const VkImageView color = upload(own, commands, folder + "/color.f16", size, PolygonBokeh::FORMAT, COLOR);
-    const VkImageView depth = upload(own, commands, folder + "/depth.f32", size, VK_FORMAT_D32_SFLOAT, DEPTH);
+    const vk::UniqueCommandPool pool = device.createCommandPoolUnique({});
+    const vk::CommandBuffer commands = device.allocateCommandBuffers({*pool, vk::CommandBufferLevel::ePrimary, 1})[0];
+    commands.begin(vk::CommandBufferBeginInfo());
+    const auto color = upload(own, commands, folder + "/color.f16", size, PolygonBokeh::FORMAT, COLOR);
+    const auto depth = upload(own, commands, folder + "/depth.f32", size, vk::Format::eD32Sfloat, DEPTH);
     compile(hlsl, folder, "BokehFullScreen", "FULL_SCREEN", true);
     for (const BokehPass &pass : frame)
         compile(hlsl, folder, pass.entry, pass.define);
@@ -91,26 +84,22 @@ static void draw(VkPhysicalDevice gpu, VkDevice device, bool hlsl, const std::st
     camera >> set.ApertureDiameter >> set.FocalLength >> set.FocusDistance >> set.MaxCoC >> set.Near >> set.Far;
     // record(), and a copy of what each pass wrote before another one takes its memory
     char *mapped;
-    VkDeviceSize bytes = 0;
-    const VkDeviceSize room = 32 * frame.size() * size.width * size.height;
-    const VkBuffer copies = own.make_buffer(room, VK_BUFFER_USAGE_TRANSFER_DST_BIT, mapped);
+    size_t bytes = 0, result = 8 * size.width * size.height;
+    const auto copies = own.make_buffer(4 * result * frame.size(), vk::BufferUsageFlagBits::eTransferDst, mapped);
     for (size_t i = 0; i < frame.size(); i++) {
         bokeh.record_pass(commands, 0, i);
         for (const std::string &written : frame[i].writes) {
             const auto &[image, view, area] = bokeh.targets[written];
-            const VkBufferImageCopy all = {bytes, 0, 0, {COLOR, 0, 0, 1}, {}, {area.width, area.height, 1}};
+            const vk::BufferImageCopy all(bytes, 0, 0, {COLOR, 0, 0, 1}, {}, {area.width, area.height, 1});
             own.barrier(commands, image, PolygonBokeh::READ, COPY_FROM);
-            vkCmdCopyImageToBuffer(commands, image, COPY_FROM.layout, copies, 1, &all);
+            commands.copyImageToBuffer(image, COPY_FROM.layout, copies, all);
             own.barrier(commands, image, COPY_FROM, PolygonBokeh::READ);
             bytes += 8 * area.width * area.height;
         }
     }
-    own.check(vkEndCommandBuffer(commands));
-    const VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO, nullptr, 0, nullptr, nullptr, 1, &commands};
-    vkGetDeviceQueue(device, 0, 0, &queue);
-    own.check(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
-    own.check(vkDeviceWaitIdle(device));
-    const size_t result = 8 * size.width * size.height;
+    commands.end();
+    device.getQueue(0, 0).submit(vk::SubmitInfo({}, {}, commands));
+    device.waitIdle();
     std::ofstream(folder + "/" + name + ".written", std::ios::binary).write(mapped, bytes);
     std::ofstream(folder + "/" + name + ".f16", std::ios::binary).write(mapped + bytes - result, result);
 }
@@ -119,28 +108,15 @@ int main(int argc, char **argv)
 try {
     if (argc != 4 || !NAMED.count(argv[2]))
         throw std::runtime_error("sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER");
-    const VkApplicationInfo application = {
-        VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, nullptr, 0, nullptr, 0, VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo wanted = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, nullptr, 0, &application};
-    VkInstance instance;
-    BokehDevice::check(vkCreateInstance(&wanted, nullptr, &instance));
-    uint32_t one = 1;
-    VkPhysicalDevice gpu;
-    if (vkEnumeratePhysicalDevices(instance, &one, &gpu) < 0 || !one)
-        throw std::runtime_error("no Vulkan device");
-    VkPhysicalDeviceProperties known;
-    vkGetPhysicalDeviceProperties(gpu, &known);
-    std::cout << known.deviceName << std::endl;
+    const vk::ApplicationInfo application(nullptr, 0, nullptr, 0, VK_API_VERSION_1_3);
+    const vk::UniqueInstance instance = vk::createInstanceUnique({{}, &application});
+    const vk::PhysicalDevice gpu = instance->enumeratePhysicalDevices().at(0);
+    std::cout << gpu.getProperties().deviceName << std::endl;
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
-    const VkPhysicalDeviceVulkan13Features features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                                       .synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE};
-    const VkDeviceCreateInfo asked = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features, 0, 1, &queue};
-    VkDevice device;
-    BokehDevice::check(vkCreateDevice(gpu, &asked, nullptr, &device));
-    draw(gpu, device, argv[1] == std::string("hlsl"), argv[2], argv[3]);
-    vkDestroyDevice(device, nullptr);
-    vkDestroyInstance(instance, nullptr);
+    const vk::DeviceQueueCreateInfo queue({}, 0, 1, &priority); // the first family, which draws
+    const auto features = vk::PhysicalDeviceVulkan13Features().setSynchronization2(true).setDynamicRendering(true);
+    const auto device = gpu.createDeviceUnique(vk::DeviceCreateInfo({}, queue).setPNext(&features));
+    draw(gpu, *device, argv[1] == std::string("hlsl"), argv[2], argv[3]);
 } catch (const std::exception &error) {
     std::cerr << error.what() << std::endl;
     return 1;

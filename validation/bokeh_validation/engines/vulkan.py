@@ -21,7 +21,7 @@ from bokeh_validation.truth import ray_traced
 
 SAMPLE = paths.ROOT / "integration/vulkan"
 NAMES = ("vulkan-glsl", "vulkan-hlsl")
-BUILD = "g++ -std=c++20 -O1 -Wall sample.cpp -lvulkan"  # in its folder; ' -o PROGRAM' is added. 3 s of one core
+BUILD = "g++ -std=c++20 -O1 -Wall sample.cpp -lvulkan"  # in its folder; ' -o PROGRAM' is added. 10 s of one core
 INSTALL = "apt-get install -y g++ libvulkan-dev glslang-tools vulkan-validationlayers"
 LAYERS = Path("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json")
 CHECKS = {
