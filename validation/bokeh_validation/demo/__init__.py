@@ -8,8 +8,11 @@ import base64
 import gzip
 import json
 import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Annotated
 
@@ -127,34 +130,24 @@ def _imported(statement: re.Match) -> str:
     return f'{statement[1]} "bokeh/{PACKAGES.get(name, name.rpartition("/")[2])}"'
 
 
-class _Answer(BaseHTTPRequestHandler):
-    """Of the server: the page at /, nothing elsewhere."""
-
-    def __init__(self, body: bytes, *arguments):
-        self.body = body
-        super().__init__(*arguments)
-
-    def do_GET(self):
-        """The page, under one name."""
-        known = self.path.partition("?")[0] == "/"
-        body = self.body if known else b""
-        self.send_response(200 if known else 404)
-        self.send_header("Content-Type", "text/html; charset=utf-8")
-        self.send_header("Content-Length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
+class _Handler(SimpleHTTPRequestHandler):
+    """Files of a folder, in silence."""
 
     def log_message(self, *_):
         """Nothing."""
 
 
-def server(port: int) -> ThreadingHTTPServer:
+@contextmanager
+def server(port: int) -> Iterator[ThreadingHTTPServer]:
     """What serves the page to this machine alone; port 0 takes a free one. Raises UserError."""
-    body = page().encode()
-    try:
-        return ThreadingHTTPServer((HOST, port), partial(_Answer, body))
-    except (OSError, OverflowError) as error:
-        raise UserError(f"--port {port}: cannot be used ({error}). Give another, or 0 for any.") from error
+    with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
+        Path(folder, "index.html").write_text(page(), encoding="utf-8")
+        try:
+            serving = ThreadingHTTPServer((HOST, port), partial(_Handler, directory=folder))
+        except (OSError, OverflowError) as error:
+            raise UserError(f"--port {port}: cannot be used ({error}). Give another, or 0 for any.") from error
+        with serving:
+            yield serving
 
 
 def demo(
