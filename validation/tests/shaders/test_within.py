@@ -118,6 +118,11 @@ FULL_LAYERS = [
     {"jitter": 1.0, "squeeze": 0.7},
     {"aperture": "decagon", "preset": "low", "jitter": 0.5, "rotation": 20.0},
     {"aperture": "decagon", "preset": "ultra", "targets": False},
+    {"aperture": "square", "preset": "high", "targets": False, "rotation": 5.0},
+    {"camera": CAMERA, "preset": "high", "jitter": 1.0, "frame": 3},
+    {"camera": CAMERA, "coc": 0.25, "squeeze": 1.5, "rotation": -30.0},
+    {"camera": CAMERA, "coc": 0.05, "preset": "low"},
+    {"camera": CAMERA, "coc": 0.0},
     # edges with fewer samples than texels
     {"aperture": "square", "preset": "low", "jitter": 1.0, "camera": replace(FULL, max_coc=1.0)},
 ]
@@ -187,28 +192,6 @@ def test_settings(group, driver, request):
         _, comparison = within(driver, noise_case((75, 50) if settings.method == "layered" else (61, 48), settings))
         if driver.software and group in PLAIN:
             assert comparison.close >= 0.98, (settings, comparison)
-
-
-LAYERED = [
-    {"rotation": 17.0},
-    {"squeeze": 0.5},
-    {"squeeze": 1.5, "rotation": -30.0},
-    {"jitter": 1.0, "frame": 3},
-    *({"aperture": aperture, "rotation": 5.0} for aperture in ("square", "octagon", "decagon")),
-    *({"aperture": aperture, "targets": False} for aperture in ("square", "octagon", "decagon")),
-    *({"preset": preset} for preset in methods.PRESETS if preset != "medium"),
-    {"camera": WIDE},
-    {"camera": WIDE, "aperture": "decagon", "jitter": 0.5, "preset": "low"},
-    {"coc": 0.0},
-    {"coc": 0.05},
-    {"coc": 0.25},
-]
-
-
-def test_settings_of_layered():
-    """Every setting of layered away from its default, in one language."""
-    for settings in settings_of(Settings("layered", "hexagon", 7, camera=CAMERA), LAYERED):
-        within(load("osmesa"), noise_case((75, 50), settings))
 
 
 def black_and_bright() -> Case:
