@@ -70,17 +70,6 @@ def test_made_for_a_cut(sides, uncut):
     assert area == pytest.approx(abs(polygons.signed_area(apertures.even_polygon(sides))), abs=2.0**-12)
 
 
-def test_calls_that_no_frame_has():
-    """To the bit. One sample is one end of the line, where the distance between samples would be 0 / 0: WGSL cannot
-    refuse BOKEH_PAPER_SAMPLES = 1 as the others do. Layers without jitter, of an image that fills its textures.
-    """
-    offset = "BokehResult = vec4(BokehMakeOffsets(vec2(0.25, 0.5), 0, 1), 0.0, 0.0);"
-    np.testing.assert_array_equal(evaluated(offset), [-0.25, -0.5, 0.0, 0.0])
-    layers = """BokehLayers layers = BokehMakeLayers(vec2(0.5, 0.5), vec2(64.0, 48.0), 0.25);
-    BokehResult = vec4(layers.jitter, layers.largest, layers.origin.x, layers.texel.y * 48.0);"""
-    np.testing.assert_array_equal(evaluated(layers), [0.0, 12.0, 0.0, 1.0])
-
-
 @pytest.mark.parametrize("method", ["exact", "layered"])
 @in_each_language
 def test_nothing_to_cut(method, driver):
