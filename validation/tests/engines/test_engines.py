@@ -116,12 +116,10 @@ def test_bevy_dependency(way, request):
     with needed("bevy"):
         crate = bevy.copied()
         # always the same place: Cargo keeps what it built by it
-        project, repository = crate.parent / f"by-{way}", crate.parent / "repository"
+        project, place = crate.parent / f"by-{way}", str(crate)
         shutil.rmtree(project, ignore_errors=True)
-        place = str(crate)
         if way == "git":
-            shutil.rmtree(repository, ignore_errors=True)
-            shutil.copytree(crate, repository)
+            repository = shutil.copytree(crate, project / "repository")
             for words in ("init -q", "add .", "-c user.name=a -c user.email=a@b.c commit -qm crate"):
                 process.run(["git", *words.split()], 60.0, repository)
             place = repository.as_uri()

@@ -31,7 +31,7 @@ const SMALL: UVec2 = UVec2::new(256, 172);
 const SIZE: UVec2 = UVec2::new(512, 344);
 
 /// Frames until what is read back is the new shot.
-const FRAMES_PER_SHOT: u32 = 12;
+const FRAMES_PER_SHOT: u32 = 8;
 
 /// Method, shape, preset, [`Msaa`] and size, in one run. Nothing moves: depth is that of the paper's shots.
 const SHOTS: [(&str, BokehMethod, BokehShape, BokehPreset, Msaa, UVec2); 8] = [
