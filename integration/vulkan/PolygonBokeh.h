@@ -76,6 +76,15 @@ struct BokehDevice {
             device.bindImageMemory(image, memory, 0);
     }
 
+    static std::string read(const std::string &path)
+    {
+        std::ifstream file(path, std::ios::binary);
+        const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+        if (bytes.empty())
+            throw std::runtime_error("cannot read " + path);
+        return bytes;
+    }
+
     static void barrier(vk::CommandBuffer commands, vk::Image image, const BokehUse &from, const BokehUse &to,
                         vk::ImageAspectFlags aspect = vk::ImageAspectFlagBits::eColor)
     {
@@ -231,10 +240,7 @@ private:
 
     vk::UniqueShaderModule load(const std::string &folder, const std::string &entry)
     {
-        std::ifstream file(folder + "/" + entry + ".spv", std::ios::binary);
-        const std::string code((std::istreambuf_iterator<char>(file)), {});
-        if (code.empty())
-            throw std::runtime_error(folder + " has no " + entry + ".spv");
+        const std::string code = read(folder + "/" + entry + ".spv");
         return device.createShaderModuleUnique({{}, code.size(), (const uint32_t *)code.data()});
     }
 

@@ -40,18 +40,12 @@ static void compile(bool hlsl, const std::string &folder, const std::string &ent
         throw std::runtime_error("cannot compile " + name);
 }
 
-static std::string read(const std::string &path)
-{
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // What your renderer draws, here the bytes of a file.
 static vk::ImageView upload(BokehDevice &own, vk::CommandBuffer commands, const std::string &file, vk::Extent2D size,
                             vk::Format format, vk::ImageAspectFlags aspect)
 {
     char *mapped;
-    const std::string bytes = read(file);
+    const std::string bytes = BokehDevice::read(file);
     const vk::Buffer buffer = own.make_buffer(bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, mapped);
     const vk::Image image =
         own.make_image(format, size, vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled);
@@ -69,7 +63,7 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
     const std::vector<BokehPass> &frame = *NAMED.at(name);
     BokehDevice own{gpu, device};
     vk::Extent2D size;
-    std::istringstream camera(read(folder + "/camera.txt"));
+    std::istringstream camera(BokehDevice::read(folder + "/camera.txt"));
     camera >> size.width >> size.height;
     const vk::UniqueCommandPool pool = device.createCommandPoolUnique({});
     const vk::CommandBuffer commands = device.allocateCommandBuffers({*pool, vk::CommandBufferLevel::ePrimary, 1})[0];
@@ -97,6 +91,10 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
             bytes += 8 * area.width * area.height;
         }
     }
+    // waiting for the device does not show its writes to the processor
+    const vk::MemoryBarrier2 shown(COPY_TO.stages, COPY_TO.access, vk::PipelineStageFlagBits2::eHost,
+                                   vk::AccessFlagBits2::eHostRead);
+    commands.pipelineBarrier2({{}, shown});
     commands.end();
     device.getQueue(0, 0).submit(vk::SubmitInfo({}, {}, commands));
     device.waitIdle();
