@@ -34,11 +34,12 @@ def test_scenes(scene, method, aperture, all_drivers):
 
 
 def test_maps_depth_and_views(driver):
-    """CoC maps through five lenses, depth of every kind, the debug views, also of a part: with hostile numbers in each,
-    and at the ends, where a MaxCoC of 0 must not divide by 0.
+    """CoC maps through five lenses and of a constant, depth of every kind, the debug views, also of a part.
+
+    With hostile numbers in each, and at the ends, where a MaxCoC of 0 must not divide by 0.
     """
     frames = small_frames.all_frames()
-    for label in (label for label in frames if label.startswith(("map", "view", "depth"))):
+    for label in (label for label in frames if label.startswith(("map", "constant", "view", "depth"))):
         for judge in small_frames.judges(label, frames[label], driver.precision, driver.rounding):
             assert not judge.objection(driver)
 

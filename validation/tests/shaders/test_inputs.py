@@ -155,15 +155,6 @@ def test_cameras(name, driver):
     np.testing.assert_array_equal(signed, np.where(depth < focus, -coc, coc))
 
 
-def test_constant_coc_is_clamped(driver):
-    """A constant CoC below 0 is 0, one above MaxCoC is that."""
-    for value, wanted in ((-0.5, 0.0), (0.125, 0.125), (0.5, 0.25)):
-        parameters = {"BokehConstantCoC": value, "BokehMaxCoC": 0.25}
-        item = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", parameters)
-        output = driver.run([item], {"color": flat((4, 2), 1.0)}, (4, 2))["result"]
-        np.testing.assert_array_equal(output[..., 3], wanted)
-
-
 FOCUS = methods.Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
 
 
