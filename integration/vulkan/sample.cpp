@@ -76,12 +76,13 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
     PolygonBokeh bokeh(gpu, device, frame, folder, size, color, depth);
     BokehParameters &set = bokeh.parameters;
     camera >> set.ApertureDiameter >> set.FocalLength >> set.FocusDistance >> set.MaxCoC >> set.Near >> set.Far;
-    // record(), and a copy of what each pass wrote before another one takes its memory
+    bokeh.record(commands, 0);
+    // the same again, with a copy of what each pass wrote before another one takes its memory
     char *mapped;
     size_t bytes = 0, result = 8 * size.width * size.height;
     const auto copies = own.make_buffer(4 * result * frame.size(), vk::BufferUsageFlagBits::eTransferDst, mapped);
     for (size_t i = 0; i < frame.size(); i++) {
-        bokeh.record_pass(commands, 0, i);
+        bokeh.record_pass(commands, 1, i);
         for (const std::string &written : frame[i].writes) {
             const auto &[image, view, area] = bokeh.targets[written];
             const vk::BufferImageCopy all(bytes, 0, 0, {COLOR, 0, 0, 1}, {}, {area.width, area.height, 1});
