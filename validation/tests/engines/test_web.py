@@ -74,7 +74,9 @@ def project(tmp_path_factory):
         folder = root / "project"
         folder.mkdir()
         (folder / "package.json").write_text('{"type": "module"}')
-        pages.call_npm(folder, "install", "--install-links", WEB)
+        commands = (WEB / "README.md").read_text(encoding="utf-8").split("```")[1].splitlines()[1:]
+        for line in [*commands, "npm install"]:  # the last must not make a link of the copy
+            pages.call_npm(folder, *(WEB if "PATH" in word else word for word in line.split()[1:]))
     for name in SAMPLES:
         shutil.copytree(INTEGRATION / name, folder / name, ignore=shutil.ignore_patterns("*.json", "node_modules"))
     return folder
