@@ -1082,8 +1082,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTUR
                 {
                     vec2 place = first + along * float(i);
                     vec2 texel = floor(place);
-                    // 0.49: places just between two texels go to one of them
-                    vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+                    // steeper between two texels than the linear filter is
+                    vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
                         steepness, none, whole);
                     // both at once: this one and the one opposite to it
                     vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);

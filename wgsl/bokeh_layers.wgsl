@@ -1081,8 +1081,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
                 {
                     let place: vec2f = first + along * f32(i);
                     let texel: vec2f = floor(place);
-                    // 0.49: places just between two texels go to one of them
-                    let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+                    // steeper between two texels than the linear filter is
+                    let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
                         steepness, none, whole);
                     // both at once: this one and the one opposite to it
                     let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,

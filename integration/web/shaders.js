@@ -1455,7 +1455,7 @@ for (int i = 0; i < onEdge; i++)
 {
 vec2 place = first + along * float(i);
 vec2 texel = floor(place);
-vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
 steepness, none, whole);
 vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
 vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
@@ -3052,7 +3052,7 @@ for (var i: i32 = 0; i < onEdge; i++)
 {
 let place: vec2f = first + along * f32(i);
 let texel: vec2f = floor(place);
-let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
 steepness, none, whole);
 let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
 BokehLinearClamp);

@@ -1396,7 +1396,7 @@ for (var i: i32 = 0; i < onEdge; i++)
 {
 let place: vec2f = first + along * f32(i);
 let texel: vec2f = floor(place);
-let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
 steepness, none, whole);
 let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
 BokehLinearClamp);

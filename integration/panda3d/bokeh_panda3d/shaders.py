@@ -1449,7 +1449,7 @@ for (int i = 0; i < onEdge; i++)
 {
 vec2 place = first + along * float(i);
 vec2 texel = floor(place);
-vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
 steepness, none, whole);
 vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
 vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);

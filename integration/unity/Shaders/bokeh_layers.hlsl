@@ -1100,8 +1100,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
                 {
                     float2 place = first + along * float(i);
                     float2 texel = floor(place);
-                    // 0.49: places just between two texels go to one of them
-                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.49 *
+                    // steeper between two texels than the linear filter is
+                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
                         steepness, none, whole);
                     // both at once: this one and the one opposite to it
                     float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
