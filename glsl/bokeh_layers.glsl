@@ -760,11 +760,15 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   scale         of the texture: 2, or 4 where it is a level
-//   blur          from BokehLayerBlur
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
-    vec3 blur, BokehLayers layers)
+//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
+    bool secondPass, vec3 blur, BokehLayers layers)
 {
+    float scale = 2.0;
+    if (blur.z > -0.5)
+    {
+        scale = 4.0;
+    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
     float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -775,7 +779,17 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon,
     for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase), grid);
+        vec2 place = first + cellLength * (float(i) + cell * phase);
+        vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
+        if (blur.z > -0.5)
+        {
+            texel = BokehFetchGrid(LevelSamp, place, grid);
+        }
+        else
+        {
+            texel = BokehFetchGrid(tex, place, grid);
+        }
+        sum += cell * texel;
     }
     sum = sum / cells;
     if (secondPass)
@@ -791,22 +805,6 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 {
     vec4 w = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
-}
-
-// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
-vec4 BokehFirstLine(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-    vec3 blur, BokehLayers layers)
-{
-    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-    if (blur.z > -0.5)
-    {
-        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers);
-    }
-    else
-    {
-        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers);
-    }
-    return sum;
 }
 
 // Layers: first pass over a layer
@@ -827,18 +825,18 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, v
         vec4 L2 = none;
         vec4 L3 = none;
         vec4 L4 = none;
-        vec4 L1 = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers);
+        vec4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers);
         if (last > 2)
         {
-            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers);
+            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers);
         }
         if (last > 3)
         {
-            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers);
+            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers);
         }
         if (last > 4)
         {
-            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers);
+            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -864,20 +862,21 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TE
     vec2 center = layers.uv * ceil(layers.size / 2.0);
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    vec3 own = vec3(blur.x, blur.y, -1.0);
     if (blur.x > 0.51)
     {
-        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers);
+        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers);
+            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers);
+            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers);
+            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers);
         }
         result = result / polygon.area;
     }

@@ -772,11 +772,15 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   scale         of the texture: 2, or 4 where it is a level
-//   blur          from BokehLayerBlur
-float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
-    float3 blur, BokehLayers layers BOKEH_SAMPLER)
+//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
+float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
+    bool secondPass, float3 blur, BokehLayers layers BOKEH_SAMPLER)
 {
+    float scale = 2.0;
+    if (blur.z > -0.5)
+    {
+        scale = 4.0;
+    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
     float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -787,8 +791,17 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygo
     BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
     {
         float cell = clamp(cells - float(i), 0.0, 1.0);
-        sum += cell * BokehFetchGrid(tex, first + cellLength * (float(i) + cell * phase),
-            grid BOKEH_LINEAR);
+        float2 place = first + cellLength * (float(i) + cell * phase);
+        float4 texel = float4(0.0, 0.0, 0.0, 0.0);
+        if (blur.z > -0.5)
+        {
+            texel = BokehFetchGrid(LevelSamp, place, grid BOKEH_LINEAR);
+        }
+        else
+        {
+            texel = BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
+        }
+        sum += cell * texel;
     }
     sum = sum / cells;
     if (secondPass)
@@ -804,22 +817,6 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 {
     float4 w = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
-}
-
-// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
-float4 BokehFirstLine(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-    float3 blur, BokehLayers layers BOKEH_SAMPLER)
-{
-    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-    if (blur.z > -0.5)
-    {
-        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers BOKEH_LINEAR);
-    }
-    else
-    {
-        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers BOKEH_LINEAR);
-    }
-    return sum;
 }
 
 // Layers: first pass over a layer
@@ -840,18 +837,19 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, f
         float4 L2 = none;
         float4 L3 = none;
         float4 L4 = none;
-        float4 L1 = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers BOKEH_LINEAR);
+        float4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur,
+            layers BOKEH_LINEAR);
         if (last > 2)
         {
-            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers BOKEH_LINEAR);
+            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers BOKEH_LINEAR);
         }
         if (last > 3)
         {
-            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers BOKEH_LINEAR);
+            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers BOKEH_LINEAR);
         }
         if (last > 4)
         {
-            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers BOKEH_LINEAR);
+            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers BOKEH_LINEAR);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -879,20 +877,24 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     float3 blur = BokehLayerBlur(sizes, isFar, polygon);
+    float3 own = float3(blur.x, blur.y, -1.0);
     if (blur.x > 0.51)
     {
-        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers BOKEH_LINEAR);
+        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own,
+                layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own,
+                layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers BOKEH_LINEAR);
+            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own,
+                layers BOKEH_LINEAR);
         }
         result = result / polygon.area;
     }

@@ -742,11 +742,15 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSam
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   scale         of the texture: 2, or 4 where it is a level
-//   blur          from BokehLayerBlur
-fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon, secondPass: bool,
-    blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
+fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
+    secondPass: bool, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
+    var scale: f32 = 2.0;
+    if (blur.z > -0.5)
+    {
+        scale = 4.0;
+    }
     let grid: BokehGrid = BokehReducedGrid(layers, scale);
     let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
     let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -758,8 +762,17 @@ fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygo
     for (var i: i32 = 0; i < i32(ceil(cells)); i++)
     {
         let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), grid,
-            BokehLinearClamp);
+        let place: vec2f = first + cellLength * (f32(i) + cell * phase);
+        var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        if (blur.z > -0.5)
+        {
+            texel = BokehFetchGrid(LevelSamp, place, grid, BokehLinearClamp);
+        }
+        else
+        {
+            texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+        }
+        sum += cell * texel;
     }
     sum = sum / cells;
     if (secondPass)
@@ -776,22 +789,6 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
 {
     let w: vec4f = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
-}
-
-// Layers: BokehLayerLine of the first pass: of the level, where samples are far apart
-fn BokehFirstLine(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32,
-    polygon: BokehPolygon, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
-{
-    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    if (blur.z > -0.5)
-    {
-        sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers, BokehLinearClamp);
-    }
-    else
-    {
-        sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers, BokehLinearClamp);
-    }
-    return sum;
 }
 
 // Layers: first pass over a layer
@@ -813,19 +810,22 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes
         var L2: vec4f = none;
         var L3: vec4f = none;
         var L4: vec4f = none;
-        let L1: vec4f = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers,
+        let L1: vec4f = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers,
             BokehLinearClamp);
         if (last > 2)
         {
-            L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers, BokehLinearClamp);
+            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers,
+                BokehLinearClamp);
         }
         if (last > 3)
         {
-            L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers, BokehLinearClamp);
+            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers,
+                BokehLinearClamp);
         }
         if (last > 4)
         {
-            L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers, BokehLinearClamp);
+            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers,
+                BokehLinearClamp);
         }
         targets.edge2 = L1;
         targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -853,22 +853,24 @@ fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
+    let own: vec3f = vec3f(blur.x, blur.y, -1.0);
     if (blur.x > 0.51)
     {
-        result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
+        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers,
+            BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers,
+            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers,
+            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers,
+            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers,
                 BokehLinearClamp);
         }
         result = result / polygon.area;

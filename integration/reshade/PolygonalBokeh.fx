@@ -114,8 +114,8 @@ float4 FocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
     float2 at = FocusMode == 2 ? MousePoint / float2(BUFFER_WIDTH, BUFFER_HEIGHT) : float2(0.5, 0.5);
     float metres = FocusMode == 0 ? FocusDistance : MetresAt(saturate(at));
     float inverse = 1.0 / clamp(metres, 0.2, 10000.0);
-    // 0 in the first frame
-    if (FocusMode > 0 && PullTime > 0.0 && before > 0.0)
+    // in the first frame the texture holds 0, or anything: what this pass never writes is not pulled from
+    if (FocusMode > 0 && PullTime > 0.0 && before > 0.19)
     {
         inverse = lerp(inverse, 1.0 / before, exp(-0.001 * FrameTime / PullTime));
     }

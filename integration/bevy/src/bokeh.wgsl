@@ -1126,9 +1126,14 @@ targets.back = vec4f(far.rgb / far.a, 1.0);
 }
 return targets;
 }
-fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon, secondPass: bool,
-blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
+secondPass: bool, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 {
+var scale: f32 = 2.0;
+if (blur.z > -0.5)
+{
+scale = 4.0;
+}
 let grid: BokehGrid = BokehReducedGrid(layers, scale);
 let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
 let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
@@ -1140,8 +1145,17 @@ var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var i: i32 = 0; i < i32(ceil(cells)); i++)
 {
 let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-sum += cell * BokehFetchGrid(tex, first + cellLength * (f32(i) + cell * phase), grid,
-BokehLinearClamp);
+let place: vec2f = first + cellLength * (f32(i) + cell * phase);
+var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+if (blur.z > -0.5)
+{
+texel = BokehFetchGrid(LevelSamp, place, grid, BokehLinearClamp);
+}
+else
+{
+texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+}
+sum += cell * texel;
 }
 sum = sum / cells;
 if (secondPass)
@@ -1156,20 +1170,6 @@ L4: vec4f) -> vec4f
 let w: vec4f = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-fn BokehFirstLine(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32,
-polygon: BokehPolygon, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
-{
-var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (blur.z > -0.5)
-{
-sum = BokehLayerLine(LevelSamp, 4.0, k, polygon, false, blur, layers, BokehLinearClamp);
-}
-else
-{
-sum = BokehLayerLine(LayerSamp, 2.0, k, polygon, false, blur, layers, BokehLinearClamp);
-}
-return sum;
-}
 fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes: vec2f,
 isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayers,
 BokehLinearClamp: sampler) -> BokehTargets
@@ -1183,19 +1183,22 @@ if (blur.x > 0.51)
 var L2: vec4f = none;
 var L3: vec4f = none;
 var L4: vec4f = none;
-let L1: vec4f = BokehFirstLine(LayerSamp, LevelSamp, 1, polygon, blur, layers,
+let L1: vec4f = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers,
 BokehLinearClamp);
 if (last > 2)
 {
-L2 = BokehFirstLine(LayerSamp, LevelSamp, 2, polygon, blur, layers, BokehLinearClamp);
+L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers,
+BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehFirstLine(LayerSamp, LevelSamp, 3, polygon, blur, layers, BokehLinearClamp);
+L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers,
+BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehFirstLine(LayerSamp, LevelSamp, 4, polygon, blur, layers, BokehLinearClamp);
+L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers,
+BokehLinearClamp);
 }
 targets.edge2 = L1;
 targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
@@ -1219,22 +1222,24 @@ polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
 let center: vec2f = layers.uv * ceil(layers.size / 2.0);
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
+let own: vec3f = vec3f(blur.x, blur.y, -1.0);
 if (blur.x > 0.51)
 {
-result = BokehLayerLine(Edge2Samp, 2.0, 2, polygon, true, blur, layers, BokehLinearClamp);
+result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers,
+BokehLinearClamp);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp, 2.0, 3, polygon, true, blur, layers,
+result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp, 2.0, 4, polygon, true, blur, layers,
+result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp, 2.0, 5, polygon, true, blur, layers,
+result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers,
 BokehLinearClamp);
 }
 result = result / polygon.area;

@@ -32,7 +32,7 @@ plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 demo --output /no/such/folder/x.html | /no/such/folder
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
-peers --motion walk | --motion walk: unknown. Give one of pan, dolly
+peers --motion walk | --motion walk: unknown. Give one of still, pan
 peers --motion pan --scene market_7 | --motion pan; Leave out --scene
 peers --pictures /no/such/folder | --pictures /no/such/folder
 peers --search /no/such/p.json | /no/such/p.json; no folder
@@ -64,7 +64,7 @@ truth --random 0 | --random 0: not allowed. Give 1 to 10000
 truth --random 3 --motion pan | --random and --motion; Give one of them
 truth --random 3 --seed -1 | --seed -1: not allowed; 0 or more
 truth --seed 3 | --seed 3; with --random N
-truth --motion walk | --motion walk: unknown. Give one of pan, dolly; all.
+truth --motion walk | --motion walk: unknown. Give one of still, pan; all.
 truth --motion pan --method "gather, jitter" | gather, jitter: unknown; layered medium, jitter
 truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
 """
