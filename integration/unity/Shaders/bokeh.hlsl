@@ -77,8 +77,7 @@
 //
 //   name                     default   range   meaning
 //   BOKEH_NUM_SAMPLES        9         2 ..    samples on a line, at most; the preset sets it
-//   BOKEH_SPACING            1.5       >= 0    pixels between them; the preset sets it; 0.0: always
-//                                              as many
+//   BOKEH_SPACING            1.5       >= 0    pixels between; the preset sets it; 0.0: all, always
 //   BOKEH_VIEWPORT           0         0, 1    1: the image is a part of its textures
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled, its first sample is read
 //   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float

@@ -83,14 +83,16 @@ def test_nothing_leaks_in(name, driver):
     nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
     textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
     textures |= plan.tables
-    scales = {name: item.scale for item in plan.passes for name in item.outputs}
+    # in shader model 3 the last pass of layered has no room for this: variants.NO_ROOM
+    passes = [item for item in plan.passes if (driver.name, item.entry) != ("d3d9", "BokehComposite")]
+    scales = {name: item.scale for item in passes for name in item.outputs}
     # debug views of NaN into every target, each at its scale
     inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
     poison = [Pass("BokehDebug", inputs, name, scale=scale) for name, scale in scales.items()]
-    outputs = driver.run([*poison, *plan.passes], textures | {"nan": nothing}, size, keep=scales)
+    outputs = driver.run([*poison, *passes], textures | {"nan": nothing}, size, keep=scales)
     by_pass = settings.method == "layered" or settings.cats_eye > 0.0 or settings.lateral > 0.0
     given = outputs if by_pass else None
-    wanted = Reference().images(plan.passes, textures, size, "half", driver.precision, driver.rounding, given=given)
+    wanted = Reference().images(passes, textures, size, "half", driver.precision, driver.rounding, given=given)
     for name in scales if by_pass else (plan.result,):
         x, y, width, height = area = target_area(scales[name], viewport)
         found = inside(outputs[name], area)
@@ -101,7 +103,9 @@ def test_nothing_leaks_in(name, driver):
             part = wanted[name].part(slice(y, y + height), slice(x, x + width))
             comparison = metrics.compare(found, part, software)
             assert comparison.outside == 0, (name, comparison)
-    whole = outputs["result"].copy()
+    if plan.result not in outputs:
+        return
+    whole = outputs[plan.result].copy()
     part = inside(whole, viewport)
     assert (part[..., :3] >= 0).all() and (np.abs(part[..., 3]) <= 1.0).all()
     part[:] = np.nan
