@@ -170,6 +170,11 @@ def rows(language: Language, method: str, aperture: str) -> list[str]:
     return lines
 
 
+# Arguments that each sample has under the library's name, and two of the line filter, which no sample calls
+LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayers layers", "BokehFilter settings")
+LOCALS += ("BOKEH_DEPTH_TEXTURE DepthSamp", "vec2 lineEnd")
+
+
 def call(item: Pass, names: dict[str, str]) -> str:
     """The function of the library that a pass calls, with a sample's names of textures, uniforms and locals.
 
@@ -194,18 +199,17 @@ def call(item: Pass, names: dict[str, str]) -> str:
         if kind == "BOKEH_TEXTURE":
             # a slot that the polygon has no target for gets the one before, and does not read it
             sampled = textures.get(next(slots), sampled)
-        argument = {
+        known = {
             "BOKEH_TEXTURE": sampled,
-            "vec2": f"BokehLayerSizes({names['sizes']}, layers)"
-            if name == "sizes"
-            else "uv"
-            if name == "uv"
-            else "vec2(0.0, 1.0)"
-            if values["BokehAxis"]
-            else "vec2(1.0, 0.0)",
+            "vec2 sizes": f"BokehLayerSizes({names.get('sizes')}, layers)",
+            "vec2 axis": "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
             "int": f"{_last(item)}",
-        }.get(kind, name)
+            **dict.fromkeys(LOCALS, name),
+        }
+        argument = known.get(kind, known.get(f"{kind} {name}"))
+        if argument is None:
+            raise ValueError(f"{function}: say in samples.call() what the samples give for '{kind} {name}'")
         arguments.append(argument)
     text = f"{function}({', '.join(arguments)})"
     members = returned(item)[1:] if len(item.outputs) == 1 else ()
