@@ -47,17 +47,22 @@ PICTURES = {
         {"lateral colour, 0.01": {**LATERAL, "lateral": 0.01}}
         | {f"axial colour, {lens}: near lights": AXIAL | axial | {"camera": NEAR} for lens, axial in LENSES.items()},
     ],
+    "layers": [
+        {name: {"target": name, "width": 240} for name in names}
+        for names in (("near", "near blurred", "middle"), ("far", "far blurred", "back"))
+    ],
 }
 
 
 def drawn(
     driver: Driver, method: str = "layered", aperture: str = "hexagon", exposure: float = 1.6,
     metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
-    **changes,
+    target: str = "result", width: int = 480, **changes,
 ) -> np.ndarray:  # fmt: skip
-    """market_7 as 8-bit rgb, a part of it or all at half size; with `metres`, as if all were so far away.
+    """market_7 as 8-bit rgb, a part of it or all in so few pixels; with `metres`, as if all were so far away.
 
-    axial  what the map's CoC is shifted by for red and for blue: the frame three times, a channel of each
+    target  what a pass writes
+    axial   what the map's CoC is shifted by for red and for blue: the frame three times, a channel of each
     """
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
@@ -67,10 +72,12 @@ def drawn(
     results = {}
     for shift in {axial[0], 0.0, axial[1]}:
         given = {**textures, "coc": coc + np.float16([0.0, 0.0, 0.0, shift])}
-        results[shift] = driver.run(others, given, case.size)["result"]
+        results[shift] = driver.run(others, given, case.size, keep=(target,))[target]
     channels = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
     pixels = pictures.filmic(np.stack(channels, axis=-1), exposure)
-    return pictures.crop(pixels, *cut) if cut else pictures.halved(pixels)
+    while not cut and pixels.shape[1] > width:
+        pixels = pictures.halved(pixels)
+    return pictures.crop(pixels, *cut) if cut else pixels
 
 
 def pull(driver: Driver) -> list[np.ndarray]:
