@@ -302,8 +302,8 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     frame = of_settings(replace(LAYERED, preset="low", targets=False, **WIDEST), (75, 50))
     passes = (replace(item, parameters={**item.parameters, "BokehSides": 0.0}) for item in frame.passes)
     yield "layered, sides unset, one target", replace(frame, passes=tuple(passes))
-    # a CoC of 96 pixels spreads over 12 tiles
-    yield "large", of_settings(replace(LAYERED, **WIDEST), (128, 96))
+    # a CoC of 98 pixels spreads over 12 tiles; levels are read, whose size is not half of the layers'
+    yield "large", of_settings(replace(LAYERED, **WIDEST), (130, 98))
     yield "layered, one pixel", of_settings(replace(LAYERED, **WIDE), (1, 1))
     # no more than pixels and the linear filter do: not blurred
     frame = of_settings(replace(LAYERED, **WIDE), (64, 48))
