@@ -7,8 +7,9 @@ from bokeh_validation import drivers
 
 # They take longest: begun first, so that nobody waits for one alone at the end.
 LONGEST = (
-    "engines", "patterns", "within", "compile", "hostile", "truth", "demo", "pages", "godot", "drivers",
-    "fuzz", "reference", "guides", "exact", "pictures", "viewport", "validate", "browser", "peers", "bench", "parity",
+    "engines", "web", "patterns", "within", "compile", "hostile", "truth", "demo", "pages", "godot", "drivers",
+    "steady", "fuzz", "reference", "layers", "guides", "exact", "pictures", "viewport", "validate", "browser", "peers",
+    "pack", "render", "check", "frame", "bench", "parity",
 )  # fmt: skip
 
 

@@ -23,15 +23,16 @@ from bokeh_validation.truth import random_score, ray_traced
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
 # Compiled by their main compilers
 BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
-# Probes for --full only: another one shows the same on another polygon or in another place
+# Probes for --full only: another one shows the same on another polygon or in another place, or they are of an option
 FULL_PROBES = (
-    "halo-octagon", "near-edge-octagon", "layered-light-3", "layered-light-9", "layered-sweep",
+    "impulse-octagon", "two-points-octagon", "exact-octagon", "exact-decagon", "halo-octagon", "near-edge-octagon",
+    "layered-light-3", "layered-light-9", "layered-sweep", "cats-eye-exact", "lateral-color", "border",
 )  # fmt: skip
 BRIEF_PROBES = tuple(probe.name for probe in probes.PROBES if probe.name not in FULL_PROBES)
 # What takes longest is begun first
 SLOWEST = (
-    "halo-hexagon", "cats-eye-exact", "lateral-color", "exact-decagon", "exact-octagon", "layered-sweep",
-    "layered-light-1", *engines.SLOWEST,
+    "layered-flatness", "halo-hexagon", "cats-eye-exact", "layered-light-1", "border", "lateral-color",
+    "exact-decagon", "exact-octagon", "layered-sweep", *engines.SLOWEST,
 )  # fmt: skip
 MINUTES = {False: 2, True: 12}
 
