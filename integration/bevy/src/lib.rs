@@ -22,7 +22,7 @@ use bevy::{
         texture::{CachedTexture, TextureCache},
         view::{ExtractedView, ViewDepthTexture, ViewTarget},
     },
-    shader::ShaderDefVal,
+    shader::{ShaderDefVal, load_shader_library},
 };
 
 /// How finely is sampled.
@@ -35,7 +35,7 @@ pub enum BokehPreset {
     Ultra,
 }
 
-/// What a preset defines in `bokeh.wgsl`.
+/// What a preset defines in the shaders.
 const DEFINITIONS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC"];
 
 impl BokehPreset {
@@ -162,6 +162,7 @@ pub struct BokehTextures(pub Vec<(&'static str, CachedTexture)>);
 
 impl Plugin for BokehPlugin {
     fn build(&self, app: &mut App) {
+        load_shader_library!(app, "library.wgsl");
         let shader = Shader::from_wgsl(include_str!("bokeh.wgsl"), "bokeh.wgsl");
         let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(shader);
         app.add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);

@@ -236,6 +236,15 @@ def test_bevy_presets():
     assert found == wanted
 
 
+def test_bevy_import():
+    """The module has what the guide imports. The crate's own passes import it too, and are drawn by test_engines."""
+    guide, module = (
+        (INTEGRATION / "bevy" / name).read_text(encoding="utf-8") for name in ("README.md", "src/library.wgsl")
+    )
+    (imported,) = re.findall(r"`#import polygonal_bokeh::{(.*)}`", guide)
+    assert set(imported.split(", ")) < set(re.findall(r"^(?:fn|struct) (\w+)", module, flags=re.M))
+
+
 @pytest.mark.sample
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_program(name, tmp_path):
