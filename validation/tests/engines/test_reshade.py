@@ -81,9 +81,13 @@ def drawn(folder: Path) -> np.ndarray:
 
 
 @pytest.mark.sample("reshade")
-@pytest.mark.parametrize("technique", ["PolygonalBokeh", "PolygonalBokehExact"])
-def test_picture(technique, tmp_path):
+@pytest.mark.parametrize(
+    ("technique", "cursor"), [("PolygonalBokeh", False), ("PolygonalBokehExact", False), ("PolygonalBokehExact", True)]
+)
+def test_picture(technique, cursor, tmp_path):
     """As the same frame of the harness, through the same curve, at the distance that autofocus finds.
+
+    cursor  focus where the cursor is: vkBasalt knows no other place of it than the first pixel
 
     Both are rounded to 8 bits; the harness's result is a half float before, 2^-11 of its value, which the curve makes
     at most 0.13 of a step of the 8 bits: they differ by one step at most, but where a comparison goes the other way.
@@ -91,8 +95,9 @@ def test_picture(technique, tmp_path):
     scene = ray_traced.picture(ray_traced.MARKET)
     color = np.rint(255.0 * compressed(scene.color[PART][..., :3].astype(float))).astype(np.uint8)
     code = np.rint(np.clip(scene.depth[PART] / FAR_PLANE, 0.0, 1.0) * 65535.0).astype(int)
-    # what the middle of the screen shows
-    code[236:244, 316:324] = round(FOCUS / FAR_PLANE * 65535.0)
+    # what the middle of the screen shows, or the pixel under the cursor
+    place = (slice(8), slice(8)) if cursor else (slice(236, 244), slice(316, 324))
+    code[place] = round(FOCUS / FAR_PLANE * 65535.0)
     Image.fromarray(color).save(tmp_path / "color.png")
     Image.fromarray(np.dstack([code // 256, code % 256, code * 0]).astype(np.uint8)).save(tmp_path / "depth.png")
     for path in (
@@ -103,6 +108,8 @@ def test_picture(technique, tmp_path):
     text = (
         EFFECT.read_text(encoding="ascii").replace("ui_max = 2000.0;", "").replace("> = 1000.0;", f"> = {FAR_PLANE};")
     )
+    if cursor:
+        text = re.sub(r"(uniform int FocusMode <.*?> = )1;", r"\g<1>2;", text, flags=re.DOTALL)
     # vkBasalt runs every technique
     text = re.sub(rf"technique (?!{technique} )\w+ .*?\n\}}\n", "", text, flags=re.DOTALL)
     (tmp_path / "effect.fx").write_text(text, encoding="ascii")
