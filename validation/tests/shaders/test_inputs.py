@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support import in_each_language
+from support import in_each_language, load
+from support_cases import CAMERA, noise_case
 
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import flat
@@ -178,3 +179,33 @@ def test_focus_controls(scale, driver):
     near, far = np.minimum(scale[0] * near, 0.0625), np.minimum(scale[1] * far, 0.03125)
     wanted = np.where(metres < 3.5, -near, np.where(metres > 5.0, far, 0.0))
     np.testing.assert_allclose(found[..., 3], wanted, rtol=ROUNDINGS, atol=2.0**-24)
+
+
+@pytest.mark.parametrize("kind", [5, 6])
+@in_each_language
+def test_orthographic_camera_with_a_near_plane_below_zero(kind, driver):
+    """The recipe of docs/inputs.md: one number added to the planes and the focus moves the camera, and no surface."""
+    near, far, back = -2.0, 8.0, 3.0
+    metres = np.linspace(near, far, 21)
+    stored = (metres - near) / (far - near) if kind == 5 else (far - metres) / (far - near)
+    moved = linearised(driver, [stored], kind, near + back, far + back)[0]
+    # stored depth is off by half of a step of float32 at 1, of which there are far - near metres
+    np.testing.assert_allclose(moved, metres + back, rtol=ROUNDINGS, atol=2.0**-25 * (far - near))
+    coc = coc_map(driver, methods.Camera(0.05, 0.05, 1.5 + back, max_coc=0.2), moved, "BokehSignedCoCMap")
+    assert (coc[metres < 1.5] < 0.0).all() and (coc[metres > 1.5] > 0.0).all() and abs(coc[metres == 1.5]) < 1e-6
+
+
+@pytest.mark.parametrize("method", ["exact", "layered"])
+def test_glass_with_a_coc_of_its_own(method):
+    """Recipe 3 of docs/inputs.md: its CoC drawn into the map's alpha gives, to the bit, what its depth would give."""
+    case, driver = noise_case((48, 32), methods.Settings(method, "hexagon", camera=CAMERA)), load("egl")
+    (first, *rest), glass = case.plan.passes, (slice(8, 24), slice(10, 30))
+    depth = case.depth.copy()
+    depth[glass] = 2.5
+    recipe_1 = driver.run(case.plan.passes, {**case.textures(), "depth": depth}, case.size)["result"]
+    opaque = driver.run([first], case.textures(), case.size, keep=("coc",))["coc"]
+    own = driver.run([first], {**case.textures(), "depth": np.full_like(depth, 2.5)}, case.size, keep=("coc",))["coc"]
+    opaque[glass][..., 3] = own[glass][..., 3]
+    recipe_3 = driver.run(rest, {"coc": opaque}, case.size)["result"]
+    np.testing.assert_array_equal(recipe_3, recipe_1)
+    assert np.abs(recipe_3 - driver.run(case.plan.passes, case.textures(), case.size)["result"]).max() > 0.1
