@@ -520,7 +520,9 @@ fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
 // Layers: what a layer is blurred by
 //   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
 //   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
-//   .180), with 16 too sharp (street_11: .044 for .041).
+//   .180), with 16 near ones too sharp (street_11: .044 for .041). Far lights: small ones keep
+//   their size by less (overlap with a decagon of 20 pixels: .89 for .87), wide ones have edges
+//   as hard as the truth's by more (market_7: .179 for .180).
 //   sizes         from BokehLayerSizes
 //   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
 //                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
@@ -535,10 +537,12 @@ fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
 {
     var CoC: f32 = 0.5 * sizes.r;
     var least: f32 = 1.5;
+    var own: f32 = 9.0;
     if (isFar)
     {
         CoC = 0.5 * sizes.g;
         least = 1.15;
+        own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
     }
     // a square has one line where others have more
     var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
@@ -548,12 +552,11 @@ fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
         spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
         hard = 0.2;
     }
-    var own: f32 = 9.0;
     var side: f32 = -1.0;
     if (spacing > least)
     {
         side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
+        own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
     }
     return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -976,13 +979,12 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
 }
 
 // Layers: 1 / radius^2 of what two CoC spread over, pixels
-//   For r = CoC / 2 that is (r^2 + 0.8) / r^4: pixels and the linear filter blur by themselves. 0.8
-//   suits input of one sample per pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
-//   .116 and .0620).
+//   For r = CoC / 2 that is (r^2 + 0.6) / r^4: pixels and the linear filter blur by themselves. 0.6
+//   suits input of one sample per pixel, 1.2 antialiased input.
 fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
     let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-    return inverse * (inverse * 12.8 + 4.0);
+    return inverse * (inverse * 9.6 + 4.0);
 }
 
 // Layers: outer border of a ring of the gather, pixels; 0: of the middle
@@ -1024,8 +1026,14 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             sqrt(ownInverse);
         let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
         let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // rings closer than a pixel find nothing new (1.3: moderate blur .116 for .114)
-        let spacing: f32 = max(min(radius / 1.5, 1.0), radius / (f32(BOKEH_LAYER_RINGS) + 0.5));
+        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114)
+        var rings: f32 = f32(BOKEH_LAYER_RINGS);
+        if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+        {
+            rings += 1.0;
+        }
+        // rings closer than a pixel find nothing new; .499: the last ends at the radius
+        let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
         // what spreads less than the inner radius of the first ring reaches no other pixel
         let most: f32 = 1.0 / (inner * inner);
@@ -1039,7 +1047,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
         let edges: f32 = max(tile.r, tile.g - 16.0);
-        let steepness: f32 = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+        let steepness: f32 = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
             16.0, 0.0, 1.0);
         let none: vec2f = vec2f(0.0, 0.0);
         let whole: vec2f = vec2f(1.0, 1.0);
@@ -1047,7 +1055,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
         var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
         let turn: vec2f = BokehTurn(1.0, polygon);
-        for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+        for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
         {
             //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
             //  middle   1     2         covers, over that disc
@@ -1062,7 +1070,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             let current: f32 = inner + (outer - inner) * outwards;
             let innerSquare: f32 = inner * inner;
             let area: f32 = outer * outer - innerSquare;
-            let onEdge: i32 = BokehOnEdge(ring, polygon);
+            let onEdge: i32 = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             // of its edges each gets what lies in the triangle from the middle to it
             let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
             var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
@@ -1073,7 +1081,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             }
             let scale: vec2f = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
-            for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
+            for (var edge: i32 = 1; 2 * edge <= polygon.sides; edge++)
             {
                 let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
                 let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);

@@ -1039,10 +1039,12 @@ vec3 BokehLayerBlur(vec2 sizes, bool isFar, BokehPolygon polygon)
 {
 float CoC = 0.5 * sizes.r;
 float least = 1.5;
+float own = 9.0;
 if (isFar)
 {
 CoC = 0.5 * sizes.g;
 least = 1.15;
+own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
 }
 float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
 float hard = 0.4;
@@ -1051,12 +1053,11 @@ if (polygon.sides < 6)
 spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
 hard = 0.2;
 }
-float own = 9.0;
 float side = -1.0;
 if (spacing > least)
 {
 side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
+own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
 }
 return vec3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -1382,7 +1383,7 @@ return result;
 vec2 BokehSpreadInverse(vec2 CoC)
 {
 vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
-return inverse * (inverse * 12.8 + 4.0);
+return inverse * (inverse * 9.6 + 4.0);
 }
 float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 {
@@ -1411,7 +1412,12 @@ float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
 sqrt(ownInverse);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
 float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-float spacing = max(min(radius / 1.5, 1.0), radius / (float(BOKEH_LAYER_RINGS) + 0.5));
+float rings = float(BOKEH_LAYER_RINGS);
+if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+{
+rings += 1.0;
+}
+float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 float inner = BokehRingBorder(0, radius, spacing, narrowing);
 float most = 1.0 / (inner * inner);
 float least = 1.0 / (radius * radius);
@@ -1420,15 +1426,15 @@ float farWeight = weight * farShare;
 vec4 sum = vec4(centerPixel.rgb, 1.0) * (weight - farWeight);
 vec4 front = vec4(0.0, 0.0, 0.0, 0.0);
 float edges = max(tile.r, tile.g - 16.0);
-float steepness = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-0.0, 1.0);
+float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+16.0, 0.0, 1.0);
 vec2 none = vec2(0.0, 0.0);
 vec2 whole = vec2(1.0, 1.0);
 vec2 stretch = vec2(polygon.squeeze, 1.0);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
 vec2 direction = BokehEdgeDirection(1, polygon) * 2.0;
 vec2 turn = BokehTurn(1.0, polygon);
-for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
 if (inner >= radius)
 {
@@ -1439,7 +1445,7 @@ float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
 float current = inner + (outer - inner) * outwards;
 float innerSquare = inner * inner;
 float area = outer * outer - innerSquare;
-int onEdge = BokehOnEdge(ring, polygon);
+int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
 float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
 if (ring == 1)
@@ -1447,7 +1453,7 @@ if (ring == 1)
 phase += 0.5;
 }
 vec2 scale = stretch * current;
-for (int edge = 1; edge <= polygon.sides / 2; edge++)
+for (int edge = 1; 2 * edge <= polygon.sides; edge++)
 {
 vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
 float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
@@ -2616,10 +2622,12 @@ fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
 {
 var CoC: f32 = 0.5 * sizes.r;
 var least: f32 = 1.5;
+var own: f32 = 9.0;
 if (isFar)
 {
 CoC = 0.5 * sizes.g;
 least = 1.15;
+own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
 }
 var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
 var hard: f32 = 0.4;
@@ -2628,12 +2636,11 @@ if (polygon.sides < 6)
 spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
 hard = 0.2;
 }
-var own: f32 = 9.0;
 var side: f32 = -1.0;
 if (spacing > least)
 {
 side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
+own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
 }
 return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -2983,7 +2990,7 @@ return result;
 fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
 let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-return inverse * (inverse * 12.8 + 4.0);
+return inverse * (inverse * 9.6 + 4.0);
 }
 fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
 {
@@ -3013,7 +3020,12 @@ let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare
 sqrt(ownInverse);
 let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
 let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-let spacing: f32 = max(min(radius / 1.5, 1.0), radius / (f32(BOKEH_LAYER_RINGS) + 0.5));
+var rings: f32 = f32(BOKEH_LAYER_RINGS);
+if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+{
+rings += 1.0;
+}
+let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
 let most: f32 = 1.0 / (inner * inner);
 let least: f32 = 1.0 / (radius * radius);
@@ -3022,7 +3034,7 @@ var farWeight: f32 = weight * farShare;
 var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * (weight - farWeight);
 var front: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 let edges: f32 = max(tile.r, tile.g - 16.0);
-let steepness: f32 = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+let steepness: f32 = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
 16.0, 0.0, 1.0);
 let none: vec2f = vec2f(0.0, 0.0);
 let whole: vec2f = vec2f(1.0, 1.0);
@@ -3030,7 +3042,7 @@ let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
 var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
 var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
 let turn: vec2f = BokehTurn(1.0, polygon);
-for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
 if (inner >= radius)
 {
@@ -3041,7 +3053,7 @@ let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
 let current: f32 = inner + (outer - inner) * outwards;
 let innerSquare: f32 = inner * inner;
 let area: f32 = outer * outer - innerSquare;
-let onEdge: i32 = BokehOnEdge(ring, polygon);
+let onEdge: i32 = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
 var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
 if (ring == 1)
@@ -3049,7 +3061,7 @@ if (ring == 1)
 phase += 0.5;
 }
 let scale: vec2f = stretch * current;
-for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
+for (var edge: i32 = 1; 2 * edge <= polygon.sides; edge++)
 {
 let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
 let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);

@@ -1033,10 +1033,12 @@ vec3 BokehLayerBlur(vec2 sizes, bool isFar, BokehPolygon polygon)
 {
 float CoC = 0.5 * sizes.r;
 float least = 1.5;
+float own = 9.0;
 if (isFar)
 {
 CoC = 0.5 * sizes.g;
 least = 1.15;
+own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
 }
 float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
 float hard = 0.4;
@@ -1045,12 +1047,11 @@ if (polygon.sides < 6)
 spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
 hard = 0.2;
 }
-float own = 9.0;
 float side = -1.0;
 if (spacing > least)
 {
 side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
+own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
 }
 return vec3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -1376,7 +1377,7 @@ return result;
 vec2 BokehSpreadInverse(vec2 CoC)
 {
 vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
-return inverse * (inverse * 12.8 + 4.0);
+return inverse * (inverse * 9.6 + 4.0);
 }
 float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 {
@@ -1405,7 +1406,12 @@ float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
 sqrt(ownInverse);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
 float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-float spacing = max(min(radius / 1.5, 1.0), radius / (float(BOKEH_LAYER_RINGS) + 0.5));
+float rings = float(BOKEH_LAYER_RINGS);
+if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+{
+rings += 1.0;
+}
+float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 float inner = BokehRingBorder(0, radius, spacing, narrowing);
 float most = 1.0 / (inner * inner);
 float least = 1.0 / (radius * radius);
@@ -1414,15 +1420,15 @@ float farWeight = weight * farShare;
 vec4 sum = vec4(centerPixel.rgb, 1.0) * (weight - farWeight);
 vec4 front = vec4(0.0, 0.0, 0.0, 0.0);
 float edges = max(tile.r, tile.g - 16.0);
-float steepness = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-0.0, 1.0);
+float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+16.0, 0.0, 1.0);
 vec2 none = vec2(0.0, 0.0);
 vec2 whole = vec2(1.0, 1.0);
 vec2 stretch = vec2(polygon.squeeze, 1.0);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
 vec2 direction = BokehEdgeDirection(1, polygon) * 2.0;
 vec2 turn = BokehTurn(1.0, polygon);
-for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
 if (inner >= radius)
 {
@@ -1433,7 +1439,7 @@ float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
 float current = inner + (outer - inner) * outwards;
 float innerSquare = inner * inner;
 float area = outer * outer - innerSquare;
-int onEdge = BokehOnEdge(ring, polygon);
+int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
 float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
 if (ring == 1)
@@ -1441,7 +1447,7 @@ if (ring == 1)
 phase += 0.5;
 }
 vec2 scale = stretch * current;
-for (int edge = 1; edge <= polygon.sides / 2; edge++)
+for (int edge = 1; 2 * edge <= polygon.sides; edge++)
 {
 vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
 float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);

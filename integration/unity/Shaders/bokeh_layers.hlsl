@@ -551,7 +551,9 @@ float2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers BOKEH_SAMPLER
 // Layers: what a layer is blurred by
 //   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
 //   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
-//   .180), with 16 too sharp (street_11: .044 for .041).
+//   .180), with 16 near ones too sharp (street_11: .044 for .041). Far lights: small ones keep
+//   their size by less (overlap with a decagon of 20 pixels: .89 for .87), wide ones have edges
+//   as hard as the truth's by more (market_7: .179 for .180).
 //   sizes         from BokehLayerSizes
 //   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
 //                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
@@ -566,10 +568,12 @@ float3 BokehLayerBlur(float2 sizes, bool isFar, BokehPolygon polygon)
 {
     float CoC = 0.5 * sizes.r;
     float least = 1.5;
+    float own = 9.0;
     if (isFar)
     {
         CoC = 0.5 * sizes.g;
         least = 1.15;
+        own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
     }
     // a square has one line where others have more
     float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
@@ -579,12 +583,11 @@ float3 BokehLayerBlur(float2 sizes, bool isFar, BokehPolygon polygon)
         spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
         hard = 0.2;
     }
-    float own = 9.0;
     float side = -1.0;
     if (spacing > least)
     {
         side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own = 23.0 + 154.0 * side / (1.0 + 2.0 * side);
+        own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
     }
     return float3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
 }
@@ -995,13 +998,12 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
 }
 
 // Layers: 1 / radius^2 of what two CoC spread over, pixels
-//   For r = CoC / 2 that is (r^2 + 0.8) / r^4: pixels and the linear filter blur by themselves. 0.8
-//   suits input of one sample per pixel, 1.2 antialiased input (moderate blur: FLIP .114 and .0625;
-//   .116 and .0620).
+//   For r = CoC / 2 that is (r^2 + 0.6) / r^4: pixels and the linear filter blur by themselves. 0.6
+//   suits input of one sample per pixel, 1.2 antialiased input.
 float2 BokehSpreadInverse(float2 CoC)
 {
     float2 inverse = 1.0 / max(CoC * CoC, float2(0.000001, 0.000001));
-    return inverse * (inverse * 12.8 + 4.0);
+    return inverse * (inverse * 9.6 + 4.0);
 }
 
 // Layers: outer border of a ring of the gather, pixels; 0: of the middle
@@ -1043,8 +1045,14 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             sqrt(ownInverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // rings closer than a pixel find nothing new (1.3: moderate blur .116 for .114)
-        float spacing = max(min(radius / 1.5, 1.0), radius / (float(BOKEH_LAYER_RINGS) + 0.5));
+        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114)
+        float rings = float(BOKEH_LAYER_RINGS);
+        if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+        {
+            rings += 1.0;
+        }
+        // rings closer than a pixel find nothing new; .499: the last ends at the radius
+        float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         float inner = BokehRingBorder(0, radius, spacing, narrowing);
         // what spreads less than the inner radius of the first ring reaches no other pixel
         float most = 1.0 / (inner * inner);
@@ -1058,15 +1066,15 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
         float edges = max(tile.r, tile.g - 16.0);
-        float steepness = 3.0 * clamp(edges / 6.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-            0.0, 1.0);
+        float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
+            16.0, 0.0, 1.0);
         float2 none = float2(0.0, 0.0);
         float2 whole = float2(1.0, 1.0);
         float2 stretch = float2(polygon.squeeze, 1.0);
         float2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
         float2 direction = BokehEdgeDirection(1, polygon) * 2.0;
         float2 turn = BokehTurn(1.0, polygon);
-        BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS; ring++)
+        BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
         {
             //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
             //  middle   1     2         covers, over that disc
@@ -1081,7 +1089,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             float current = inner + (outer - inner) * outwards;
             float innerSquare = inner * inner;
             float area = outer * outer - innerSquare;
-            int onEdge = BokehOnEdge(ring, polygon);
+            int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             // of its edges each gets what lies in the triangle from the middle to it
             float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
             float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
@@ -1092,7 +1100,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             }
             float2 scale = stretch * current;
             // half of the edges: the others are opposite to them, sample by sample
-            BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
+            BOKEH_LOOP for (int edge = 1; 2 * edge <= polygon.sides; edge++)
             {
                 float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
                 float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);

@@ -283,10 +283,12 @@ def _steady() -> Iterator[tuple[str, Frame]]:
 
 
 def _layers() -> Iterator[tuple[str, Frame]]:
-    """Planes that are partly in a layer, near over far, black beside bright, many tiles, and one pixel."""
+    """Planes that are partly in a layer or in none, near over far, black beside bright, many tiles, and one pixel."""
     frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA), (50, 40))
     ragged = np.random.default_rng(2).uniform(-16.0, 20.0, (40, 50))
     planes = {f"plane, {coc}": np.full((40, 50), coc) for coc in (11.0, 14.0)}
+    # no layer, so the gather has a ring more
+    planes["moderate"] = np.random.default_rng(5).uniform(4.0, 9.0, (40, 50))
     planes["near over far"] = np.tile(np.where(abs(np.arange(50.0) - 25.0) < 2.0, -20.0, 18.0), (40, 1))
     # the CoC of each ring is what covers most of the middle: together they cover more than all of it
     y, x = np.mgrid[-20.0:20.0, -25.0:25.0] % 12.0 - 6.0
