@@ -95,9 +95,10 @@ def test_picture(technique, cursor, tmp_path):
     scene = ray_traced.picture(ray_traced.MARKET)
     color = np.rint(255.0 * compressed(scene.color[PART][..., :3].astype(float))).astype(np.uint8)
     code = np.rint(np.clip(scene.depth[PART] / FAR_PLANE, 0.0, 1.0) * 65535.0).astype(int)
-    # what the middle of the screen shows, or the pixel under the cursor
+    # what the middle of the screen shows, or the pixel under the cursor: farther than the middle, which is at 2.4 m
     place = (slice(8), slice(8)) if cursor else (slice(236, 244), slice(316, 324))
-    code[place] = round(FOCUS / FAR_PLANE * 65535.0)
+    focus = 6.0 if cursor else FOCUS
+    code[place] = round(focus / FAR_PLANE * 65535.0)
     Image.fromarray(color).save(tmp_path / "color.png")
     Image.fromarray(np.dstack([code // 256, code % 256, code * 0]).astype(np.uint8)).save(tmp_path / "depth.png")
     for path in (
@@ -114,7 +115,7 @@ def test_picture(technique, cursor, tmp_path):
     text = re.sub(rf"technique (?!{technique} )\w+ .*?\n\}}\n", "", text, flags=re.DOTALL)
     (tmp_path / "effect.fx").write_text(text, encoding="ascii")
     shown = drawn(tmp_path)
-    camera = methods.Camera(0.05 / 1.4, 0.05, FOCUS, 0.024, MOST)
+    camera = methods.Camera(0.05 / 1.4, 0.05, focus, 0.024, MOST)
     settings = methods.Settings("layered" if technique == "PolygonalBokeh" else "exact", "hexagon", camera=camera)
     plan = methods.plan(settings, (640, 480))
     light = np.dstack([expanded(color / 255.0), np.ones((480, 640))]).astype(np.float16)
