@@ -38,7 +38,8 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; with CUBIC 1
+//                                              one more where no layer is
 //   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
