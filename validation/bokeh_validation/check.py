@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from bokeh_validation import drivers, paths, shaders, terminal
-from bokeh_validation.compilers import dxc, glslang, naga
+from bokeh_validation.compile_matrix import naga
+from bokeh_validation.compilers import dxc, glslang
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.probes import small_frames

@@ -14,28 +14,28 @@ from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.jobs import end_programs
 
-# name -> module
+# Name of a command -> its module. Those of the lab are named here and nowhere imported: the core runs without them.
 COMMANDS = {
-    "doctor": "doctor",
-    "compile": "compilers.compile",
-    "check": "check",
-    "render": "render",
-    "compare": "compare",
-    "plan": "frame.plan",
-    "aperture": "frame.aperture",
-    "truth": "truth",
-    "gallery": "truth.gallery",
-    "peers": "truth.peers",
-    "demo": "demo",
-    "figures": "figures",
-    "probes": "probes",
-    "parity": "shaders.parity",
-    "bench": "bench",
-    "port": "frame.port",
-    "isa": "isa.isa_command",
-    "mutants": "mutants.mutants_command",
-    "engines": "engines",
-    "release": "release",
+    "doctor": "bokeh_validation.doctor",
+    "compile": "bokeh_validation.compile_matrix",
+    "check": "bokeh_validation.check",
+    "render": "bokeh_validation.render",
+    "compare": "bokeh_validation.compare",
+    "plan": "bokeh_validation.plan",
+    "aperture": "bokeh_validation.frame.decomposition",
+    "probes": "bokeh_validation.probes",
+    "parity": "bokeh_validation.shaders.parity",
+    "generate": "bokeh_validation.generate",
+    "engines": "bokeh_validation.engines",
+    "demo": "bokeh_validation.demo",
+    "release": "bokeh_validation.release",
+    "truth": "lab.truth_command",
+    "gallery": "lab.gallery",
+    "figures": "lab.figures",
+    "peers": "lab.other_effects",
+    "bench": "lab.bench",
+    "isa": "lab.isa.isa_command",
+    "mutants": "lab.mutants.mutants_command",
 }
 
 
@@ -50,7 +50,7 @@ def application() -> typer.Typer:
     app.callback(invoke_without_command=True)(default)
     asked = [word for word in sys.argv[1:] if word in COMMANDS][:1]
     for name in asked or (COMMANDS if {"-h", "--help"} & set(sys.argv) else ()):
-        module = importlib.import_module(f"bokeh_validation.{COMMANDS[name]}")
+        module = importlib.import_module(COMMANDS[name])
         app.command(name)(getattr(module, "compile_all" if name == "compile" else name))
     return app
 

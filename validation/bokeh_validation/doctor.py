@@ -9,8 +9,8 @@ import typer
 from rich.table import Table
 
 from bokeh_validation import drivers, paths
+from bokeh_validation.compile_matrix.registry import COMPILERS
 from bokeh_validation.compilers import dxc, fxc
-from bokeh_validation.compilers.registry import COMPILERS
 from bokeh_validation.terminal import console
 
 

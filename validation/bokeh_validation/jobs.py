@@ -39,10 +39,7 @@ def run(jobs: Sequence[Job], step: Callable[[str], None]) -> list:
 
 
 def _begin() -> None:
-    """In a new process: the threads that are left for each, and an end of its own."""
-    from bokeh_validation.reference import execution
-
-    execution.THREADS = max(1, CORES // PROCESSES)
+    """Give a new process an end of its own."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: _leave())
     # runs after all that is registered later, which ends browsers and Wine

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation.reference import images
-from bokeh_validation.reference.images import Image
+from bokeh_validation.numerics import images
+from bokeh_validation.numerics.images import Image
 
 # Bounds for Mesa's software drivers, whose filter is exact: nearly all pixels are a rounding or two away.
 CLOSE_STEPS, CLOSE_SHARE = 4, 0.995

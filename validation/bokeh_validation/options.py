@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from bokeh_validation.errors import UserError
-from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
 
 # A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
@@ -41,7 +41,7 @@ class Option:
     kind: type
     help: str
     allowed: tuple = ()
-    methods: tuple[str, ...] = apertures.METHODS
+    methods: tuple[str, ...] = aperture_shapes.METHODS
     needs: Needs | None = None
 
     @property
@@ -77,7 +77,7 @@ ANY, POSITIVE, NOT_NEGATIVE = (-INF, INF, "any finite number"), (TINY, INF, "mor
 UNIT, HEIGHTS = (0, 1, "0 to 1"), (0, 1, "0 to 1, a fraction of the image height")
 LENS: Needs = (lambda s: s.coc is None, "with --coc, which is the CoC everywhere", "Leave one of them out")
 NOISE: Needs = (
-    lambda s: s.method != "paper" or s.spacing or s.aperture in apertures.POLYGONS,
+    lambda s: s.method != "paper" or s.spacing or s.aperture in aperture_shapes.POLYGONS,
     "on paper's fixed number of samples", "Give --spacing as well, or leave it out",
 )  # fmt: skip
 PRESET: Needs = (lambda s: s.method != "layered", "on layered, whose samples come from a preset", "Give --preset")
@@ -90,8 +90,9 @@ POLYGON_METHODS = ("exact", "layered")
 APERTURES = "square, hexagon, octagon, decagon; paper and naive also diamond, star, triangle, pentagon, heptagon."
 
 TABLE = (
-    Option("method", "method", str, "exact, layered (near objects spread as well), paper or naive.", apertures.METHODS),
-    Option("aperture", "aperture", str, APERTURES, apertures.NAMES),
+    Option("method", "method", str, "exact, layered (near objects spread as well), paper or naive.",
+           aperture_shapes.METHODS),
+    Option("aperture", "aperture", str, APERTURES, aperture_shapes.NAMES),
     Option("preset", "preset", str, "exact, layered: low, medium, high or ultra.", tuple(methods.PRESETS),
            ("exact", "layered"), needs=EITHER),
     Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: its preset.",
@@ -169,5 +170,5 @@ def check(settings: Settings, given: Iterable[Option] = ()) -> None:
     if coc is not None and coc > camera.max_coc:
         raise UserError(f"--coc {coc:g}: --max-coc {camera.max_coc:g} would clamp it. Raise --max-coc as well.")
     # 128 of the shape with the fewest offsets are more than enough
-    if method == "naive" and len(apertures.kernel(aperture, min(count, 128))) > MAX_KERNEL:
+    if method == "naive" and len(aperture_shapes.kernel(aperture, min(count, 128))) > MAX_KERNEL:
         raise UserError(f"--samples {count}: a naive {aperture} has more than {MAX_KERNEL} offsets. Give fewer.")

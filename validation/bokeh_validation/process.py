@@ -1,12 +1,16 @@
-"""Running a program: in a process of its own, with a time limit, and nothing written beside it."""
+"""Find and run programs: each in a process of its own, with a time limit, and with nothing written beside it."""
 
 import os
+import shutil
 import signal
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
 from pathlib import Path
+from threading import Lock
 
 from bokeh_validation import paths
+from bokeh_validation.errors import Unavailable
 
 # Lines of the program's output that an error repeats
 LAST_LINES = 15
@@ -47,3 +51,32 @@ def _end(process: subprocess.Popen) -> None:
     """The process and its children, which are a group of their own."""
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+
+
+def find(name: str, install: str) -> str:
+    """Path of a program. Raises Unavailable with the install command when there is none."""
+    path = shutil.which(name)
+    if path is None:
+        raise Unavailable(f"{name} is not on this machine; {install}")
+    return path
+
+
+def once(make: Callable) -> Callable:
+    """Decorator: what lives in this process is made on first use, and where it is missing, that is remembered too."""
+    lock, made = Lock(), []
+
+    @wraps(make)
+    def remembered():
+        with lock:
+            if not made:
+                try:
+                    made.append(make())
+                except Unavailable as error:
+                    made.append(error)
+                except ImportError as error:
+                    made.append(Unavailable(f"{error.name} is not installed; validation/run sets it up"))
+        if isinstance(made[0], Unavailable):
+            raise made[0]
+        return made[0]
+
+    return remembered

@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import aperture_shapes, methods
+from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
 from bokeh_validation.reference.lines import Segment, edge_lengths, line_segment, parallelogram, polygon_edge
-from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 
 
 class Spread(NamedTuple):
@@ -111,11 +111,11 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
     """What is added up: shares of the light, each with the passes that it goes through."""
     rotation = radians(settings.rotation)
     if settings.method == "naive":
-        table = apertures.kernel(settings.aperture, settings.count, settings.rotation) * [settings.squeeze, 1.0]
+        table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation) * [settings.squeeze, 1.0]
         off = (table - table.mean(axis=0)) * pixels
         return [(1.0, [_filter(table * pixels, np.full(len(table), 1 / len(table)), off.T @ off / len(table))])]
     if settings.method == "paper":
-        (shape,) = apertures.PARALLELOGRAMS[settings.aperture]
+        (shape,) = aperture_shapes.PARALLELOGRAMS[settings.aperture]
         angles = [radians(angle) + rotation for angle in (shape.first, shape.second)]
         lines = [line_segment(angle, 1.0, (0.0, 0.0), settings.squeeze) for angle in angles]
         return [(1.0, [_line(line, pixels, settings) for line in lines])]

@@ -18,7 +18,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bokeh_validation.reference import precision
+from bokeh_validation.numerics import precision
 from bokeh_validation.reference.formulas import filter_coc
 from bokeh_validation.reference.lines import Segment, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, LINE

@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bokeh_validation.compilers import spirv
-from bokeh_validation.compilers.packages import Package
-from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.packages import Package
+from bokeh_validation.process import once
 
 VERSION = "0.17.5"
 RELEASE = "1.7"  # of DXC, in that version of the package

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bokeh_validation import files, paths
-from bokeh_validation.compilers.tool import CompileResult, accepted, once, refused
+from bokeh_validation.compilers.tool import CompileResult, accepted, refused
+from bokeh_validation.process import once
 from bokeh_validation.windows import programs, server, wine
 
 RELEASE = "10.0.26100.4654"  # of the library

@@ -1,16 +1,13 @@
 """What a compiler says of a shader; compilers on the command line, run with a time limit."""
 
-import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import wraps
 from pathlib import Path
-from threading import Lock
 
-from bokeh_validation.errors import Unavailable
+from bokeh_validation.process import find
 
 TIMEOUT = 30.0  # seconds; what runs here takes 0.05
 
@@ -33,14 +30,6 @@ def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, int] | None
 def refused(messages: str) -> CompileResult:
     """A result that is not ok."""
     return CompileResult(False, messages.strip() or "refused without a message")
-
-
-def find(name: str, install: str) -> str:
-    """Path of a program. Raises Unavailable with the install command when there is none."""
-    path = shutil.which(name)
-    if path is None:
-        raise Unavailable(f"{name} is not on this machine; {install}")
-    return path
 
 
 @dataclass(frozen=True)
@@ -89,24 +78,3 @@ def _text(output: bytes, names: Collection[str]) -> str:
     """Output without blank lines and without the lines that only name an input, which glslang prints every time."""
     lines = output.decode("utf-8", "replace").splitlines()
     return "\n".join(line.rstrip() for line in lines if line.strip() and line.strip() not in names)
-
-
-def once(make: Callable) -> Callable:
-    """Decorator: what lives in this process is made on first use, and where it is missing, that is remembered too."""
-    lock, made = Lock(), []
-
-    @wraps(make)
-    def remembered():
-        with lock:
-            if not made:
-                try:
-                    made.append(make())
-                except Unavailable as error:
-                    made.append(error)
-                except ImportError as error:
-                    made.append(Unavailable(f"{error.name} is not installed; validation/run sets it up"))
-        if isinstance(made[0], Unavailable):
-            raise made[0]
-        return made[0]
-
-    return remembered

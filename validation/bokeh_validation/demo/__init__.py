@@ -25,7 +25,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import EXACT
 from bokeh_validation.shaders.passes import Pass, is_linear
 from bokeh_validation.truth import EXPOSURE, ray_traced
-from bokeh_validation.truth.peers import effects
+from lab.other_effects import effects
 
 PAGE = Path(__file__).parent / "page"
 MODULES = (

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.reference import images, precision
+from bokeh_validation.numerics import images, precision
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
 Textures = Mapping[str, np.ndarray]

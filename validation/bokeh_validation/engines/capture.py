@@ -35,14 +35,14 @@ from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import metrics
+from bokeh_validation import metrics, plan
 from bokeh_validation.drivers.base import precision_of, software_device
-from bokeh_validation.frame import methods, plan
+from bokeh_validation.frame import methods
+from bokeh_validation.numerics.images import Image
+from bokeh_validation.numerics.precision import Precision
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.precision import Precision
 from bokeh_validation.shaders.passes import Pass, target_size
 
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}

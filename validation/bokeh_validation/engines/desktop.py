@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 from bokeh_validation import locks, paths, process
-from bokeh_validation.compilers.tool import find
 from bokeh_validation.drivers import gl
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.process import find
 
 SAMPLES = paths.ROOT / "integration"
 SECONDS, INSTALL_SECONDS = 120, 400  # on two cores a sample takes 5

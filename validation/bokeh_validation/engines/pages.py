@@ -11,7 +11,7 @@ import shutil
 from pathlib import Path
 
 from bokeh_validation import browser, locks, paths, process
-from bokeh_validation.compilers.tool import find
+from bokeh_validation.process import find
 
 NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcanvas") for kind in ("webgl", "webgpu"))
 INSTALL = "apt-get install -y --no-install-recommends npm"

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import locks, paths, pictures, process
-from bokeh_validation.compilers import dxc, tool
+from bokeh_validation.compilers import dxc
 from bokeh_validation.engines import bevy
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.reference import listings
@@ -77,7 +77,7 @@ def _program() -> Path:
     sources = [*sorted(SAMPLE.glob("*.[hc]*")), paths.ROOT / "integration/parameters/BokehParameters.h"]
 
     def build(folder: Path) -> None:
-        tool.find("g++", INSTALL)
+        process.find("g++", INSTALL)
         process.run(["sh", "-c", f"{BUILD} -o {shlex.quote(str(folder / 'sample'))}"], SECONDS, SAMPLE)
 
     return locks.built_once("engines/vulkan/program", [BUILD, *sources], build) / "sample"

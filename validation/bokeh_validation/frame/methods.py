@@ -6,8 +6,8 @@ from math import radians
 
 import numpy as np
 
-from bokeh_validation.frame import apertures
-from bokeh_validation.frame.aperture import LinePass, decompose
+from bokeh_validation.frame import aperture_shapes
+from bokeh_validation.frame.decomposition import LinePass, decompose
 from bokeh_validation.shaders.entries import BOTH, COLORS, EXACT
 from bokeh_validation.shaders.passes import Pass
 
@@ -163,19 +163,21 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
 
     Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is drawn once.
     """
-    if settings.aperture in apertures.POLYGONS:
-        return paper_polygon(apertures.regular_polygon(apertures.POLYGONS[settings.aperture]), settings, size)
+    if settings.aperture in aperture_shapes.POLYGONS:
+        return paper_polygon(
+            aperture_shapes.regular_polygon(aperture_shapes.POLYGONS[settings.aperture]), settings, size
+        )
     lines: list[LinePass] = []
     first_lines: dict[float, int] = {}
     finished = None
-    for shape in apertures.PARALLELOGRAMS[settings.aperture]:
+    for shape in aperture_shapes.PARALLELOGRAMS[settings.aperture]:
         if shape.first not in first_lines:
             first_lines[shape.first] = len(lines)
             lines.append(LinePass(shape.first + settings.rotation))
         lines.append(LinePass(shape.second + settings.rotation, reads=first_lines[shape.first], combines=finished))
         finished = len(lines) - 1
     entry = "BokehAdaptive" if settings.spacing else "BokehDepthOfField"
-    return _line_passes(settings, size, entry, lines, use_max=settings.aperture in apertures.USES_MAX)
+    return _line_passes(settings, size, entry, lines, use_max=settings.aperture in aperture_shapes.USES_MAX)
 
 
 def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]) -> Plan:
@@ -286,7 +288,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
 
 def naive(settings: Settings, size: tuple[int, int]) -> Plan:
     """Section 3: one gather with the aperture's table of offsets."""
-    table = apertures.kernel(settings.aperture, settings.count, settings.rotation)
+    table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation)
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     gather = Pass("BokehNaiveGather", inputs, "result", _filter_parameters(settings, size), len(table))
     return Plan((_coc_pass(settings), gather), {"kernel": kernel_texture(table)})
@@ -294,7 +296,7 @@ def naive(settings: Settings, size: tuple[int, int]) -> Plan:
 
 def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     """Section 3 over a samples x samples grid of the aperture's first parallelogram, offsets computed (Table 1)."""
-    shape = apertures.PARALLELOGRAMS[settings.aperture][0]
+    shape = aperture_shapes.PARALLELOGRAMS[settings.aperture][0]
     angles = [radians(angle + settings.rotation) for angle in (shape.first, shape.second)]
     parameters = _filter_parameters(settings, size) | dict(zip(("BokehAngle", "BokehAngleB"), angles, strict=True))
     gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.count)

@@ -6,7 +6,7 @@ PROBES  all of them in the order of the report
 from collections.abc import Sequence
 
 from bokeh_validation import drivers, jobs, terminal
-from bokeh_validation.probes import (
+from bokeh_validation.probes import (  # fmt: skip
     border,
     character,
     exact,
@@ -19,7 +19,7 @@ from bokeh_validation.probes import (
     sections,
     sweep,
     two_points,
-)  # fmt: skip
+)
 from bokeh_validation.probes.model import Check, Probe
 
 _ROOMS = (impulse, two_points, scenes, exact, halo, near_edges, lights, flatness, sweep, character, border)

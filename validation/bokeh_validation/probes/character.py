@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from bokeh_validation.frame import polygons
+from bokeh_validation.frame import geometry
 from bokeh_validation.probes import exact
 from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, ROUNDED, Bokeh, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, overlap, pixel_center
@@ -47,7 +47,7 @@ def cut(aperture: str, x: float, y: float) -> Bokeh:
     """As the lens barrel cuts it for a place in the image: what the polygon moved to both sides has in common."""
     polygon = polygon_of(aperture, ROTATION, COC)
     moved = rim(x, y, polygon)
-    return Bokeh(polygons.clip_convex(polygon + moved, polygon - moved), SIZE, (x, y))
+    return Bokeh(geometry.clip_convex(polygon + moved, polygon - moved), SIZE, (x, y))
 
 
 @lru_cache
@@ -62,7 +62,7 @@ def cut_share(aperture: str) -> np.ndarray:
         for column in range(PLACE[0] - reach, PLACE[0] + reach + 1):
             moved = rim(column + 0.5, row + 0.5, polygon)
             x, y = np.meshgrid(light[0] - column - steps, light[1] - row - steps)
-            within = polygons.inside(polygon + moved, x, y) & polygons.inside(polygon - moved, x, y)
+            within = geometry.inside(polygon + moved, x, y) & geometry.inside(polygon - moved, x, y)
             if within.any():
                 share[row, column] = within.mean() / cut(aperture, column + 0.5, row + 0.5).area
     return share

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from bokeh_validation.frame import methods, polygons
+from bokeh_validation.frame import geometry, methods
 from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, Bokeh, block, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, pixel_center
 
@@ -39,7 +39,7 @@ def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     # inside for every pixel of the block, and 2 pixels from the edge
     margin = BLOCK / 2 * np.sqrt(2.0) + 2.0
     apothem = COC / 2 * np.cos(np.pi / methods.EXACT[aperture])
-    inner = polygons.coverage(shape.corners * (1 - margin / apothem), SIZE, shape.middle) == 1
+    inner = geometry.coverage(shape.corners * (1 - margin / apothem), SIZE, shape.middle) == 1
     off = np.abs(wide[inner] / (BLOCK_LEVEL * BLOCK**2 / shape.area) - 1).max()
     return [
         *shape.checks("one pixel", point / PEAK, HALF_LIGHT, OVERLAP[aperture]),

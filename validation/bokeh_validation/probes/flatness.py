@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bokeh_validation.frame import methods, polygons
+from bokeh_validation.frame import geometry, methods
 from bokeh_validation.probes.highlight import Bokeh, block, polygon_of
 from bokeh_validation.probes.lights import AMBIENT, LIGHT, mean_spread
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
@@ -35,7 +35,7 @@ def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
     corners = polygon_of(case.settings.aperture, case.settings.rotation, coc)
     first = (case.size[0] - PIXELS) // 2
     bokeh = Bokeh(corners, case.size, pixel_center(first, first))
-    inside = lit[polygons.coverage(0.8 * corners, case.size, (first + PIXELS / 2, first + PIXELS / 2)) == 1.0]
+    inside = lit[geometry.coverage(0.8 * corners, case.size, (first + PIXELS / 2, first + PIXELS / 2)) == 1.0]
     return float(inside.std() / inside.mean()), overlap(lit / lit.sum(), mean_spread(bokeh, PIXELS))
 
 

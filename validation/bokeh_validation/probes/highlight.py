@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.probes.model import Case, Check, depth_of, flat, overlap
 
 # Not black: where a highlight's bilinear weight is 0 in float64 and 0.00003 in float32, a half float near zero would
@@ -21,7 +21,7 @@ ROUNDED = "bilinear samples share their light out completely; the rest is roundi
 
 def polygon_of(aperture: str, rotation: float, coc: float) -> np.ndarray:
     """Corners of a polygon of the methods exact and layered, (N, 2) in pixels around the light."""
-    return abs(coc) * apertures.even_polygon(methods.EXACT[aperture], rotation)
+    return abs(coc) * aperture_shapes.even_polygon(methods.EXACT[aperture], rotation)
 
 
 def block(middle: tuple[int, int], side: int) -> tuple[slice, slice]:
@@ -54,16 +54,16 @@ class Bokeh:
     @cached_property
     def area(self) -> float:
         """Of the polygon, square pixels."""
-        return abs(polygons.signed_area(self.corners))
+        return abs(geometry.signed_area(self.corners))
 
     @cached_property
     def coverage(self) -> np.ndarray:
         """Share of each pixel that is in the polygon, (H, W)."""
-        return polygons.coverage(self.corners, self.size, self.middle)
+        return geometry.coverage(self.corners, self.size, self.middle)
 
     def edge(self, off: float) -> float:
         """Area that an outline which is off by so many pixels gains or loses."""
-        return off * polygons.perimeter(self.corners)
+        return off * geometry.perimeter(self.corners)
 
     def least_overlap(self, off: float) -> float:
         """With a shape whose outline is off by so many pixels."""

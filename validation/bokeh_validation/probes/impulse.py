@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.probes.highlight import AMBIENT, PEAK, impulse_image
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, overlap, pixel_center
 
@@ -24,24 +24,24 @@ FIGURES = {"square": "5", "diamond": "6", "hexagon": "9a", "octagon": "9b", "sta
 
 def parallelograms(aperture: str, rotation: float) -> list[np.ndarray]:
     """Corners in pixels of the parallelograms as sampled."""
-    return [LINE_LENGTH * shape.corners(rotation) for shape in apertures.PARALLELOGRAMS[aperture]]
+    return [LINE_LENGTH * shape.corners(rotation) for shape in aperture_shapes.PARALLELOGRAMS[aperture]]
 
 
 def outlines(aperture: str, rotation: float) -> list[np.ndarray]:
     """Convex polygons whose union is the aperture: one, but two squares for the star."""
     shapes = parallelograms(aperture, rotation)
-    return shapes if aperture in apertures.USES_MAX or len(shapes) == 1 else [polygons.clip_convex(*shapes)]
+    return shapes if aperture in aperture_shapes.USES_MAX or len(shapes) == 1 else [geometry.clip_convex(*shapes)]
 
 
 def analytic(aperture: str, rotation: float) -> np.ndarray:
     """Coverage of the aperture, (H, W)."""
     shapes = outlines(aperture, rotation)
-    return np.max([polygons.coverage(shape, SIZE, pixel_center(*CENTER)) for shape in shapes], axis=0)
+    return np.max([geometry.coverage(shape, SIZE, pixel_center(*CENTER)) for shape in shapes], axis=0)
 
 
 def plateau(aperture: str) -> float:
     """Value inside the aperture: the light of the pixel spread over one parallelogram."""
-    return PEAK / abs(polygons.signed_area(parallelograms(aperture, 0.0)[0]))
+    return PEAK / abs(geometry.signed_area(parallelograms(aperture, 0.0)[0]))
 
 
 def constant_coc(aperture: str, rotation: float, size: tuple[int, int] = SIZE) -> methods.Settings:
@@ -57,7 +57,7 @@ def point_case(label: str, settings: methods.Settings, points: tuple, size: tupl
 
 def _edge(aperture: str) -> float:
     """Area that half a pixel of the outline has; the star has 16 sides, so the sum over both squares is above it."""
-    return 0.5 * sum(polygons.perimeter(shape) for shape in outlines(aperture, 0.0))
+    return 0.5 * sum(geometry.perimeter(shape) for shape in outlines(aperture, 0.0))
 
 
 def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Check]:
@@ -66,7 +66,7 @@ def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Che
     truth = analytic(aperture, rotation)
     seen = np.clip(value / plateau(aperture), 0.0, 1.0)
     area, edge = truth.sum(), _edge(aperture)
-    turn = polygons.turn_between(seen, truth, center, folds)
+    turn = geometry.turn_between(seen, truth, center, folds)
     radius = max(np.linalg.norm(shape, axis=1).max() for shape in outlines(aperture, rotation))
     least = (area - edge) / (area + edge)
     why, farthest = "the boundary is known to half a pixel", "half a pixel at the farthest corner"
@@ -82,17 +82,17 @@ def light_kept(aperture: str) -> float:
     shapes = parallelograms(aperture, 0.0)
     if len(shapes) == 1:
         return 1.0
-    area = abs(polygons.signed_area(shapes[0]))
-    common = abs(polygons.signed_area(polygons.clip_convex(*shapes)))
-    return (2 * area - common) / area if aperture in apertures.USES_MAX else common / area
+    area = abs(geometry.signed_area(shapes[0]))
+    common = abs(geometry.signed_area(geometry.clip_convex(*shapes)))
+    return (2 * area - common) / area if aperture in aperture_shapes.USES_MAX else common / area
 
 
 def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     upright, turned = (textures["result"][..., 1] - AMBIENT for textures in outputs.values())
     checks = _shape_checks(aperture, 0.0, upright) + _shape_checks(aperture, ROTATION, turned)
-    whole = 2.0 * COC * apertures.PARALLELOGRAMS["square"][0].corners()
-    near = polygons.coverage(whole, SIZE, pixel_center(*CENTER)) > 0
-    if len(apertures.PARALLELOGRAMS[aperture]) == 1:
+    whole = 2.0 * COC * aperture_shapes.PARALLELOGRAMS["square"][0].corners()
+    near = geometry.coverage(whole, SIZE, pixel_center(*CENTER)) > 0
+    if len(aperture_shapes.PARALLELOGRAMS[aperture]) == 1:
         off, why = 2 * 2.0**-10, "bilinear samples share their light out completely; two stores, a step of 2^-10 each"
     else:
         off = _edge(aperture) / analytic(aperture, 0.0).sum()
@@ -112,4 +112,4 @@ def probe(aperture: str) -> Probe:
     return Probe(f"impulse-{aperture}", title, shows, (upright, turned), partial(_judge, aperture))
 
 
-PROBES = tuple(probe(aperture) for aperture in apertures.APERTURES)
+PROBES = tuple(probe(aperture) for aperture in aperture_shapes.APERTURES)

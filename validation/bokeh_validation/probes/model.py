@@ -11,9 +11,9 @@ from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.metrics import Comparison
-from bokeh_validation.reference import precision
+from bokeh_validation.numerics import precision
+from bokeh_validation.numerics.images import Image
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.reference.images import Image
 
 Outputs = Mapping[str, np.ndarray]
 

@@ -9,7 +9,7 @@ from math import ceil
 
 import numpy as np
 
-from bokeh_validation.frame import methods, polygons
+from bokeh_validation.frame import geometry, methods
 from bokeh_validation.probes.highlight import polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat
 
@@ -44,8 +44,8 @@ def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Share of a polygon on the left of an upright line at each distance from its middle: the integral of its width."""
     far = 2.0 * np.abs(polygon).max() + np.abs(distances).max()
     halves = (np.array([[-far, -far], [place, -far], [place, far], [-far, far]]) for place in distances)
-    areas = [polygons.signed_area(polygons.clip_convex(polygon, half)) for half in halves]
-    return np.array(areas) / polygons.signed_area(polygon)
+    areas = [geometry.signed_area(geometry.clip_convex(polygon, half)) for half in halves]
+    return np.array(areas) / geometry.signed_area(polygon)
 
 
 def steepest(polygon: np.ndarray) -> float:

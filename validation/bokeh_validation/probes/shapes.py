@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.probes.model import Case
 from bokeh_validation.shaders.passes import Pass
 
@@ -16,18 +16,20 @@ BRUTE_CELLS = 38
 def outline(settings: methods.Settings) -> np.ndarray:
     """Corners of the shape that a method blurs into, (N, 2), for a CoC of 1, not mirrored."""
     if settings.method == "exact":
-        return apertures.even_polygon(methods.EXACT[settings.aperture], settings.rotation)
-    if settings.aperture in apertures.POLYGONS:
-        return apertures.rotated(apertures.regular_polygon(apertures.POLYGONS[settings.aperture]), settings.rotation)
-    shapes = [shape.corners(settings.rotation) for shape in apertures.PARALLELOGRAMS[settings.aperture]]
-    return shapes[0] if len(shapes) == 1 else polygons.clip_convex(*shapes)
+        return aperture_shapes.even_polygon(methods.EXACT[settings.aperture], settings.rotation)
+    if settings.aperture in aperture_shapes.POLYGONS:
+        return aperture_shapes.rotated(
+            aperture_shapes.regular_polygon(aperture_shapes.POLYGONS[settings.aperture]), settings.rotation
+        )
+    shapes = [shape.corners(settings.rotation) for shape in aperture_shapes.PARALLELOGRAMS[settings.aperture]]
+    return shapes[0] if len(shapes) == 1 else geometry.clip_convex(*shapes)
 
 
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
     """The polygon of a case gathered by the naive pass with `cells` samples across, (H, W, 4)."""
     corners = outline(case.settings)
     # midpoints of a square lattice, mirrored as a gather needs them
-    table = -apertures.lattice_kernel(cells, lambda x, y: polygons.inside(corners, x, y))
+    table = -aperture_shapes.lattice_kernel(cells, lambda x, y: geometry.inside(corners, x, y))
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)
     coc = naive.passes[0]

@@ -14,12 +14,12 @@ from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.numerics.images import Image
+from bokeh_validation.numerics.precision import Precision
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import listings
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.reference.images import Image
-from bokeh_validation.reference.precision import Precision
 from bokeh_validation.shaders.passes import Pass, target_area
 
 Area = tuple[int, int, int, int]

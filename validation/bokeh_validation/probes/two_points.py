@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from bokeh_validation.frame import apertures, polygons
+from bokeh_validation.frame import aperture_shapes, geometry
 from bokeh_validation.probes import impulse
 from bokeh_validation.probes.highlight import AMBIENT
 from bokeh_validation.probes.model import Check, Outputs, Probe, pixel_center
@@ -22,8 +22,8 @@ def ripple(aperture: str) -> float:
     with the pixels their sum varies: 34 % at a sample a pixel and 45 degrees, 5 % at two.
     """
     spacing = impulse.COC / (impulse.SAMPLES - 1)
-    shape = apertures.PARALLELOGRAMS[aperture][-1]
-    along, across = (apertures.direction(np.radians(angle)) for angle in (shape.first, shape.second))
+    shape = aperture_shapes.PARALLELOGRAMS[aperture][-1]
+    along, across = (aperture_shapes.direction(np.radians(angle)) for angle in (shape.first, shape.second))
     steps = np.arange(-10.0, 10.0 + spacing, spacing)
     i, j = np.meshgrid(steps, steps)
     lattice = i[..., None] * along + j[..., None] * across
@@ -44,9 +44,9 @@ def _analytic(aperture: str) -> tuple[np.ndarray, np.ndarray]:
     """In units of the plateau, (H, W): both apertures, added where they overlap; and what the paper's method makes of
     them, where each parallelogram's blur has both points before min or max.
     """
-    combine = np.maximum if aperture in apertures.USES_MAX else np.minimum
+    combine = np.maximum if aperture in aperture_shapes.USES_MAX else np.minimum
     first, second = (
-        [polygons.coverage(shape, SIZE, pixel_center(*point)) for shape in impulse.parallelograms(aperture, 0.0)]
+        [geometry.coverage(shape, SIZE, pixel_center(*point)) for shape in impulse.parallelograms(aperture, 0.0)]
         for point in points(aperture)
     )
     return combine(*first) + combine(*second), combine(first[0] + second[0], first[1] + second[1])
@@ -96,7 +96,7 @@ def _boundary_pixels(image: np.ndarray) -> float:
 
 def _paper_probe(aperture: str, name: str, figure: str, title: str, shows: str) -> Probe:
     case = impulse.point_case("two points", impulse.constant_coc(aperture, 0.0, SIZE), points(aperture), SIZE)
-    judge = _judge_max if aperture in apertures.USES_MAX else _judge_min
+    judge = _judge_max if aperture in aperture_shapes.USES_MAX else _judge_min
     return Probe(f"two-points-{name}", f"{title} (Figure {figure})", shows, (case,), partial(judge, aperture))
 
 

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from bokeh_validation.drivers.base import STORAGE, Textures
+from bokeh_validation.numerics.images import Image, stored
+from bokeh_validation.numerics.precision import SOFTWARE, Precision
 from bokeh_validation.reference import execution, formulas
-from bokeh_validation.reference.images import Image, stored
-from bokeh_validation.reference.precision import SOFTWARE, Precision
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
 # The shaders keep so far from the texels around a viewport, texels: BokehSetViewport

@@ -1,19 +1,21 @@
 """Passes as their own GLSL says, executed on intervals (interpreter.py): the value, and how far off a device may be."""
 
+import multiprocessing
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
 
+from bokeh_validation.numerics.images import Image
+from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
 from bokeh_validation.reference import sampling
-from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.interpreter import Run
 from bokeh_validation.reference.intervals import Interval, interval
-from bokeh_validation.reference.precision import FLOAT_STEP, Precision
 from bokeh_validation.shaders.passes import Pass, is_linear
 
-THREADS = 2
+# one of several processes that share the cores gets one
+THREADS = 2 if multiprocessing.parent_process() is None else 1
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
 # how far off the rasteriser's uv may be: the roundings of two products and two sums
 UV = 4 * FLOAT_STEP

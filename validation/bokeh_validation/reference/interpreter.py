@@ -20,10 +20,10 @@ from itertools import product
 import numpy as np
 from pycparser import c_ast
 
+from bokeh_validation.numerics.precision import FLOAT_STEP
 from bokeh_validation.reference import glsl
 from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
 from bokeh_validation.reference.intervals import Condition, Interval, chosen
-from bokeh_validation.reference.precision import FLOAT_STEP
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 # what reads a texture -> the method that does

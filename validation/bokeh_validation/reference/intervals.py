@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bokeh_validation.reference.precision import FLOAT_STEP
+from bokeh_validation.numerics.precision import FLOAT_STEP
 
 OPERATION, DIVISION, FUNCTION = 4 * FLOAT_STEP, 6 * FLOAT_STEP, 2.0**-21
 

@@ -11,7 +11,7 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from bokeh_validation.frame import apertures
+from bokeh_validation.frame import aperture_shapes
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
 from bokeh_validation.shaders.passes import Pass
 
@@ -86,7 +86,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
 def line_segment(angle: float, length: float, middle: tuple[float, float], squeeze: float) -> Segment:
     """A line at an angle in radians."""
     shape = np.array([squeeze, 1.0])
-    return Segment(np.array(middle) * shape, 0.5 * length * apertures.direction(angle) * shape)
+    return Segment(np.array(middle) * shape, 0.5 * length * aperture_shapes.direction(angle) * shape)
 
 
 def polygon_edge(
@@ -99,7 +99,7 @@ def polygon_edge(
     put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
     """
     step, count = 2.0 * pi / sides, sides // 2
-    along = [apertures.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
+    along = [aperture_shapes.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
     edges = [np.multiply.outer(direction, one) for direction, one in zip(along, lengths, strict=True)]
     corner = [-0.5 * sum(edges)]
     for edge in edges:

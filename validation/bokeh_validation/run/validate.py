@@ -12,12 +12,12 @@ import numpy as np
 from rich.text import Text
 
 from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
-from bokeh_validation.compilers.compile import Compilation, compile_variant
+from bokeh_validation.compile_matrix import Compilation, compile_variant
 from bokeh_validation.probes import REAL, sections
 from bokeh_validation.probes.model import drawn
 from bokeh_validation.probes.sections import Panel, Section, loaded
 from bokeh_validation.shaders.variants import load
-from bokeh_validation.truth import random_score, ray_traced
+from bokeh_validation.truth import ray_traced
 
 # One driver for each language: GLSL, WGSL, HLSL
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
@@ -50,12 +50,6 @@ def market(name: str, adapter: str | None) -> Section:
     panels.append(Panel("truth: ray traced through a lens", _exposed(lens)))
     text = f"Hexagon, on {name}. PSNR of tone-mapped colour against the truth; validation/run truth has more."
     return Section("market_7", "What each method makes of a scene", text, [], {"": panels}, **devices)
-
-
-def random_scenes(seeds: Sequence[int], name: str) -> list[random_score.Score]:
-    """layered medium on some scenes, by one driver; nothing where that is missing."""
-    present, _ = loaded([name], None)
-    return random_score.scores(seeds, ("layered medium",), name) if present else []
 
 
 def _exposed(image: np.ndarray) -> str:
@@ -131,14 +125,10 @@ def everything(full: bool, adapter: str | None) -> Everything:
         "engines": samples if full else [],
         "compilation": [(compile_variant, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
-        "random": [(random_scenes, (range(at, at + 5), BRIEF_DRIVERS[0])) for at in range(0, 100 if full else 0, 5)],
     }
     ordered = sorted((job for some in parts.values() for job in some), key=lambda job: job[1][0] not in SLOWEST)
     with terminal.progress("validate", len(ordered)) as step:
         results = dict(zip(ordered, jobs.run(ordered, step), strict=True))
     done = {part: [results[job] for job in some] for part, some in parts.items()}
-    if full:
-        found = [score for scores in done["random"] for score in scores]
-        done["probes"].append(random_score.section(found, loaded(BRIEF_DRIVERS[:1], None)[1]))
     compilation = Compilation([row for part in done["compilation"] for row in part.rows])
     return Everything(full, compilation, done["probes"], done["market"][0], done["engines"])

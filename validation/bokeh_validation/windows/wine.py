@@ -16,9 +16,9 @@ from itertools import count
 from pathlib import Path
 
 from bokeh_validation import locks, paths, process
-from bokeh_validation.compilers.packages import Package
-from bokeh_validation.compilers.tool import find, once
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.packages import Package
+from bokeh_validation.process import find, once
 
 PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
 INSTALL = f"apt-get install -y --no-install-recommends {PACKAGES}"

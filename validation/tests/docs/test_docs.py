@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from bokeh_validation import paths
-from bokeh_validation.frame import fetches, methods, plan
+from bokeh_validation import paths, plan
+from bokeh_validation.frame import methods
+from bokeh_validation.plan import fetches
 from bokeh_validation.shaders.entries import EXACT
 
 
@@ -112,13 +113,13 @@ def test_engines_of_the_readme():
 # only a user's own engine can do wrong.
 KEPT = {
     "Upside down, or": "test_drivers::test_scenes, test_viewport::test_nothing_leaks_in",
-    "Soft, in focus too": "test_hostile::test_in_focus_nothing_changes",
-    "Soft everywhere in Direct3D 9": "test_hostile::test_in_focus_nothing_changes, test_within::test_every_entry",
+    "Soft, in focus too": "test_invalid_input::test_in_focus_nothing_changes",
+    "Soft everywhere in Direct3D 9": "test_invalid_input::test_in_focus_nothing_changes, test_within::test_every_entry",
     "`layered` blurs near things, not far ones": "test_engines::test_sample",
     "All blurred alike, or nothing blurred": "test_inputs::test_same_depth_from_every_convention",
     "Focus and blur are swapped": "test_inputs::test_same_depth_from_every_convention, "
     "test_inputs::test_ends_of_the_range",
-    "A wall of light where the sky is": "test_hostile::test_bad_pixels_count_as_documented",
+    "A wall of light where the sky is": "test_invalid_input::test_bad_pixels_count_as_documented",
     "Highlights are wider than high": "test_within::test_sizes, test_apertures::test_highlight_on_a_driver",
     "A turned polygon": "test_apertures::test_regular, test_character::test_tiling",
     "Another size at another resolution": "test_invariance::test_resolution_and_aspect_ratio",
@@ -127,12 +128,12 @@ KEPT = {
     "Stars where highlights overlap": "test_exact::test_light_on_float_targets, "
     "test_pictures::test_pictures_are_those_of_the_document",
     "Dull bokeh, no brighter than a wall": "test_engines::test_sample",
-    "A black or white square that may grow": "test_hostile::test_damage_is_confined",
+    "A black or white square that may grow": "test_invalid_input::test_damage_is_confined",
     "White squares on mobile": "test_highp::test_highp_wins_over_mediump, test_highp::test_libraries_have_no_half",
     "Outlines tremble though nothing moves": "test_steady::test_stands_still",
-    "A halo of a sharp object": "test_patterns::test_probes_notice",
+    "A halo of a sharp object": "test_probes::test_probes_notice",
     "A near object does not fade": "test_paste::test_the_chain_runs",
-    "A hard edge": "test_patterns::test_probes_notice, test_layers::test_layered_aspect_and_presets",
+    "A hard edge": "test_probes::test_probes_notice, test_layers::test_layered_aspect_and_presets",
     "A contour where blur begins": "test_continuity::test_coc_sweep",
     "filterable float expected": "test_paste::test_the_chain_runs",
     "`#error BOKEH_NUM_SAMPLES must": "test_configuration::test_hlsl, test_configuration::test_glsl",

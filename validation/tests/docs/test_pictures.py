@@ -7,8 +7,8 @@ import numpy as np
 from PIL import Image
 from support import called
 
-from bokeh_validation import figures, paths
-from bokeh_validation.truth import gallery
+from bokeh_validation import paths
+from lab import figures, gallery
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 DOCUMENT = paths.ROOT / "docs" / "paper.md"

@@ -8,7 +8,7 @@ from bokeh_validation import locks, paths
 
 ALWAYS = ("opengl", "threejs-webgl", "direct3d11")
 # Of the package: what makes the frame, runs a sample and judges what it drew
-PACKAGE = ("browser", "drivers", "engines", "frame", "probes", "reference", "shaders", "windows")
+PACKAGE = ("browser", "drivers", "engines", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
 
 
 @cache

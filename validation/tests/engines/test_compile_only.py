@@ -1,7 +1,7 @@
 """The Unity and Unreal packages, which cannot run here: compiled against the stand-ins of validation/stubs.
 
 Nothing is run, and a stand-in that is wrong is not found. What two languages of a package must agree on, no compiler
-sees; what of that `port` does not write is compared here.
+sees; what of that `generate` does not write is compared here.
 """
 
 import json
@@ -16,7 +16,7 @@ from support import needed
 from bokeh_validation import paths
 from bokeh_validation.compilers import dxc, fxc, tool
 from bokeh_validation.compilers.tool import CompileResult
-from bokeh_validation.frame import copies
+from bokeh_validation.generate import copies
 from bokeh_validation.shaders.entries import ENTRIES
 
 STUBS = paths.VALIDATION / "stubs"

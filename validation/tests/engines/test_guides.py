@@ -13,9 +13,9 @@ from PIL import Image
 from support import needed
 from support_pages import assert_picture
 
-from bokeh_validation import paths, process
+from bokeh_validation import generate, paths, process
 from bokeh_validation.engines import desktop, direct3d, vulkan
-from bokeh_validation.frame import methods, port
+from bokeh_validation.frame import methods
 
 INTEGRATION = paths.ROOT / "integration"
 # but those without code of their own
@@ -229,7 +229,7 @@ def test_bevy_presets():
     """What the plugin defines for a preset."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
     (names,) = re.findall(r"^const DEFINITIONS: .* = \[(.*)\];$", plugin, re.MULTILINE)
-    assert tuple(re.findall(r"\w+", names)) == port.BEVY_DEFINITIONS
+    assert tuple(re.findall(r"\w+", names)) == generate.BEVY_DEFINITIONS
     rows = re.findall(r"Self::(\w+) => \(\[(.*)\], (.*)\),", plugin)
     found = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}
     wanted = {name: (exact[0], *methods.PRESETS[name], exact[1]) for name, exact in methods.EXACT_PRESETS.items()}

@@ -15,9 +15,9 @@ from support import load, needed
 from support_pages import assert_picture
 
 from bokeh_validation import paths
-from bokeh_validation.compilers.tool import find
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
+from bokeh_validation.process import find
 from bokeh_validation.truth import ray_traced
 
 EFFECT = paths.ROOT / "integration/reshade/PolygonalBokeh.fx"

@@ -14,7 +14,7 @@ import pytest
 from support import load
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.compilers import angle_tint, naga
+from bokeh_validation.compile_matrix import angle_tint, naga
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import Pass
 

@@ -9,8 +9,18 @@ import pytest
 from support import compiled, disassembled, needed
 
 from bokeh_validation import shaders
-from bokeh_validation.compilers import dxc, glslang, mesa, naga, registry, spirv
-from bokeh_validation.compilers.compile import FAILED, MISSING, OK, Cell, Compilation, compile_programs
+from bokeh_validation.compile_matrix import (
+    FAILED,
+    MISSING,
+    OK,
+    Cell,
+    Compilation,
+    compile_programs,
+    mesa,
+    naga,
+    registry,
+)
+from bokeh_validation.compilers import dxc, glslang, spirv
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.variants import Program, load
 

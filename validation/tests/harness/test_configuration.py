@@ -4,7 +4,8 @@ import pytest
 from support import compiled, load, says
 
 from bokeh_validation import shaders
-from bokeh_validation.compilers import dxc, fxc, glslang, mesa
+from bokeh_validation.compile_matrix import mesa
+from bokeh_validation.compilers import dxc, fxc, glslang
 
 GLSL, GLSL_TEXT = shaders.glsl("BokehDebug"), shaders.text("glsl")
 # What stands before the passes is wanted by those that need it alone

@@ -22,7 +22,7 @@ from bokeh_validation.engines import pages
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case, compared
 from bokeh_validation.truth import ray_traced
-from bokeh_validation.truth.peers import effects
+from lab.other_effects import effects
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
 LENS = {"stop": 0.3, "focal": 0.06, "focus": 4.0}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from support import called, compiled, load
 
-from bokeh_validation import paths, shaders
+from bokeh_validation import generate, paths, shaders
+from bokeh_validation import plan as frame
 from bokeh_validation.compilers import dxc, spirv
 from bokeh_validation.errors import UserError
-from bokeh_validation.frame import apertures, methods, port
-from bokeh_validation.frame import plan as frame
+from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.shaders.passes import target_size
 
 # The lens blurs the near and the far depths of `picture` by most of the height, so that every pass has work to do.
@@ -134,13 +134,13 @@ def test_dxc_for_vulkan(monkeypatch):
 
 
 @pytest.mark.parametrize("targets", [True, False])
-@pytest.mark.parametrize("method", apertures.METHODS)
+@pytest.mark.parametrize("method", aperture_shapes.METHODS)
 def test_every_frame_is_whole(method, targets):
     """What is read was written before or handed in, what is written is read; all is set free once, but the result.
 
     Textures share memory with their like, and no two at a time.
     """
-    for aperture in methods.EXACT if method in ("exact", "layered") else apertures.NAMES:
+    for aperture in methods.EXACT if method in ("exact", "layered") else aperture_shapes.NAMES:
         planned = frame.frame(methods.Settings(method, aperture, targets=targets), (1921, 1081))
         there = {"color", "depth buffer", *planned["tables"]}
         freed = []
@@ -167,14 +167,14 @@ def test_the_command():
 
 
 def test_nothing_is_out_of_date():
-    """What samples and documents have of the frame, the parameters and the shaders. Otherwise: validation/run port."""
-    assert list(port.out_of_date()) == []
+    """Every generated file is what `validation/run generate` would write now."""
+    assert list(generate.out_of_date()) == []
 
 
 def test_a_region_needs_its_markers():
     """A file without them is left alone."""
     with pytest.raises(UserError, match="a.py: its markers .* Restore them"):
-        port.replaced("a.py", f"# {port.WRITTEN_BY} {port.FRAME}: begin\n", port.FRAME, [])
+        generate.replaced("a.py", f"# {generate.WRITTEN_BY} {generate.FRAME}: begin\n", generate.FRAME, [])
 
 
 def test_layers_page():

@@ -13,9 +13,9 @@ import pytest
 from support import called, load, refused
 from support_cases import noise_case, result
 
-from bokeh_validation import exr, options, paths
+from bokeh_validation import exr, options, paths, plan
 from bokeh_validation.errors import UserError
-from bokeh_validation.frame import apertures, methods, plan
+from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.truth import ray_traced
@@ -75,11 +75,11 @@ VALUES = {
 }  # fmt: skip
 WIDE = methods.Camera(0.5, 0.05, 4.0, max_coc=0.6)
 BASES = [
-    *(Settings(name, "octagon", camera=WIDE) for name in apertures.METHODS),
+    *(Settings(name, "octagon", camera=WIDE) for name in aperture_shapes.METHODS),
     *(Settings(name, "hexagon", 9, spacing=2.0, jitter=1.0, camera=WIDE) for name in ("exact", "paper")),
     Settings("paper", "pentagon", 9, camera=WIDE),
     Settings("layered", "hexagon", jitter=1.0, camera=WIDE),
-    *(Settings(name, "square", coc=0.6, preset="low", camera=WIDE) for name in apertures.METHODS),
+    *(Settings(name, "square", coc=0.6, preset="low", camera=WIDE) for name in aperture_shapes.METHODS),
 ]
 
 

@@ -12,7 +12,7 @@ import pytest
 import typer
 
 from bokeh_validation import jobs, paths, probes
-from bokeh_validation.compilers.compile import Compilation
+from bokeh_validation.compile_matrix import Compilation
 from bokeh_validation.probes import sections
 from bokeh_validation.probes.sections import Section, of_probe
 from bokeh_validation.reference.device import Reference

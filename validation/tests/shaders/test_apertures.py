@@ -9,12 +9,12 @@ import pytest
 from support import called, in_each_language
 
 from bokeh_validation import paths
-from bokeh_validation.frame import apertures, methods, polygons
-from bokeh_validation.frame.aperture import TOLERANCE, Decomposition, decompose, parsed, strips_around
+from bokeh_validation.frame import aperture_shapes, geometry, methods
+from bokeh_validation.frame.decomposition import TOLERANCE, Decomposition, decompose, parsed, strips_around
 from bokeh_validation.probes import highlight, impulse
 from bokeh_validation.probes.model import overlap, pixel_center
 
-DOCUMENT = (paths.ROOT / "docs/methods/polygons.md").read_text(encoding="utf-8")
+DOCUMENT = (paths.ROOT / "docs/methods/geometry.md").read_text(encoding="utf-8")
 REGULAR = range(3, 13)
 # Corners, with and without parallel sides; the fewest passes and the most light of all sets of pairs of directions
 SHAPES = {
@@ -31,7 +31,7 @@ PENTAGON = next(iter(SHAPES))
 
 
 POLYGONS = {text: parsed(text) for text in SHAPES}
-POLYGONS |= {f"{sides} sides": apertures.regular_polygon(sides) for sides in (*REGULAR, 16)}
+POLYGONS |= {f"{sides} sides": aperture_shapes.regular_polygon(sides) for sides in (*REGULAR, 16)}
 
 
 def drawn_by(shape: Decomposition) -> list[np.ndarray]:
@@ -39,7 +39,7 @@ def drawn_by(shape: Decomposition) -> list[np.ndarray]:
     parallelograms = []
     for second in (line for line in shape.passes if line.reads is not None):
         first = shape.passes[second.reads]
-        half = [0.5 * line.length * apertures.direction(np.radians(line.angle)) for line in (first, second)]
+        half = [0.5 * line.length * aperture_shapes.direction(np.radians(line.angle)) for line in (first, second)]
         signs = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
         parallelograms.append(signs @ np.array(half) - np.array(first.center) - np.array(second.center))
     return parallelograms
@@ -47,10 +47,10 @@ def drawn_by(shape: Decomposition) -> list[np.ndarray]:
 
 def assert_in_common(shape: Decomposition, polygon: np.ndarray, tolerance: float) -> None:
     """The parallelograms have the polygon in common, sides off by `tolerance` at most, and min has all of them."""
-    common = reduce(polygons.clip_convex, drawn_by(shape))
-    for corners in (common, polygons.clip_convex(common, polygon)):
-        off = abs(polygons.signed_area(corners)) - abs(polygons.signed_area(polygon))
-        assert abs(off) <= tolerance * polygons.perimeter(polygon)
+    common = reduce(geometry.clip_convex, drawn_by(shape))
+    for corners in (common, geometry.clip_convex(common, polygon)):
+        off = abs(geometry.signed_area(corners)) - abs(geometry.signed_area(polygon))
+        assert abs(off) <= tolerance * geometry.perimeter(polygon)
     finished = [index for index, line in enumerate(shape.passes) if line.reads is not None]
     assert [shape.passes[index].combines for index in finished] == [None, *finished[:-1]]
     assert all(line.center == (0.0, 0.0) for line in shape.passes if line.reads is None)
@@ -70,8 +70,8 @@ def test_every_polygon(name):
     count = len(strips_around(polygon, 1e-6))
     assert count <= len(shape.passes) <= count + count % 2
     assert (count + 1) // 2 <= len(drawn_by(shape)) < count
-    area = abs(polygons.signed_area(polygon))
-    largest = max(abs(polygons.signed_area(corners)) for corners in drawn_by(shape))
+    area = abs(geometry.signed_area(polygon))
+    largest = max(abs(geometry.signed_area(corners)) for corners in drawn_by(shape))
     assert shape.light == pytest.approx(area / largest) and shape.light <= shape.bound + 1e-9
     if count == len(polygon):
         assert len(shape.passes) == count and shape.light == pytest.approx(shape.bound)
@@ -93,22 +93,22 @@ def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
 @pytest.mark.parametrize("n", REGULAR)
 def test_regular(n):
     """The closed forms of the light, and the same passes for every rotation."""
-    polygon = apertures.regular_polygon(n)
+    polygon = aperture_shapes.regular_polygon(n)
     shape = decompose(polygon)
     odd = n * np.sin(2 * np.pi / n) / (8 * np.cos(np.pi / 2 / n) ** 3)
     assert shape.light == pytest.approx(odd if n % 2 else n / 4 * (np.sin if n % 4 else np.tan)(np.pi / n))
     assert shape.light == pytest.approx(shape.bound)
     for rotation in (17.3, 90.0, 181.0, -45.0):
-        assert_in_common(decompose(polygon, rotation), apertures.rotated(polygon, rotation), 1e-9)
+        assert_in_common(decompose(polygon, rotation), aperture_shapes.rotated(polygon, rotation), 1e-9)
     # rounded sides are parallel still, and neither winding nor idle corners matter
-    rounded = (apertures.rotated(polygon, 11.0) + [0.0123, 0.0087]).round(3)
+    rounded = (aperture_shapes.rotated(polygon, 11.0) + [0.0123, 0.0087]).round(3)
     halved = np.stack([0.5 * (polygon + np.roll(polygon, 1, axis=0)), polygon], axis=1).reshape(-1, 2)
     for corners in (rounded, halved, halved[::-1]):
         assert len(decompose(corners).passes) == len(shape.passes)
         assert_in_common(decompose(corners), corners, 2 * TOLERANCE)
 
 
-DRAWN = {name: apertures.regular_polygon(sides) for name, sides in apertures.POLYGONS.items()}
+DRAWN = {name: aperture_shapes.regular_polygon(sides) for name, sides in aperture_shapes.POLYGONS.items()}
 DRAWN["any pentagon"] = parsed(PENTAGON)
 
 
@@ -122,7 +122,7 @@ def test_highlight_on_a_driver(name, rotation, squeeze, driver):
     Upright, turned, squeezed.
     """
     shape = decompose(DRAWN[name], rotation)
-    corners = impulse.COC * apertures.rotated(DRAWN[name], rotation) * [squeeze, 1.0]
+    corners = impulse.COC * aperture_shapes.rotated(DRAWN[name], rotation) * [squeeze, 1.0]
     middle = pixel_center(*impulse.CENTER)
     bokeh, reflected = (highlight.Bokeh(sign * corners, impulse.SIZE, middle) for sign in (1, -1))
     settings = replace(impulse.constant_coc("hexagon", rotation), squeeze=squeeze)
@@ -140,7 +140,7 @@ def test_light_of_the_document():
     """Its table of regular polygons: passes, and the light that min keeps."""
     table = DOCUMENT.split("### How much light it keeps")[1].split("\n## ")[0]
     cells = [row.strip("| ").split(" | ")[1:] for row in table.splitlines() if row.startswith("| ")]
-    shapes = {sides: decompose(apertures.regular_polygon(int(sides))) for sides in cells[0]}
+    shapes = {sides: decompose(aperture_shapes.regular_polygon(int(sides))) for sides in cells[0]}
     assert list(map(int, shapes)) == list(REGULAR)
     assert cells[1:] == [[f"{len(s.passes)}" for s in shapes.values()], [f"{s.light:.3f}" for s in shapes.values()]]
 

@@ -9,7 +9,7 @@ from support import in_each_language
 from support_cases import CAMERA, evaluated, everything, noise_case, result
 
 from bokeh_validation import metrics
-from bokeh_validation.frame import apertures, polygons
+from bokeh_validation.frame import aperture_shapes, geometry
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.reference.lines import LEAST, edge_lengths, parallelogram, polygon_edge
 
@@ -22,10 +22,14 @@ def test_tiling(sides, amount, towards, rotation, squeeze):
 
     towards  degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
     """
-    cut = amount * apertures.direction(np.radians(towards))
-    polygon, moved, found = apertures.even_polygon(sides), 0.5 * np.cos(np.pi / sides) * cut, edge_lengths(sides, cut)
-    whole = polygons.clip_convex(polygon + moved, polygon - moved)
-    corners = apertures.rotated(whole, np.degrees(rotation)) * [squeeze, 1.0]
+    cut = amount * aperture_shapes.direction(np.radians(towards))
+    polygon, moved, found = (
+        aperture_shapes.even_polygon(sides),
+        0.5 * np.cos(np.pi / sides) * cut,
+        edge_lengths(sides, cut),
+    )
+    whole = geometry.clip_convex(polygon + moved, polygon - moved)
+    corners = aperture_shapes.rotated(whole, np.degrees(rotation)) * [squeeze, 1.0]
     x, y = np.random.default_rng(sides).uniform(-0.6, 0.6, (2, 20000))
     held, total = np.zeros(x.shape, int), 0.0
     for k in range(2, sides // 2 + 1):
@@ -34,14 +38,14 @@ def test_tiling(sides, amount, towards, rotation, squeeze):
             first = polygon_edge(i, sides, rotation, squeeze, False, found)
             middle, u, v = first.middle + second.middle, first.half, second.half
             shape = np.array([middle + u + v, middle + u - v, middle - u - v, middle - u + v])
-            held += polygons.inside(shape, x, y)
-            area = abs(polygons.signed_area(shape))
+            held += geometry.inside(shape, x, y)
+            area = abs(geometry.signed_area(shape))
             assert area == pytest.approx(squeeze * parallelogram(k, i, sides, found) * found[k - 1], rel=1e-9)
             total += area
     # an edge that is gone is still LEAST long, and moves the others by so much
     off = sides / 2 * LEAST if (found <= LEAST).any() else 1e-12
-    assert total == pytest.approx(abs(polygons.signed_area(corners)), abs=off)
-    assert (held != polygons.inside(corners, x, y)).mean() <= 4 * off
+    assert total == pytest.approx(abs(geometry.signed_area(corners)), abs=off)
+    assert (held != geometry.inside(corners, x, y)).mean() <= 4 * off
 
 
 @pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
@@ -67,7 +71,7 @@ def test_made_for_a_cut(sides, uncut):
     found = evaluated(f"{made} BokehResult = BokehEdgeLine(2, p, true);")
     np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
     area = evaluated(f"{made} BokehResult = vec4(p.area, 0.0, 0.0, 0.0);")[0]
-    assert area == pytest.approx(abs(polygons.signed_area(apertures.even_polygon(sides))), abs=2.0**-12)
+    assert area == pytest.approx(abs(geometry.signed_area(aperture_shapes.even_polygon(sides))), abs=2.0**-12)
 
 
 @pytest.mark.parametrize("method", ["exact", "layered"])

@@ -6,7 +6,8 @@ import numpy as np
 from support import load
 
 from bokeh_validation import paths, shaders
-from bokeh_validation.frame import fetches, methods
+from bokeh_validation.frame import methods
+from bokeh_validation.plan import fetches
 from bokeh_validation.probes import small_frames
 from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes

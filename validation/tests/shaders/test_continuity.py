@@ -14,8 +14,8 @@ from support_cases import everything, float_result, noise_case
 
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
+from bokeh_validation.numerics import precision
 from bokeh_validation.probes.model import Case, depth_of, flat
-from bokeh_validation.reference import precision
 from bokeh_validation.truth import ray_traced
 
 WIDE = methods.Camera(max_coc=1.0)

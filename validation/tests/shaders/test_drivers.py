@@ -7,7 +7,7 @@ import pytest
 from support import LANGUAGES, load
 from support_cases import within
 
-from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import small_frames
 from bokeh_validation.probes.model import Case, depth_of
@@ -15,7 +15,7 @@ from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
 
 SHAPES = [
-    *((method, aperture) for method in ("paper", "naive") for aperture in apertures.APERTURES),
+    *((method, aperture) for method in ("paper", "naive") for aperture in aperture_shapes.APERTURES),
     *(("exact", aperture) for aperture in methods.EXACT),
 ]
 # a part of the ray-traced scenes with something in focus, near and far

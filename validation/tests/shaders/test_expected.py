@@ -18,9 +18,9 @@ from support_cases import CAMERA, noise_case
 from bokeh_validation import paths
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
+from bokeh_validation.numerics import images
 from bokeh_validation.probes import near_edges
 from bokeh_validation.probes.model import Case, depth_of
-from bokeh_validation.reference import images
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.entries import ENTRIES
 

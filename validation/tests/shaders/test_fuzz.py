@@ -8,10 +8,10 @@ import os
 
 import numpy as np
 import pytest
-from hostile import COLOR, DEPTH, sprinkled
+from invalid_input import COLOR, DEPTH, sprinkled
 from support import load
 
-from bokeh_validation.frame import apertures, methods
+from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Camera, Settings
 from bokeh_validation.probes.model import Case, compared
 from bokeh_validation.reference.listings import MAX_COLOR
@@ -23,7 +23,7 @@ DRIVERS = ("osmesa", "wgpu", "dxc")
 # Each number of samples is another program of each entry, so few: an even one, and odd ones
 SAMPLES = {"paper": (2, 3, 7, 13), "exact": (2, 7), "naive": (2, 7), "naive-grid": (2, 3, 7)}
 APERTURES = {
-    "paper": apertures.NAMES,
+    "paper": aperture_shapes.NAMES,
     "exact": tuple(methods.EXACT),
     "naive": ("square", "hexagon", "star", "pentagon"),
     "naive-grid": ("square", "diamond"),

@@ -17,9 +17,9 @@ from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
+from bokeh_validation.numerics import precision
+from bokeh_validation.numerics.images import Image
 from bokeh_validation.probes.model import Case, depth_of, expected, flat
-from bokeh_validation.reference import precision
-from bokeh_validation.reference.images import Image
 
 PEAK = 4096.0
 COC = 0.26  # of the height; the widest bokeh fits into the narrowest image

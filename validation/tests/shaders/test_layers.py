@@ -1,6 +1,6 @@
 """The layered method: presets, what its probes notice, what must not change its picture.
 
-On noise, pass by pass: test_within.py. What its pictures must show: the probes, which test_patterns.py runs.
+On noise, pass by pass: test_within.py. What its pictures must show: the probes, which test_probes.py runs.
 """
 
 from dataclasses import replace
@@ -14,7 +14,8 @@ from support_cases import CAMERA, noise_case, result
 
 from bokeh_validation import metrics, shaders
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.frame import fetches, methods
+from bokeh_validation.frame import methods
+from bokeh_validation.plan import fetches
 from bokeh_validation.probes import highlight, lights, near_edges
 from bokeh_validation.probes.model import Case, depth_of, flat
 from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass

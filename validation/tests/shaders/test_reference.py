@@ -6,11 +6,12 @@ from support_cases import noise_case
 from test_within import GROUPS
 
 from bokeh_validation import metrics
-from bokeh_validation.frame import apertures, methods, polygons
+from bokeh_validation.frame import aperture_shapes, geometry, methods
+from bokeh_validation.numerics import precision
+from bokeh_validation.numerics.images import Image
 from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
-from bokeh_validation.reference import execution, formulas, listings, precision
+from bokeh_validation.reference import execution, formulas, listings
 from bokeh_validation.reference.device import Reference
-from bokeh_validation.reference.images import Image
 from bokeh_validation.reference.intervals import Interval
 from bokeh_validation.shaders.passes import target_size
 
@@ -39,24 +40,24 @@ def test_leakage_weight():
 
 def test_kernels_of_figure_4_and_table_1():
     """127 and 120 samples; square grids of Table 1; all inside their shape."""
-    hexagon, octagon = apertures.kernel("hexagon", 13), apertures.kernel("octagon", 13)
+    hexagon, octagon = aperture_shapes.kernel("hexagon", 13), aperture_shapes.kernel("octagon", 13)
     assert len(hexagon) == 127 and len(octagon) == 120
     assert np.linalg.norm(hexagon, axis=1).max() == pytest.approx(0.5)
     assert np.abs(octagon).max() <= 0.5 and (np.abs(octagon).sum(axis=1) <= np.sqrt(0.5)).all()
     for count in (16, 64, 144, 256, 400, 576):
         side = int(np.sqrt(count))
-        grid = apertures.kernel("square", side)
+        grid = aperture_shapes.kernel("square", side)
         assert len(grid) == count and grid.min() == pytest.approx(-0.5) and grid.max() == pytest.approx(0.5)
-    for aperture in apertures.APERTURES:
-        table = apertures.kernel(aperture, 13)
+    for aperture in aperture_shapes.APERTURES:
+        table = aperture_shapes.kernel(aperture, 13)
         assert len(np.unique(table.round(9), axis=0)) == len(table)
         np.testing.assert_allclose(table.mean(axis=0), 0.0, atol=1e-12)
-    for aperture, sides in apertures.POLYGONS.items():
-        polygon, table = apertures.regular_polygon(sides), apertures.kernel(aperture, 30)
-        off = 0.5 * polygons.perimeter(polygon) / 29
-        assert len(table) / 29**2 == pytest.approx(abs(polygons.signed_area(polygon)), abs=off)
+    for aperture, sides in aperture_shapes.POLYGONS.items():
+        polygon, table = aperture_shapes.regular_polygon(sides), aperture_shapes.kernel(aperture, 30)
+        off = 0.5 * geometry.perimeter(polygon) / 29
+        assert len(table) / 29**2 == pytest.approx(abs(geometry.signed_area(polygon)), abs=off)
         # reflected; but for the shift of the mean, half a cell at most; a side is 0.5 cos(pi / sides) from the middle
-        assert polygons.inside((1 + 1 / 29 / np.cos(np.pi / sides)) * polygon, *-table.T).all()
+        assert geometry.inside((1 + 1 / 29 / np.cos(np.pi / sides)) * polygon, *-table.T).all()
 
 
 def test_compare_notices():

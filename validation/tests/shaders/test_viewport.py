@@ -10,7 +10,7 @@ from support_cases import noise_case
 from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.reference import images
+from bokeh_validation.numerics import images
 from bokeh_validation.reference.device import Reference
 from bokeh_validation.shaders.passes import Pass, target_area
 

@@ -2,7 +2,7 @@
 
 import { FloatType, HalfFloatType, RedFormat } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
-import { upsideDown } from "../../truth/peers/page/feed.js";
+import { upsideDown } from "../../../lab/other_effects/page/feed.js";
 
 const WIDEST = 1920; // a PNG is made so wide at the most
 const FAR = 100; // metres, of black in a depth picture; white is 1 metre

@@ -1,0 +1,159 @@
+"""The command `validation/run compile`: every program of variants.py through every compiler that takes it."""
+
+import os
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, field
+
+from rich.table import Table
+
+from bokeh_validation import jobs, paths, shaders, terminal
+from bokeh_validation.compile_matrix.registry import COMPILERS
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.shaders.variants import Program, load
+
+OK, FAILED, MISSING = "ok", "failed", "missing"
+STYLES = {FAILED: "bold red", MISSING: "yellow", OK: "green"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Outcome of one compiler for one program: what it printed, or how to install it where it is MISSING."""
+
+    status: str
+    message: str = ""
+    facts: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A program, and compiler -> its outcome: of those that the program goes through, unless their input failed."""
+
+    program: Program
+    cells: dict[str, Cell]
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """Programs that were compiled, in the order in which they were given."""
+
+    rows: list[Row]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of cells: 'ok', 'failed', 'missing'."""
+        statuses = [cell.status for row in self.rows for cell in row.cells.values()]
+        return {status: statuses.count(status) for status in (OK, FAILED, MISSING)}
+
+    @property
+    def passed(self) -> bool:
+        """Nothing failed; under CI nothing is missing either."""
+        return not self.counts[FAILED] and not (os.environ.get("CI") and self.counts[MISSING])
+
+    @property
+    def summary(self) -> str:
+        """One line: how many cells of each kind."""
+        counts = self.counts
+        parts = [f"{len(self.rows)} programs", f"{counts[OK]} of {sum(counts.values())} compilations ok"]
+        return ", ".join(parts + [f"{counts[kind]} {kind}" for kind in (FAILED, MISSING) if counts[kind]])
+
+    def failures(self, lines: int = 3) -> list[str]:
+        """What failed or is missing: the compiler's own first lines, once for all programs that have them in common."""
+        names: dict[tuple[str, str, str], list[str]] = defaultdict(list)
+        for row in self.rows:
+            for column, cell in row.cells.items():
+                if cell.status != OK:
+                    names[column, cell.status, cell.message].append(row.program.name)
+        return [
+            "\n    ".join([f"{column} {status}: {len(programs)}, {programs[0]}", *message.splitlines()[:lines]])
+            for (column, status, message), programs in names.items()
+        ]
+
+    def table(self) -> Table:
+        """A line for each variant: its compilers, how many programs each refused, and the most slots of any."""
+        table = Table("variant", "programs", "compilers", box=None, pad_edge=False)
+        for variant in dict.fromkeys(row.program.variant for row in self.rows):
+            rows = [row for row in self.rows if row.program.variant == variant]
+            cells = {name: [row.cells[name] for row in rows if name in row.cells] for name in rows[0].program.compilers}
+            table.add_row(variant, str(len(rows)), ", ".join(_words(*item) for item in cells.items() if item[1]))
+        return table
+
+    def as_json(self) -> dict[str, object]:
+        """All of it: lists, dicts, texts and numbers only."""
+        rows = [{"name": row.program.name, **asdict(row)} for row in self.rows]
+        return {"ok": self.passed, "summary": self.summary, "counts": self.counts, "rows": rows}
+
+
+def _words(column: str, cells: list[Cell]) -> str:
+    """Such as 'fxc ok (up to 426 slots)' or 'naga failed 3'."""
+    statuses = [cell.status for cell in cells]
+    worst = next(status for status in STYLES if status in statuses)
+    text = f"{column} [{STYLES[worst]}]{worst}[/]" + (f" {statuses.count(worst)}" if worst != OK else "")
+    slots = [cell.facts["slots"] for cell in cells if "slots" in cell.facts]
+    return text + (f" (up to {max(slots)} slots)" if slots else "")
+
+
+def compile_programs(programs: Iterable[Program], edit: Callable[[str], str] | None = None) -> Compilation:
+    """Compile all programs. `edit` changes the text of each shader before it is compiled."""
+    return Compilation([_row(program, edit(program.source) if edit else program.source) for program in programs])
+
+
+def _row(program: Program, source: str) -> Row:
+    cells, binaries = {}, {}
+    for compiler in COMPILERS:
+        if compiler.name not in program.compilers:
+            continue
+        producer = next((name for name in compiler.takes if name in program.compilers), "")
+        if producer and producer not in binaries:
+            continue
+        try:
+            result = compiler.run(program, binaries[producer] if producer else source)
+        except Unavailable as error:
+            cells[compiler.name] = Cell(MISSING, str(error))
+            continue
+        message = result.messages if producer else located(result.messages, source, program.language)
+        cells[compiler.name] = Cell(OK if result.ok else FAILED, message, result.facts)
+        if result.ok:
+            binaries[compiler.name] = result.binary
+    return Row(program, cells)
+
+
+# How each compiler writes a place, up to the line number: glslang and mesa, DXC and fxc, naga and tint
+_PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag)|0|bokeh\.hlsl|wgsl):(\d+)(?=[:(])")
+
+
+def located(message: str, source: str, language: str) -> str:
+    """Places in the complete program as places in the package's files, such as bokeh.glsl:251.
+
+    source  the program: lines of its own (version, defines), whose places are left as they are, then all files
+    """
+    if not message:
+        return ""
+    counts = {stem: len(shaders.file_text(language, stem).splitlines()) for stem in paths.STEMS}
+    names = [f"{stem}.{language}:{n}" for stem, count in counts.items() for n in range(1, count + 1)]
+    head = len(source.splitlines()) - len(names)
+
+    def place(match: re.Match) -> str:
+        line = int(match[1]) - head
+        return names[line - 1] if 1 <= line <= len(names) else match[0]
+
+    return _PLACE.sub(place, message) if head >= 0 else message
+
+
+def compile_variant(variant: str, quick: bool = False) -> Compilation:
+    """The programs of a variant, through all of its compilers; quick: fewer, through the main ones."""
+    return compile_programs(program for program in load(quick=quick, main=quick) if program.variant == variant)
+
+
+def compile_all(json_file: terminal.JsonFile = None) -> None:
+    """Every shader program through every compiler."""
+    terminal.check_writable(json_file)
+    variants = list(dict.fromkeys(program.variant for program in load()))
+    with terminal.progress("compile", len(variants)) as step:
+        parts = jobs.run([(compile_variant, (variant,)) for variant in variants], step)
+    compilation = Compilation([row for part in parts for row in part.rows])
+    terminal.console.print(compilation.table())
+    terminal.tell(compilation.summary, *compilation.failures())
+    terminal.write_json(json_file, compilation.as_json())
+    terminal.end(compilation.passed)

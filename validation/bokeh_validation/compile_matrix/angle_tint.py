@@ -1,0 +1,40 @@
+"""The compilers of Chromium: ANGLE (GLSL ES), asked through WebGL 2, and tint (WGSL), asked through WebGPU.
+
+ANGLE is that of Firefox, Safari and Edge as well; tint is Dawn's.
+"""
+
+from bokeh_validation import browser
+from bokeh_validation.compile_matrix.naga import TARGET_FORMAT, Stage
+from bokeh_validation.compilers.tool import CompileResult, accepted, refused
+from bokeh_validation.shaders.passes import SAMPLE_TYPES
+
+
+def version() -> str:
+    """Chromium's, which both are a part of. Raises Unavailable."""
+    return f"Chromium {browser.session().version}"
+
+
+def angle(vertex: str, fragment: str) -> CompileResult:
+    """Compile both stages and link them. Each line of the messages begins with its stage, or with 'link'."""
+    return _compiled("webgl2.compile", {"vertex": vertex, "fragment": fragment})
+
+
+def tint(vertex: Stage, fragment: Stage) -> CompileResult:
+    """Make a WGSL module, the code of both stages, and a render pipeline of them, with the package's bindings."""
+    job = {
+        "code": fragment.code,
+        "slots": SAMPLE_TYPES,
+        "formats": [TARGET_FORMAT] * fragment.targets,
+        "vertex": {"entry": vertex.entry, "constants": dict(vertex.constants)},
+        "fragment": {"entry": fragment.entry, "constants": dict(fragment.constants)},
+    }
+    return _compiled("webgpu.compile", job)
+
+
+def _compiled(function: str, job: dict) -> CompileResult:
+    """What the page answers; a crash or a hang is a refusal."""
+    try:
+        done = browser.session().call(function, job)
+    except (browser.BrowserError, browser.Refused) as error:
+        return refused(str(error))
+    return (accepted if done["ok"] else refused)("\n".join(done["lines"]))

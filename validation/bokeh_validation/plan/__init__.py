@@ -1,0 +1,270 @@
+"""A method's frame as data: `validation/run plan` prints it, and `validation/run generate` writes it into the samples.
+
+It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
+"""
+
+import json
+import re
+from dataclasses import replace
+from typing import Annotated
+
+import typer
+
+from bokeh_validation import __version__, options, paths, shaders, terminal
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import methods
+from bokeh_validation.plan import fetches
+from bokeh_validation.shaders.entries import COPY, COPYING_ENTRIES, DEPTH, LATERAL, STEADY, UNREAD, VIEW
+from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
+
+LEAST_SIDE, MOST_SIDE = 2, 16384
+# Role of an entry -> format of its target and bytes of a texel
+FORMATS = {DEPTH: ("R32F", 4)}
+USUAL_FORMAT = ("RGBA16F", 8)
+SIGNED_MAP = "BokehSignedCoCMap"
+# From the engine's depth buffer to metres, for paper and naive; the drivers are given metres
+LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
+VERTEX = {
+    "entry": "BokehFullScreen",
+    "define": "BOKEH_FULL_SCREEN",
+    "vertices": 3,
+    "topology": "triangle list",
+    "vertex_buffer": None,
+    "note": "Draw three vertices without a vertex buffer: they are made of the vertex index. Core OpenGL draws nothing "
+    "without a bound vertex array: bind an empty one. Shader model 3 has no vertex index: there it takes a quad of "
+    "your own with a position of -1 .. 1.",
+}
+# What is known in the engine only. The values in `parameters` are those of the settings, or defaults.
+OVERWRITE = {
+    "lens": list(methods.LENS),
+    "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
+    "size": ["BokehAspectRatio", "BokehImageWidth", "BokehImageHeight"],
+    "each frame, with BokehJitter": ["BokehFrame"],
+}
+NOTES = (
+    "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
+    "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
+    "300 es and 450, HLSL the shader models 3 to 6.",
+    "`size` is ceil(width / scale) x ceil(height / scale) of the full size: rounded up. The viewport of a pass is its "
+    "whole target, unless the pass has a `viewport` (x, y, width, height in texels of the target).",
+    "Blending, depth test and culling off. `linear`: linear filter, clamp, no mip levels. `nearest`: fetched texel by "
+    "texel; only shader model 3 needs a filter of that kind.",
+    "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
+    "those that your engine must give.",
+    "BokehSignedCoCMap reads the engine's depth buffer: BokehDepthKind says what it holds. BokehLinearDepth, where "
+    "there is one, makes metres of it; leave it out where your depth is in metres already.",
+    "Constants that are not listed have the library's default, which is the preset MEDIUM. For another preset put its "
+    "`define` before the files, in WGSL the constants that it `stands_for`; a preset with one of those is an error.",
+)
+
+
+def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
+    """Everything that an engine needs, ready for JSON; NOTES say how to read it. Raises UserError for bad settings.
+
+    size      (width, height) of the textures, pixels
+    viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
+              are multiples of every pass's scale, or ValueError is raised
+
+    `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
+    may be one target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel
+    of a pass's targets, at most; those of the frame are per pixel of the full size.
+    """
+    options.check(settings)
+    plan = methods.plan(settings, viewport[2:] if viewport else size)
+    if any("depth" in item.inputs.values() and item.entry != SIGNED_MAP for item in plan.passes):
+        plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
+    else:
+        plan = replace(plan, passes=tuple(_from_buffer(item) for item in plan.passes))
+    if viewport:
+        plan = methods.in_viewport(plan, viewport, size)
+    plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
+    same, changes = _parameters(plan.passes)
+    names, values = methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset]
+    if settings.method == "exact":
+        names, values = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS[settings.preset]
+    preset = {
+        "name": settings.preset,
+        "define": f"BOKEH_PRESET_{settings.preset.upper()}",
+        "stands_for": dict(zip(names, values, strict=True)),
+    }
+    textures = _textures(plan, size)
+    targets = [texture for texture in textures if texture["written"] is not None]
+    return {
+        "version": __version__,
+        "method": settings.method,
+        "aperture": settings.aperture,
+        "preset": preset if settings.method == "layered" or settings.has_preset else None,
+        "several_targets": settings.targets,
+        "size": list(size),
+        "notes": list(NOTES),
+        "programs": programs(settings),
+        "vertex": VERTEX,
+        "passes": [
+            _step(number, item, changed, size, textures)
+            for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True))
+        ],
+        "parameters": same,
+        "overwrite": OVERWRITE,
+        "block": {"floats": BLOCK_FLOATS, "order": list(PARAMETERS)},
+        "bindings": {"parameters": 0, "sampler": FIRST_SAMPLER},
+        "textures": textures,
+        "tables": {name: table[0, :, :2].tolist() for name, table in plan.tables.items()},
+        "result": plan.result,
+        "bytes": sum(texture["bytes"] for texture in targets),
+        "bytes_shared": sum({texture["memory"]: texture["bytes"] for texture in targets}.values()),
+        "fetches": fetches.of_frame(plan.passes),
+    }
+
+
+def _from_buffer(item: Pass) -> Pass:
+    """With the engine's depth buffer in place of metres."""
+    renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in item.inputs.items()}
+    return replace(item, inputs=renamed)
+
+
+def _read(item: Pass) -> Pass:
+    """Without the inputs that its one target does not need: no program has a uniform for them."""
+    if item.spec.whole not in UNREAD:
+        return item
+    unread = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
+    return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in unread})
+
+
+def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
+    """A pass of frame()."""
+    return {
+        "pass": number,
+        "entry": item.entry,
+        "define": shaders.glsl_pass(item.entry),
+        "inputs": [
+            {
+                "slot": slot,
+                "uniform": f"Bokeh{slot}",
+                "register": register,
+                "binding": BINDINGS[slot],
+                "texture": item.inputs[slot],
+                "filter": "linear" if is_linear(item.entry, slot) else "nearest",
+            }
+            for register, slot in enumerate(SLOTS)
+            if slot in item.inputs
+        ],
+        "targets": list(item.outputs),
+        "scale": item.scale,
+        "size": list(target_size(item.scale, size)),
+        "viewport": list(target_area(item.scale, item.viewport)) if item.viewport else None,
+        "format": FORMATS.get(item.spec.role, USUAL_FORMAT)[0],
+        "changes": changed,
+        "constants": constants(item),
+        "fetches": fetches.of_pass(item),
+        "free": [texture["name"] for texture in textures if texture["last_read"] == number],
+    }
+
+
+def programs(settings: methods.Settings) -> dict[str, dict]:
+    """Language -> files to put together in their order, the lines before them, and names of the entries."""
+    before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
+    needs = {"exact": [], "layered": ["bokeh_layers"]}.get(settings.method, ["bokeh_paper"])
+    if settings.lateral or settings.cats_eye or settings.roundness < 1.0 or settings.focus:
+        needs = [*needs, "bokeh_lens"]
+    found = {}
+    for language, lines in before.items():
+        # WGSL has no #ifdef: its passes need all files always
+        needed = list(paths.STEMS) if language == "wgsl" else ["bokeh", *needs, "bokeh_passes"]
+        found[language] = {
+            "files": [f"{language}/{stem}.{language}" for stem in needed],
+            "before": lines,
+            "entry": "main" if language == "glsl" else "{entry}_PS",
+            "vertex_entry": "main" if language == "glsl" else "BokehFullScreen_VS",
+        }
+    return found
+
+
+def constants(item: Pass) -> dict[str, float]:
+    """What a program is compiled with beside the library's defaults and the preset; 0 is the default of the others."""
+    known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
+    counts = {name: known.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
+    paper, samples, spacing = counts.values()
+    if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, STEADY, VIEW):
+        return known
+    if paper:
+        return known if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **known}
+    if "BOKEH_SPACING" in item.defines:
+        # what the preset stands for
+        return known
+    return {"BOKEH_NUM_SAMPLES": samples, "BOKEH_SPACING": spacing, **known}
+
+
+def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
+    """All parameters as most passes have them, and what each pass has differently.
+
+    The passes that make the CoC map and metres read the camera only, so what they do not give is no difference.
+    """
+    filters = [item for item in passes if item.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
+    differ = {name for name in PARAMETERS if len({item.values()[name] for item in filters}) > 1}
+    same = dict(PARAMETERS)
+    for item in passes:
+        same |= {name: value for name, value in item.parameters.items() if name not in differ}
+    # an entry that is drawn twice says each time what differs, the defaults too
+    told = {(item.entry, name) for item in passes for name in item.parameters}
+    changes = [{n: v for n, v in item.values().items() if n in differ and (item.entry, n) in told} for item in passes]
+    return same, changes
+
+
+def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
+    """What the passes read and write, in the order of their first use; `written` is null where it is handed in."""
+    textures: dict[str, dict] = {}
+    for number, item in enumerate(plan.passes):
+        for name in item.inputs.values():
+            full = plan.tables[name].shape[1::-1] if name in plan.tables else size
+            given = {"name": name, "written": None, "size": list(full), "format": None, "bytes": None, "read": []}
+            textures.setdefault(name, given)["read"].append(number)
+        wide, high = target_size(item.scale, size)
+        kind, texel = FORMATS.get(item.spec.role, USUAL_FORMAT)
+        for name in item.outputs:
+            place = {"size": [wide, high], "format": kind, "bytes": texel * wide * high}
+            textures[name] = {"name": name, "written": number, **place, "read": []}
+    # a target takes the memory of one of its size and format that nobody reads any more
+    taken: list[dict] = []
+    for name, texture in textures.items():
+        texture["last_read"] = None if name == plan.result else texture["read"][-1]
+        texture["memory"] = None
+        if texture["written"] is not None:
+            free = (number for number, other in enumerate(taken) if _is_free(other, texture))
+            texture["memory"] = number = next(free, len(taken))
+            taken[number : number + 1] = [texture]
+    return list(textures.values())
+
+
+def _is_free(other: dict, texture: dict) -> bool:
+    """Whether a texture may take the memory of another, which is not the result."""
+    alike = (other["size"], other["format"]) == (texture["size"], texture["format"])
+    return alike and other["last_read"] is not None and other["last_read"] < texture["written"]
+
+
+@options.with_settings
+def plan(
+    settings: methods.Settings,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the textures, pixels.")] = "1920x1080",
+    viewport: Annotated[
+        str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
+    ] = None,
+) -> None:
+    """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
+    whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
+    planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
+    typer.echo(json.dumps(planned, indent=1))
+
+
+def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """(x, y, width, height) of '1280x720+64+32'. Raises UserError."""
+    numbers = re.fullmatch(r"(\d{1,5})x(\d{1,5})\+(\d{1,5})\+(\d{1,5})", text)
+    wide, high, x, y = map(int, numbers.groups()) if numbers else (0, 0, 0, 0)
+    fits = min(wide, high) >= LEAST_SIDE and x + wide <= size[0] and y + high <= size[1]
+    # the smallest targets have 1/8 of the size
+    if not fits or x % 8 or y % 8:
+        raise UserError(
+            f"--viewport {text}: no part of {size[0]} x {size[1]}. Give width x height + x + y in pixels, x and y "
+            f"multiples of 8, for example 1280x720+64+32."
+        )
+    return x, y, wide, high

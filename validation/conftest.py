@@ -1,0 +1,37 @@
+"""Fixtures and options of all tests, and their order."""
+
+import pytest
+from support import REAL, load
+
+from bokeh_validation import drivers
+
+# They take longest: begun first, so that nobody waits for one alone at the end.
+LONGEST = (
+    "engines", "web", "probes", "within", "compile", "invalid_input", "truth", "demo", "pages", "godot", "drivers",
+    "steady", "fuzz", "reference", "layers", "guides", "exact", "pictures", "viewport", "validate", "browser", "peers",
+    "pack", "render", "check", "frame", "bench", "parity",
+)  # fmt: skip
+
+
+def pytest_addoption(parser):
+    """validation/test --all, for CI."""
+    said = "every engine's sample (Bevy builds for minutes), and every probe and setting in each language"
+    parser.addoption("--all", action="store_true", help=said)
+
+
+def pytest_collection_modifyitems(items):
+    """A process is given whole files (--dist loadfile): their tests share what takes long to make."""
+    order = {f"test_{name}": index for index, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(order)))
+
+
+@pytest.fixture(params=REAL)
+def driver(request) -> drivers.Driver:
+    """Every real driver in turn."""
+    return load(request.param)
+
+
+@pytest.fixture
+def all_drivers() -> list[drivers.Driver]:
+    """All real drivers at once."""
+    return [load(name) for name in REAL]

@@ -1,0 +1,52 @@
+"""`validation/run bench --pack DIR`: a folder that times the methods wherever Python and a GPU are; see script.py."""
+
+import json
+import re
+import shutil
+import sys
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from bokeh_validation import __version__, paths, plan, process
+from bokeh_validation.drivers.base import Textures
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import methods
+from lab.bench import script
+
+# wgpu and what it imports here, of the lock file; on macOS also what that, made on Linux, does not know
+NEEDED = r"(?m)^(?:cffi|pycparser|wgpu)==.*\n(?: +--hash.*\n)+"
+MACOS = "--hash=sha256:3dc76bc29f300ee6b9a4f408748099f70f8472ca59fe70cca42dfa1f2f1bfe3f"
+MACOS = f'rubicon-objc==0.5.7 ; sys_platform == "darwin" {MACOS}\n'
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+PIP = "pip download -q --retries 1 --timeout 20 --no-deps --only-binary :all: --implementation cp".split()
+PIP += ["--platform", "manylinux_2_28_x86_64", "--platform", "manylinux_2_17_x86_64"]
+LOADER = Path("/usr/lib/x86_64-linux-gnu/libvulkan.so.1")  # containers with NVIDIA's driver often lack it
+
+
+def fill(folder: Path, settings: Mapping[str, methods.Settings], pictures: Sequence[Textures], wheels: bool) -> None:
+    """Write it all to a folder; `wheels`: with what Linux x86-64 needs. Raises UserError.
+
+    pictures  of each size that is drawn 'color' (H, W, 4) float16 and 'depth' (H, W) float32, metres
+    """
+    sizes = {}
+    for color, depth in ((images["color"], images["depth"]) for images in pictures):
+        high, wide = depth.shape
+        sizes[f"{wide}x{high}"] = {key: plan.frame(one, (wide, high)) for key, one in settings.items()}
+        for name, pixels in zip(script.PICTURES, (color, depth), strict=True):
+            (folder / f"{name}-{wide}x{high}.bin").write_bytes(zlib.compress(pixels.tobytes()))
+    program = [f"wgsl/{stem}.wgsl" for stem in paths.STEMS]
+    (folder / "frames.json").write_text(json.dumps({"version": __version__, "files": program, "sizes": sizes}))
+    shutil.copyfile(script.__file__, folder / "bench.py")
+    shutil.copytree(paths.shaders() / "wgsl", folder / "wgsl")
+    lock = (paths.VALIDATION / "requirements.txt").read_text(encoding="ascii")
+    (folder / "requirements.txt").write_text("".join(re.findall(NEEDED, lock)) + MACOS)
+    for version in PYTHONS if wheels else ():
+        into = ["-r", folder / "requirements.txt", "-d", folder / "wheels", "--python-version", version]
+        try:
+            process.run([sys.executable, "-I", "-m", *PIP, *into], 300)
+        except RuntimeError as error:
+            reason = str(error).splitlines()[-1]
+            raise UserError(f"--wheels: pip failed ({reason}). Needs a network; or leave it out.") from None
+    if wheels and LOADER.exists():
+        shutil.copyfile(LOADER, folder / "wheels" / LOADER.name)

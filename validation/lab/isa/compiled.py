@@ -1,0 +1,77 @@
+"""The passes whose cost is counted, as code for the GPUs' compilers: from the GLSL, the HLSL and the WGSL."""
+
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+from bokeh_validation import shaders
+from bokeh_validation.compile_matrix import naga
+from bokeh_validation.compilers import dxc, glslang
+from bokeh_validation.compilers.tool import CompileResult
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import methods
+from bokeh_validation.frame.methods import Settings
+from bokeh_validation.shaders.entries import EXACT
+from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, Pass
+
+VERTEX = "BokehFullScreen"
+SIZE = (1920, 1080)
+# Of `exact` at MEDIUM: BOKEH_NUM_SAMPLES, pixels between samples
+SAMPLES, SPACING = 9, 1.5
+# binding -> kind of descriptor: the textures of HLSL and WGSL have a sampler of their own
+COMBINED = {0: "uniform"} | dict.fromkeys(BINDINGS.values(), "combined")
+SEPARATE = {0: "uniform", FIRST_SAMPLER: "sampler"} | dict.fromkeys(BINDINGS.values(), "texture")
+THREADS = 2  # for glslang and naga
+
+
+@dataclass(frozen=True)
+class Code:
+    """What a GPU's compiler is given: a vertex stage and fragment stages, each a code and its entry point.
+
+    fragments  name of a pass -> (code, entry point, number of targets)
+    bindings   binding -> kind of descriptor
+    """
+
+    vertex: tuple[bytes, str]
+    fragments: Mapping[str, tuple[bytes, str, int]]
+    bindings: Mapping[int, str]
+
+
+def all_passes() -> dict[str, Pass]:
+    """Name -> pass of `paper`, and of `exact` and `layered` at MEDIUM; each pass once."""
+    every = [Settings("paper", shape) for shape in ("hexagon", "octagon")]
+    every += [Settings("exact", shape, spacing=SPACING, samples=SAMPLES) for shape in EXACT]
+    every += [Settings("layered", shape) for shape in ("hexagon", "octagon")]
+    passes = [item for settings in every for item in methods.plan(settings, SIZE).passes]
+    return {item.entry.removeprefix("Bokeh"): item for item in passes}
+
+
+def code(passes: Mapping[str, Pass], language: str, profile: str = "450") -> Code:
+    """Passes as SPIR-V: of GLSL by glslang, of HLSL by DXC, of WGSL by naga. GLSL of another profile than 450 as text.
+
+    Raises Unavailable without these compilers and UserError where they refuse a pass.
+    """
+
+    def stage(entry: str, name: str, constants: Mapping[str, int]) -> tuple[bytes, str]:
+        function = entry + {"vert": "_VS", "frag": "_PS"}[name]
+        if language == "hlsl":
+            return _binary(dxc.build(shaders.hlsl(6, constants), name, function)), function
+        if language == "wgsl":
+            return _binary(naga.spirv(shaders.wgsl(), function, constants)), function
+        text = shaders.glsl(entry, profile, constants)
+        if profile != "450":
+            return text.encode("ascii"), "main"
+        return _binary(glslang.spirv(text, name, glslang.VULKAN)), "main"
+
+    items = passes.values()
+    # DXC is for one thread at a time
+    with ThreadPoolExecutor(1 if language == "hlsl" else THREADS) as pool:
+        fragments = list(pool.map(lambda item: (*stage(item.entry, "frag", item.constants), item.spec.targets), items))
+    vertex = stage(VERTEX, "vert", {})
+    return Code(vertex, dict(zip(passes, fragments, strict=True)), COMBINED if language == "glsl" else SEPARATE)
+
+
+def _binary(result: CompileResult) -> bytes:
+    if not result.ok:
+        raise UserError(f"a shader does not compile: {result.messages.splitlines()[0]}. See validation/run compile.")
+    return result.binary

@@ -1,0 +1,69 @@
+"""The command `validation/run mutants`."""
+
+import random
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Annotated
+
+import typer
+
+from bokeh_validation import terminal
+from bokeh_validation.errors import UserError
+from lab.mutants import by_hand, operators, run_mutants
+from lab.mutants.mutant import BAD, OUTCOMES, Mutant
+
+
+def mutants(
+    only: Annotated[list[str] | None, typer.Option(metavar="NAME", help="This mutant; may be given again.")] = None,
+    sample: Annotated[int | None, typer.Option(metavar="N", help="So many of each kind, always the same.")] = None,
+    json_file: terminal.JsonFile = None,
+) -> None:
+    """Break the shaders, one mistake at a time: each must show."""
+    some = chosen(all_mutants(), only, sample)
+    terminal.check_writable(json_file)
+    started = time.monotonic()
+    with terminal.progress("mutants", len(some)) as step:
+        results = run_mutants.run(some, step)
+    found = as_json(some, results, time.monotonic() - started)
+    terminal.write_json(json_file, found)
+    terminal.tell(*lines(found))
+    terminal.end(not any(outcome in BAD for outcome, _ in results))
+
+
+def all_mutants() -> list[Mutant]:
+    """Those of the operators, and those by hand."""
+    return [*operators.mutants(), *by_hand.mutants()]
+
+
+def chosen(everything: Sequence[Mutant], only: Sequence[str] | None, sample: int | None) -> list[Mutant]:
+    """Those of these names, `sample` of each kind. Raises UserError for a name that is none."""
+    if unknown := set(only or ()) - {item.name for item in everything}:
+        raise UserError(f"--only {min(unknown)}: no such mutant. Their names are in the file that --json writes.")
+    if sample is not None and sample < 1:
+        raise UserError(f"--sample {sample}: at least 1.")
+    some = [item for item in everything if not only or item.name in only]
+    if sample is None:
+        return some
+    seeded, kinds = random.Random(0), dict.fromkeys(item.kind for item in some)
+    by_kind = [[item for item in some if item.kind == kind] for kind in kinds]
+    return [item for group in by_kind for item in seeded.sample(group, min(sample, len(group)))]
+
+
+def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds: float) -> dict:
+    """Everything of a run."""
+    rows = [
+        {"name": mutant.name, "change": mutant.change, "outcome": outcome, "detail": detail}
+        for mutant, (outcome, detail) in zip(some, results, strict=True)
+    ]
+    return {"seconds": round(seconds, 1), "mutants": rows}
+
+
+def lines(found: dict) -> Iterator[str]:
+    """Every mutant that is alive or broken, and the sums."""
+    for row in found["mutants"]:
+        if row["outcome"] in BAD:
+            yield f"{row['name']} ({row['change']}): {row['outcome']}: {row['detail']}"
+    count = Counter(row["outcome"] for row in found["mutants"])
+    sums = ", ".join(f"{count[outcome]} {outcome}" for outcome in OUTCOMES)
+    yield f"{len(found['mutants'])} mutants: {sums} ({found['seconds']:.0f} s)"

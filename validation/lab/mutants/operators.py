@@ -1,0 +1,165 @@
+"""Mutants made from the GLSL text: every statement of every function with one thing wrong, always the same.
+
+The parity check knows that the other languages say the same, statement by statement: what only numbers can show is
+shown on one of them.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+from bokeh_validation import shaders
+from bokeh_validation.shaders import calls, parity, rules
+from lab.mutants.mutant import Mutant, originals, together
+
+EQUIVALENTS = Path(__file__).with_name("equivalents.txt")
+FILES = [keys["glsl"] for keys in parity.FILES.values()]
+# Arguments with brackets in them; what stands between two operators; a name
+CALL = r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)"
+TERM = rf"-?(?:[\w.]+(?:{CALL})?|{CALL})(?:\.[a-z]+)?"
+NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
+# Not within brackets of a function whose arguments may be in any order
+ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerShare\()(?<!BokehRotated\()"
+PAIRS = "+ -, * /, && ||, == !=, true false, min max, sin cos, floor ceil"
+SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx"
+MEMBERS = ".edge2 .edge3, .edge4 .edge5, .nearLayer .farLayer, .reach .sizes, .far .nearLevel, .nearLevel .farLevel"
+OTHER = {
+    "<": ">",
+    ">": "<",
+    ">=": "<",
+    "<=": ">",
+    ".kernelSums": ".leftovers",
+    ".sums": ".leftovers",
+    ".back": ".middle",
+}
+for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
+    first, second = pair.split()
+    OTHER |= {first: second, second: first}
+
+# What is before a number that is one less: a loop that ends early misses a sample, and a first pass that is asked for
+# one line too few does not see it, where one more only costs fetches
+LESS = re.compile(r"(?:< |Bokeh(?:ExactFirst|LayerPolygon)\((?:\w+, )+)\Z")
+GUARDS = r"(?:clamp|abs|BokehSafe|BokehToTexture|BokehGridCoords|min|max)"
+Types = Mapping[str, str]
+
+
+def _other(found: re.Match, _: Types) -> str:
+    return OTHER[found[0]]
+
+
+def _number(found: re.Match, _: Types) -> str:
+    """Another number: one less where one more would not show, else one more or twice as much."""
+    if "." not in found[0]:
+        return str(int(found[0]) + (-1 if LESS.search(found.string[: found.start()]) else 1))
+    return repr(2.0 * float(found[0])) if float(found[0]) else "1.0"
+
+
+def _swapped(found: re.Match, types: Types) -> str:
+    """Two arguments of one type."""
+    # .x .. is the only member without a type of its own
+    first, second = (types.get(name[name.rfind(".") :] if "." in name else name, "float") for name in found.groups())
+    return f"{found[2]}, {found[1]}" if first == second else found[0]
+
+
+# kind -> pattern, and what takes the place of what it finds. The likeliest mistakes come first
+OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
+    "operator": (
+        r"(?<=[\w)] )[-+*/](?= )|(?<= )(?:[<>]=?|==|&&)(?= )|\b(?:true|false)\b"
+        r"|\b(?:min|max|sin|cos|floor|ceil)(?=\()",
+        _other,
+    ),
+    "axis": (
+        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|edge\d|(?:near|far)Layer|(?:kernelS|s)ums|reach|sizes|far|(?:near|far)Level|back)\b(?!\()",
+        _other,
+    ),
+    "constant": (r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])", _number),
+    "operands": (rf"{ORDERED}({NAME}), ({NAME})\b(?![.(])", _swapped),
+    "guard": (rf"\b{GUARDS}\(((?:[^(),]|{CALL})*)(?:,(?:[^()]|{CALL})*)?\)", lambda found, _: f"({found[1]})"),
+    "term": (rf"(?<!= 1\.0) [-+*/] {TERM}(?=[;,) ])|(?<![\w)] )-(?=[\w(])", lambda *_: ""),
+    "never": (r"(?<=if )\(.*\)\Z", lambda *_: "(false)"),
+    "always": (r"(?<=if )\(.*\)\Z", lambda *_: "(true)"),
+    "dropped": (r"\A(?!return|break|for|if|else)[\w.]+(?: [-+*]?=|\().*;\Z", lambda *_: ";"),
+}
+# Those that leave nothing of a statement
+WHOLE = ("always", "never", "dropped")
+# Of a variable that nobody has set a driver makes 0 by itself
+ZEROED = re.compile(r"= (?:0\.0|vec\d\([0., ]+\));")
+# What compilers want of targets that a pass has not: nobody reads it
+UNREAD = re.compile(r"targets\.edge\d = (?:none|targets\.edge\d);")
+
+
+def bodies() -> Iterator[tuple[str, str, str, int, int]]:
+    """Of every function of the GLSL: file, name, the file's text without comments, where in it the body is."""
+    for key in FILES:
+        text = shaders.COMMENT.sub(lambda found: " " * len(found[0]), originals()[key])
+        for name, found in calls.found_functions(text):
+            yield key, name, text, *found.span("body")
+
+
+def _statements(text: str, start: int, end: int) -> Iterator[tuple[int, int, str]]:
+    """Where each statement and head of a block begins and ends, and its text with single spaces."""
+    depth, begin = 0, start + 1
+    for place in range(begin, end - 1):
+        depth += {"(": 1, ")": -1}.get(text[place], 0)
+        if depth == 0 and text[place] in ";{}":
+            part = text[begin : place + (text[place] == ";")]
+            if part.strip():
+                yield begin + len(part) - len(part.lstrip()), begin + len(part.rstrip()), " ".join(part.split())
+            begin = place + 1
+
+
+def _types(text: str) -> dict[str, str]:
+    """Name -> type of all that GLSL declares; members with a dot before them."""
+    declared = re.findall(r"\b(float|int|bool|vec\d|Bokeh[A-Z]\w+|sampler2D) (\w+)\b(?!\()", text)
+    parameters = re.findall(r"^BOKEH_PARAMETER\((\w+), (\w+)\)$", text, re.MULTILINE)
+    members = re.findall(r"^    (\w+) (\w+);$", text, re.MULTILINE)
+    return {f".{name}": kind for kind, name in members} | {name: kind for kind, name in (*declared, *parameters)}
+
+
+@cache
+def equivalents() -> dict[tuple[str, str], str]:
+    """(place, change) -> why nothing can show it: the line before them that is not indented."""
+    found, reason = {}, ""
+    for line in EQUIVALENTS.read_text(encoding="utf-8").splitlines():
+        if line.startswith(" "):
+            places, _, change = line.strip().partition(": ")
+            found |= {(place, change): reason for place in places.split(", ")}
+        else:
+            reason = line
+    return found
+
+
+def mutants() -> Iterator[Mutant]:
+    """One of every statement that an operator can change."""
+    everywhere = _types(shaders.COMMENT.sub("", together({}, "glsl")))
+    for key, name, text, start, end in bodies():
+        if name.endswith("_VS"):
+            continue
+        whole, types = originals()[key], everywhere | _types(text[text.rindex("\n\n", 0, start) : end])
+        common = not re.search(rf"{rules.SAMPLING}\(", whole[start:end])
+        # the operators take turns in a function, so that no edit elsewhere changes which are made
+        used: Counter[str] = Counter()
+        for begin, after, statement in _statements(text, start, end):
+            if UNREAD.fullmatch(statement):
+                continue
+            kinds = ("constant",) if ZEROED.search(statement) else OPERATORS
+            able = {kind: edits for kind in kinds if (edits := list(_edits(kind, statement, types)))}
+            if able:
+                kind = min(able, key=lambda kind: used[kind])
+                broken = able[kind][used[kind] % len(able[kind])]
+                used[kind] += 1
+                change = f"({kind}) {statement}" if kind in WHOLE else broken
+                texts = {key: whole[:begin] + broken + whole[after:]}
+                argued = equivalents().get((name, change), "")
+                yield Mutant(f"{name}-{kind}-{used[kind]}", kind, name, change, texts, common=common, argued=argued)
+
+
+def _edits(kind: str, statement: str, types: Types) -> Iterator[str]:
+    """What an operator makes of a statement."""
+    pattern, edit = OPERATORS[kind]
+    for found in re.finditer(pattern, statement):
+        new = edit(found, types)
+        if new != found[0]:
+            yield statement[: found.start()] + new + statement[found.end() :]

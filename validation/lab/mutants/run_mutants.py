@@ -1,0 +1,129 @@
+"""Mutants judged, each in a process of its own: a broken shader may crash a driver, or not end."""
+
+import contextlib
+import multiprocessing
+import os
+import re
+import signal
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from multiprocessing import connection
+from multiprocessing.process import BaseProcess
+
+from bokeh_validation import drivers, shaders
+from bokeh_validation.drivers import gl  # noqa: F401  loaded once, not in the process of every mutant
+from bokeh_validation.errors import UserError
+from bokeh_validation.probes import small_frames
+from bokeh_validation.probes.small_frames import Judge
+from bokeh_validation.shaders import calls, parity, rules
+from bokeh_validation.windows import wine
+from lab.mutants.mutant import ALIVE, BROKEN, CAUGHT, EQUIVALENT, REFUSED, Mutant, together
+
+WORKERS = 2
+# A mutant that takes longer hangs
+LIMIT_S = 300
+# What a driver says of a program that does not compile
+COMPILER = re.compile("GLSL Compiler failed|GLSL Linker failed")
+FORK = multiprocessing.get_context("fork")
+_loaded = cache(drivers.load)
+
+
+def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[str, str]]:
+    """Outcome and detail of each, in their order. Raises UserError where the shaders as they are do not pass."""
+    judges = _prepared(mutants)
+    results: dict[str, tuple[str, str]] = {}
+    waiting = list(reversed(mutants))
+    running: dict[connection.Connection, tuple[Mutant, BaseProcess]] = {}
+    try:
+        while waiting or running:
+            while waiting and len(running) < WORKERS:
+                mutant = waiting.pop()
+                end, other = FORK.Pipe(duplex=False)
+                process = FORK.Process(target=_child, args=(mutant, judges[mutant.driver], other))
+                process.start()
+                other.close()
+                running[end] = mutant, process
+            for end in connection.wait(running):
+                mutant, process = running.pop(end)
+                try:
+                    results[mutant.name] = end.recv()
+                except EOFError:
+                    results[mutant.name] = BROKEN, f"it crashed, or did not end within {LIMIT_S} s"
+                _kill(process)
+                step(f"{mutant.name}: {results[mutant.name][0]}")
+    finally:
+        for _, process in running.values():
+            _kill(process)
+    return [results[mutant.name] for mutant in mutants]
+
+
+def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
+    """Driver -> the judges of every frame that one of its mutants may ask."""
+    everything, result = list(small_frames.all_frames()), {}
+    with ProcessPoolExecutor(WORKERS, FORK) as pool:
+        for driver in dict.fromkeys(mutant.driver for mutant in mutants):
+            asked = {label for mutant in mutants if mutant.driver == driver for label in mutant.frames or everything}
+            labels = [label for label in everything if label in asked]
+            result[driver] = sum(pool.map(_judges, [driver] * len(labels), labels), [])
+    return result
+
+
+def _judges(name: str, label: str) -> list[Judge]:
+    driver = _loaded(name)
+    judges = small_frames.judges(label, small_frames.all_frames()[label], driver.precision, driver.rounding)
+    for judge in judges:
+        if objection := judge.objection(driver):
+            raise UserError(f"mutants: the shaders as they are fail: {objection}. See validation/test.")
+    return judges
+
+
+def _kill(process: BaseProcess) -> None:
+    """With the programs that it has started."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.join()
+
+
+def _child(mutant: Mutant, judges: Sequence[Judge], end: connection.Connection) -> None:
+    """What a mutant's process does."""
+    os.setpgrp()
+    # the system ends it: Python would wait for the driver
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(LIMIT_S)
+    # from here on this process has no other shaders
+    shaders.text = lambda language: together(mutant.texts, language)
+    try:
+        result = _judged(mutant, judges)
+    except Exception as error:
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        result = REFUSED if COMPILER.search(said) else BROKEN, said[:300]
+    wine.stop()
+    end.send(result)
+
+
+def _judged(mutant: Mutant, judges: Sequence[Judge]) -> tuple[str, str]:
+    # more than a line that the edit has made too long
+    if mutant.common and all(rules.TOO_LONG in difference.what for difference in parity.check(mutant.texts)):
+        return ALIVE, "the parity check does not see it"
+    asked = [judge for judge in judges if _draws(judge, mutant)]
+    if mutant.argued:
+        # the argument is trusted but for one judge of each entry
+        asked = list({judge.item.entry: judge for judge in asked}.values())
+    driver = drivers.load(mutant.driver)
+    for judge in asked:
+        if objection := judge.objection(driver):
+            return CAUGHT, objection
+    if mutant.argued:
+        return EQUIVALENT, mutant.argued
+    return ALIVE, f"{len(asked)} passes are right: a frame is missing, or equivalents.txt needs a reason"
+
+
+def _draws(judge: Judge, mutant: Mutant) -> bool:
+    """Whether a judge is named, or draws what has the mistake in it."""
+    if mutant.frames:
+        return judge.label in mutant.frames
+    entry, constants = judge.frame.main or f"{judge.item.entry}_PS", frozenset(judge.item.constants.items())
+    before, after = (calls.program(together(texts, "glsl"), entry, constants) for texts in ({}, mutant.texts))
+    return before != after

@@ -1,0 +1,172 @@
+"""Other depth-of-field effects beside ours and the ray-traced truth: the work behind `validation/run peers`."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from PIL import Image
+
+from bokeh_validation import drivers, files, jobs, metrics, pictures, terminal, truth
+from bokeh_validation.errors import UserError
+from bokeh_validation.frame import geometry
+from bokeh_validation.frame.methods import Camera
+from bokeh_validation.probes.highlight import AMBIENT, PEAK
+from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
+from bokeh_validation.probes.shapes import outline
+from bokeh_validation.truth import ray_traced
+from lab.other_effects.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
+from lab.rasterised import faults, motion
+from lab.rasterised.rasteriser import Rasteriser
+from lab.rasterised.sequences import MOTIONS, moment
+
+OURS = ("paper", "exact", "layered low", "layered medium")
+DRIVER = "webgl2"  # the device that the others are on
+# One light of 3 x 3 pixels, so far away that its circle of confusion is that at infinity, 34 pixels
+LIGHT, FAR = 3, 10000.0
+LIGHT_SIZE, LIGHT_COC = (270, 270), 34
+LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
+# Pictures of a search are compared at a quarter of their size; its steps of a parameter
+SMALLER, STEPS = 4, (0.5, 0.8)
+# Scenes that a page is given: a browser keeps 16 contexts
+CONTEXTS = 12
+# What is shown of a scene: left and top
+PLACES, DETAIL = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}, (300, 200)
+
+
+def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Parameters:
+    """Parameters with the least FLIP: each number smaller or larger and each option tried, as long as it gets better.
+
+    start  where it begins: what the documentation asks for
+    lens   the truth, reduced()
+    """
+    options = [{name: value} for name in start if name in OPTIONS for value in OPTIONS[name]]
+    best, least = start, np.inf
+    for step in STEPS:
+        before = None
+        while before != best:
+            before = best
+            trials = [{name: best[name] * factor} for name in EFFECTS[effect][2] for factor in (step, 1 / step)]
+            for trial in [{}, *trials, *options]:
+                if (error := metrics.flip(reduced(page.draw(effect, best | trial)), lens)) < least:
+                    best, least = best | trial, error
+    return best
+
+
+def reduced(image: np.ndarray) -> np.ndarray:
+    """A picture for search(), smaller: FLIP takes longer than an effect."""
+    return np.dstack([Image.fromarray(image[..., at].astype(np.float32)).reduce(SMALLER) for at in range(3)])
+
+
+def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.ndarray, dict[str, Parameters]]:
+    """Rows of a scene, ours among them; a detail of it by every effect, 8-bit rgb; and the effects' parameters.
+
+    anew  whether these are searched
+    """
+    (file,) = ray_traced.chosen([name])
+    picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
+    start, small = documented(file.camera, picture.depth.shape), reduced(lens)
+    with Page(asked) as page:
+        page.load(picture.color, picture.depth, file.camera)
+        chosen = {key: search(page, key, start[key], small) if anew else FOUND[name][key] for key in asked}
+        images = {title(key): page.draw(key, parameters) for key, parameters in chosen.items()}
+    images |= {label: truth.picture(drivers.load(DRIVER), file, label) for label in OURS}
+    rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
+    exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
+    details = [
+        pictures.Panel(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
+        for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
+    ]  # fmt: skip
+    width = 3 if len(details) > 4 else 2
+    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)]), chosen
+
+
+def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
+    """One light, by effects and by ours: its overlap with the aperture (probes.model.overlap, the light of both being
+    the same), and the share of its light that is kept."""
+    middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
+    color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
+    color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
+    depth = depth_of(LIGHT_SIZE, FAR)
+    before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
+    hexagon = LIGHT_COC * outline(truth.case(ray_traced.MARKET, "exact").settings)
+    blurred = geometry.coverage(hexagon, LIGHT_SIZE, pixel_center(*(side // 2 for side in LIGHT_SIZE)))
+    reach = range(-(LIGHT // 2), LIGHT // 2 + 1)
+    expected = sum(np.roll(blurred, (y, x), (0, 1)) for y in reach for x in reach)
+    with Page(asked) as page:
+        page.load(color, depth, LIGHT_CAMERA)
+        images = [page.draw(name, FOUND[place][name]) for name in asked]
+    for label in OURS:
+        case = Case("", replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA), color, depth)
+        images.append(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"])
+    lights = [image[..., 1].astype(np.float64) - AMBIENT for image in images]
+    return [(overlap(light / light.sum(), expected / expected.sum()), light.sum() / before) for light in lights]
+
+
+def in_motion(asked: list[str], name: str) -> list[dict]:
+    """Rows of one of MOTIONS, from its antialiased input; parameters are searched on the first frame."""
+    recording, rows = motion.recorded(name, Rasteriser(motion.SIZE, motion.POINTS), motion.FRAMES), []
+    shown, cameras = list(map(faults.display, recording.truth)), [moment(name, k).camera for k in range(motion.FRAMES)]
+    start = documented(cameras[0], shown[0].shape[:2])
+    frames = list(zip(recording.antialiased, cameras, strict=True))
+    with terminal.progress("peers", len(asked)) as step:
+        for key in asked:
+            images, parameters = [], {}
+            for at in range(0, len(frames), CONTEXTS):
+                with Page([key]) as page:
+                    for given, camera in frames[at : at + CONTEXTS]:
+                        page.load(given.color, given.depth, camera)
+                        parameters = parameters or search(page, key, start[key], reduced(recording.truth[0]))
+                        own = {k: parameters[k] for k in (*EFFECTS[key][2], *OPTIONS) if k in parameters}
+                        drawn = page.draw(key, documented(camera, given.depth.shape)[key] | own)
+                        images.append(drawn[..., :3])
+            rows.append({"scene": name, "label": title(key), "input": motion.ANTIALIASED})
+            rows[-1] |= {"parameters": parameters} | motion.flicker(images, shown)
+            step(title(key))
+    return rows
+
+
+def peers(
+    effect: Annotated[list[str] | None, typer.Option(help="May be given again. Default: all.")] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+    ] = None,
+    found: Annotated[
+        Path | None, typer.Option("--search", metavar="FILE", help="Search the scenes' parameters; write them as JSON.")
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
+    ] = None,
+    sequence: Annotated[
+        str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
+    ] = None,
+) -> None:
+    """Other depth-of-field effects beside ours and the truth (docs/results.md): FLIP, PSNR, light; one light."""
+    asked = terminal.chosen("--effect", effect, EFFECTS)
+    scenes = [file.name for file in ray_traced.chosen(scene)]
+    terminal.check_writable(found)
+    files.check_folder("--pictures", folder)
+    for name in scenes:
+        if found is None and name not in FOUND:
+            raise UserError(
+                f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
+            )
+    named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
+    if sequence and (scene or found or folder):
+        raise UserError(
+            f"--motion {sequence}: it draws none of the scenes. Leave out --scene, --search and --pictures."
+        )
+    Page(asked).close()  # what is missing is told before any work
+    if sequence is not None:
+        terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
+        return
+    work = [(of_scene, (name, asked, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
+    with terminal.progress("peers", len(work)) as step:
+        *drawings, lights = jobs.run(work, step)
+    for name, (_, page, _) in zip(scenes, drawings, strict=True) if folder else ():
+        pictures.write_document(folder, f"peers_{name}", page)
+    terminal.write_json(found, {name: chosen for name, (_, _, chosen) in zip(scenes, drawings, strict=True)})
+    ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {kept:.2f}" for shape, kept in lights)]
+    table = truth.markdown([row for rows, _, _ in drawings for row in rows])
+    terminal.tell(*(f"{line} {end} |" for line, end in zip(table, ends, strict=True)), drivers.load(DRIVER).adapter)

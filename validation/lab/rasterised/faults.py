@@ -1,0 +1,59 @@
+"""Where a picture has what the truth has nowhere near: FLIP, a mean, hardly sees a few wrong pixels."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bokeh_validation import pictures
+from lab.rasterised.rasteriser import Lens, Pinhole
+
+EXPOSURE = 0.8
+# What a pixel counts from, in display values
+LIMITS = {"bright": 0.08, "dark": 0.08, "rough": 0.10}
+# Pixels around: a method may be so far off its place
+REACH = 3
+# Below this CoC, pixels, the input of one sample a pixel has staircases, which are no fault of a picture so close to it
+SHARP, UNCHANGED = 1.5, 0.03
+
+
+def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) -> dict[str, np.ndarray]:
+    """Faults of a picture (H, W, >= 3), each a map (H, W) in display values, 0 .. 1.
+
+    bright  how far above the brightest of the truth within REACH pixels: specks, cores, lit cracks
+    dark    how far below the darkest: holes, dark cracks, missing light
+    rough   the error without its mean over 7 x 7 pixels, where the truth is smooth: texture that nothing has
+
+    coc     of an input of one sample a pixel, pixels (H, W); None: the input is antialiased
+
+    They fade out where the lens sees what the input does not hold.
+    """
+    shown, truth = display(image), display(lens.color)
+    # the truth if what is hidden were as the rest
+    known = display((lens.color - lens.hidden_color) / np.maximum(1.0 - lens.hidden[..., None], 0.02))
+    hidden, unseen = around(lens.hidden, 1, np.max), around(np.abs(truth - known).max(axis=-1), 2, np.max)
+    counts = np.ones(hidden.shape, bool)
+    if coc is not None:
+        counts = (coc >= SHARP) | (np.abs(shown - display(given.color)).max(axis=-1) >= UNCHANGED)
+
+    def fading(hidden_weight: float, unseen_weight: float) -> np.ndarray:
+        return counts * np.clip(1.0 - hidden_weight * hidden, 0, 1) * np.clip(1.0 - unseen_weight * unseen, 0, 1)
+
+    bright = np.maximum(shown - around(truth, REACH, np.max), 0.0).max(axis=-1)
+    dark = np.maximum(around(truth, REACH, np.min) - shown, 0.0).max(axis=-1)
+    error, contrast = shown - truth, (around(truth, 2, np.max) - around(truth, 2, np.min)).max(axis=-1)
+    rough = np.abs(error - around(error, 3, np.mean)).max(axis=-1) * np.clip(1.0 - contrast / 0.25, 0, 1)
+    return {"bright": bright * fading(4.0, 15.0), "dark": dark * fading(4.0, 15.0), "rough": rough * fading(1.5, 6.0)}
+
+
+def display(color: np.ndarray) -> np.ndarray:
+    """Linear rgb to what a display shows, 0 .. 1, float32."""
+    return pictures.filmic_curve(color, EXPOSURE).astype(np.float32)
+
+
+def around(values: np.ndarray, radius: int, of: Callable) -> np.ndarray:
+    """np.max, np.min or np.mean over squares of 2 radius + 1 pixels of (H, W, ..)."""
+    for axis in (0, 1):
+        border = [(radius, radius) if k == axis else (0, 0) for k in range(values.ndim)]
+        windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, border, "edge"), 2 * radius + 1, axis)
+        values = of(windows, axis=-1)
+    return values

@@ -1,0 +1,217 @@
+"""How much a method flickers where the truth does not, and how near it is where blur is moderate: truth.sequences."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bokeh_validation import drivers, jobs, metrics, pictures, terminal
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.frame.methods import plan, steadied
+from bokeh_validation.pictures import Panel
+from bokeh_validation.probes.model import Case
+from bokeh_validation.reference import sampling
+from bokeh_validation.truth import labels
+from lab.rasterised import faults
+from lab.rasterised.rasteriser import Pinhole, Rasteriser, places_in_pixel
+from lab.rasterised.sequences import MODERATE, MOTIONS, moment, street
+
+SIZE, POINTS, FRAMES = (480, 270), 384, 24
+# Of temporal anti-aliasing: frames before the first that is measured, for it to settle; the share of the newest frame;
+# places in the pixel, one after the other
+LEAD, SHARE, PLACES = 16, 0.1, places_in_pixel(8)[[0, 4, 2, 6, 1, 5, 3, 7]].tolist()
+# Sequences, and moderate blur without motion
+AT_REST = "moderate"
+NAMES = (*MOTIONS, AT_REST)
+KNOWN = labels.METHODS + labels.JITTERED
+DEFAULT = (
+    "pinhole", "paper", "exact", "layered low", "layered medium", "layered medium, jitter",
+    "layered high", "layered ultra",
+)  # fmt: skip
+INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after", "before, steady")
+ALIASED, ANTIALIASED, *_, STEADY = INPUTS
+# BokehStableBlend
+FORGOTTEN = 0.05
+# The animation: left, top, width, height of a detail, and how much larger; milliseconds a frame; quality of WebP
+DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
+SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
+
+
+class Recording(NamedTuple):
+    """A sequence: one sample of colour a pixel, in the middle; many; one, elsewhere in each frame, and LEAD frames
+    before the others; what temporal anti-aliasing makes of these, and the truth, linear (H, W, 3).
+    """
+
+    aliased: list[Pinhole]
+    antialiased: list[Pinhole]
+    jittered: list[Pinhole]
+    stable: list[np.ndarray]
+    truth: list[np.ndarray]
+
+
+def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
+    """One of sequences.MOTIONS."""
+    recording = Recording([], [], [], [], [])
+    for frame in range(-LEAD, frames):
+        scene, before = moment(name, frame), moment(name, frame - 1)
+        recording.jittered.append(rasteriser.pinhole(scene, before, place=PLACES[frame % len(PLACES)]))
+        if frame >= 0:
+            recording.aliased.append(rasteriser.pinhole(scene, before))
+            recording.antialiased.append(rasteriser.pinhole(scene, before, antialiased=True))
+            recording.truth.append(rasteriser.lens(scene).color)
+    stable = resolved([pinhole.color for pinhole in recording.jittered], recording.jittered)
+    return recording._replace(stable=list(stable)[LEAD:])
+
+
+def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator[np.ndarray]:
+    """Plain temporal anti-aliasing of linear (H, W, >= 3): the history, from where each pixel was, within the range of
+    the newest 3 x 3 pixels, and SHARE of the newest; at first the mean of all.
+    """
+    history = None
+    for number, (image, pinhole) in enumerate(zip(frames, given, strict=True), 1):
+        color = np.maximum(image[..., :3].astype(np.float64), 0.0)
+        # lights must not outweigh all else
+        color /= 1.0 + color.max(axis=-1, keepdims=True)
+        y, x = np.indices(color.shape[:2]) + 0.5
+        history = color if history is None else history
+        history = sampling.bilinear(history, x - pinhole.moved[..., 0], y - pinhole.moved[..., 1])
+        history = np.clip(history, faults.around(color, 1, np.min), faults.around(color, 1, np.max))
+        history += max(SHARE, 1.0 / number) * (color - history)
+        yield history / (1.0 - history.max(axis=-1, keepdims=True))
+
+
+def results(driver: Driver, name: str, label: str, recording: Recording) -> dict[str, list[np.ndarray]]:
+    """What a method makes of a sequence: input -> linear frames; STEADY only of methods with a signed CoC map."""
+
+    def drawn(given: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
+        images = []
+        for frame, (pinhole, color) in enumerate(zip(given, colors, strict=True), first):
+            settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
+            rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
+            images.append(labels.picture(driver, label, Case(name, settings, rgba, pinhole.depth))[..., :3])
+        return images
+
+    aliased, antialiased, jittered = (
+        drawn(v, [p.color for p in v], len(recording.truth) - len(v)) for v in recording[:3]
+    )
+    before = drawn(recording.jittered[LEAD:], recording.stable)
+    after = list(resolved(jittered, recording.jittered))[LEAD:]
+    found = dict(zip(INPUTS, (aliased, antialiased, before, after), strict=False))
+    signed = label.startswith(("exact", "layered"))
+    return found | {STEADY: list(_steady(driver, name, label, recording))} if signed else found
+
+
+def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iterator[np.ndarray]:
+    """What a method makes of resolved colour and jittered depth with BokehStableMap after its CoC map."""
+    size = recording.stable[0].shape[1::-1]
+    colors, history = [pinhole.color for pinhole in recording.jittered[:LEAD]] + recording.stable, None
+    for frame, (pinhole, color) in enumerate(zip(recording.jittered, colors, strict=True), -LEAD):
+        settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
+        passes = steadied(plan(settings, size), size, 1.0 if history is None else FORGOTTEN).passes
+        rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
+        velocity = np.dstack([pinhole.moved / size, np.zeros_like(pinhole.moved)]).astype(np.float16)
+        textures = {"color": rgba, "depth": pinhole.depth, "velocity": velocity}
+        textures["history"] = np.zeros_like(rgba) if history is None else history
+        used, kept = (passes, ("coc", "result")) if frame >= 0 else (passes[:2], ("coc",))
+        outputs = driver.run(used, textures, size, keep=kept)
+        history = outputs["coc"]
+        if frame >= 0:
+            yield outputs["result"][..., :3]
+
+
+def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
+    """Of the error in display values, 1/255, a pixel's worst channel: mean and 99th percentile over the pixels.
+
+    deviation  standard deviation over the frames
+    change     from a frame to the next
+    frames     linear; truth: display values
+    """
+    error = 255.0 * np.stack([faults.display(frame) - shown for frame, shown in zip(frames, truth, strict=True)])
+    values = {"deviation": error.std(axis=0).max(axis=-1), "change": np.abs(np.diff(error, axis=0)).max(axis=-1)}
+    return {name: (float(value.mean()), float(np.percentile(value, 99))) for name, value in values.items()}
+
+
+def measured(
+    name: str, methods: Sequence[str], driver: str, adapter: str | None = None,
+    size: tuple[int, int] = SIZE, points: int = POINTS, frames: int = FRAMES,
+) -> tuple[list[dict], list[np.ndarray]]:  # fmt: skip
+    """Rows of a sequence, and its animation, 8-bit rgb, empty where one of SHOWN is not among the methods."""
+    used = drivers.load(driver, adapter)
+    recording = recorded(name, Rasteriser(size, points, used), frames)
+    truth, rows, shown = list(map(faults.display, recording.truth)), [], {}
+    for label in methods:
+        found = results(used, name, label, recording)
+        rows += [{"scene": name, "label": label, "input": k} | flicker(v, truth) for k, v in found.items()]
+        shown[label] = found[ANTIALIASED]
+    if not set(SHOWN) <= set(shown):
+        return rows, []
+    panels = {caption: shown[label] for label, caption in SHOWN.items()} | {"truth": recording.truth}
+    return rows, [
+        _side_by_side(dict(zip(panels, images, strict=True))) for images in zip(*panels.values(), strict=True)
+    ]
+
+
+def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
+    cut = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
+    shown = [Panel(pictures.enlarged(pictures.filmic(v, faults.EXPOSURE), ZOOM), k) for k, v in cut.items()]
+    return pictures.grid([shown[:2], shown[2:]])
+
+
+def moderate(
+    place: tuple[int, float, float], methods: Sequence[str], driver: str, adapter: str | None = None
+) -> tuple[list[dict], list]:
+    """Rows of one of sequences.MODERATE: FLIP, from both inputs."""
+    used = drivers.load(driver, adapter)
+    rasteriser, scene, rows = Rasteriser(SIZE, POINTS, used), street(*place), []
+    truth = rasteriser.lens(scene).color
+    for kind in (ALIASED, ANTIALIASED):
+        given = rasteriser.pinhole(scene, antialiased=kind == ANTIALIASED)
+        for label in methods:
+            case = Case(kind, labels.settings(label, scene.camera), given.color, given.depth)
+            error = metrics.flip(labels.picture(used, label, case), truth)
+            rows.append({"scene": AT_REST, "place": place, "label": label, "input": kind, "flip": error})
+    return rows, []
+
+
+def table(rows: Sequence[Mapping]) -> list[str]:
+    """For each scene a row for a method and a column for an input: FLIP, or deviation and change, mean / 99th."""
+    lines: list[str] = []
+    for name in dict.fromkeys(row["scene"] for row in rows):
+        own = [row for row in rows if row["scene"] == name]
+        inputs = list(dict.fromkeys(row["input"] for row in own))
+        lines += ["", f"| {name} | {' | '.join(inputs)} |", "|---" * (len(inputs) + 1) + "|"]
+        for label in dict.fromkeys(row["label"] for row in own):
+            cells = [[row for row in own if (row["label"], row["input"]) == (label, kind)] for kind in inputs]
+            lines.append(f"| {label} | {' | '.join(map(_cell, cells))} |")
+    return lines[1:]
+
+
+def _cell(rows: Sequence[Mapping]) -> str:
+    if not rows:
+        return "-"
+    if "flip" in rows[0]:
+        return f"{np.mean([row['flip'] for row in rows]):.4f}"
+    return ", ".join("{:.1f}/{:.0f}".format(*rows[0][name]) for name in ("deviation", "change"))
+
+
+def chosen(name: str | None) -> list[str]:
+    """What --motion names. Raises UserError."""
+    named = terminal.chosen("--motion", [name or "all"], [*NAMES, "all"])
+    return list(NAMES) if named == ["all"] else named
+
+
+def report(
+    methods: Sequence[str], driver: str, adapter: str | None, folder: Path | None, names: Sequence[str]
+) -> tuple[list[dict], list[str]]:
+    """Rows of sequences and their table, by several processes; into a folder motion_NAME.webp."""
+    work = [(measured, (name, methods, driver, adapter)) for name in names if name in MOTIONS]
+    work += [(moderate, (place, methods, driver, adapter)) for place in MODERATE] if AT_REST in names else []
+    with terminal.progress("truth", len(work)) as step:
+        found = jobs.run(work, step)
+    for name, (_, frames) in zip(names, found, strict=False):
+        if folder and frames:
+            pictures.write_animation(folder, f"motion_{name}", frames, MILLISECONDS, QUALITY)
+    rows = [row for some, _ in found for row in some]
+    explained = "Error, 1/255: deviation over the frames, change between frames; mean / 99th percentile of the pixels."
+    return rows, [*table(rows), f"{explained} {AT_REST}: FLIP"]

@@ -1,0 +1,131 @@
+"""Methods on random scenes: FLIP, what is wrong counted, and the worst places to look at."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bokeh_validation import drivers, jobs, metrics, pictures, terminal
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.pictures import Panel
+from bokeh_validation.probes.model import Case, Check
+from bokeh_validation.probes.sections import Panel as SectionPanel
+from bokeh_validation.probes.sections import Run, Section
+from bokeh_validation.reference import listings
+from bokeh_validation.truth import labels
+from lab.rasterised import faults
+from lab.rasterised.random_scenes import random_scene
+from lab.rasterised.rasteriser import Rasteriser
+
+SIZE, POINTS = (320, 180), 320
+APERTURES = {6: "hexagon", 8: "octagon"}
+# What --full has of layered medium, at most: means of a hundred scenes from seed 0
+BOUNDS = {"flip": 0.104, "bright": 14, "dark": 40, "rough": 8}
+# Scenes of a job, whose driver is made once
+PORTION = 5
+# On the sheet: pixels of a place, how much larger they are shown, places of a scene and of all, what error is white
+PLACE, ZOOM, PLACES, SHOWN, WHITE = 56, 4, 2, 12, 0.33
+
+
+class Score(NamedTuple):
+    """A method on a scene: numbers by name; the worst places, how far beyond the limit each is and its pictures."""
+
+    row: dict
+    places: list[tuple[float, list[Panel]]]
+
+
+@cache
+def _tools(driver: str, adapter: str | None, size: tuple[int, int], points: int) -> tuple[Driver, Rasteriser]:
+    used = drivers.load(driver, adapter)
+    return used, Rasteriser(size, points, used)
+
+
+def scores(
+    seeds: Iterable[int], methods: Sequence[str], driver: str, adapter: str | None = None,
+    size: tuple[int, int] = SIZE, points: int = POINTS,
+) -> list[Score]:  # fmt: skip
+    """Scenes of some seeds by some of labels.METHODS, in a size (width, height), the truth through so many points.
+
+    A row has: seed, label, flip, light relative to the truth, and the pixels of each of faults.LIMITS.
+    """
+    (used, rasteriser), found = _tools(driver, adapter, size, points), []
+    for seed in seeds:
+        scene, antialiased = random_scene(seed)
+        given, lens = rasteriser.pinhole(scene, antialiased=antialiased), rasteriser.lens(scene)
+        coc = listings.circle_of_confusion(given.depth.astype(np.float64), *astuple(scene.camera)) * size[1]
+        for label in methods:
+            settings = labels.settings(label, scene.camera, APERTURES[scene.sides])
+            image = labels.picture(used, label, Case(str(seed), settings, given.color, given.depth))
+            image = np.nan_to_num(image[..., :3].astype(np.float32), posinf=listings.MAX_COLOR)
+            wrong = faults.maps(image, given, lens, None if antialiased else coc)
+            row = {"seed": seed, "label": label, "flip": metrics.flip(image, lens.color)}
+            row |= {"light": float(image.mean() / lens.color.mean())}
+            row |= {name: int((values > faults.LIMITS[name]).sum()) for name, values in wrong.items()}
+            found.append(Score(row, _worst(row, wrong, [given.color, image, lens.color])))
+    return found
+
+
+def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.ndarray]) -> list:
+    """Places apart from each other; images: input, ours, truth."""
+    excess = {name: faults.around(values, 1, np.mean) / faults.LIMITS[name] for name, values in wrong.items()}
+    shown, places = [pictures.filmic(image, faults.EXPOSURE) for image in images], []
+    error = np.abs(faults.display(images[1]) - faults.display(images[2])).max(axis=-1)
+    shown.append(pictures.heat(error, WHITE))
+    for _ in range(PLACES):
+        name = max(excess, key=lambda name: excess[name].max())
+        middle = np.unravel_index(excess[name].argmax(), error.shape)
+        top, left = (min(max(at - PLACE // 2, 0), most - PLACE) for at, most in zip(middle, error.shape, strict=True))
+        value, area = float(excess[name][middle]), (int(left), int(top), PLACE, PLACE)
+        captions = (f"{row['seed']} at {area[:2]}: input", row["label"], "truth", f"error; {name} {value:.1f}")
+        cut = [pictures.enlarged(pictures.crop(pixels, *area), ZOOM) for pixels in shown]
+        places.append((value, list(map(Panel, cut, captions))))
+        for values in excess.values():
+            pictures.crop(values, *area)[...] = 0.0
+    return places
+
+
+def sheet(found: Sequence[Score]) -> np.ndarray:
+    """The worst places of all, 8-bit rgb: input, ours, truth, error."""
+    places = sorted((place for score in found for place in score.places), key=lambda place: -place[0])
+    return pictures.grid([panels for _, panels in places[:SHOWN]])
+
+
+def table(rows: Sequence[Mapping]) -> list[str]:
+    """A row for a method: mean, 95th percentile and worst of the scenes."""
+    lines = [
+        f"| {len({row['seed'] for row in rows})} scenes | FLIP | bright | dark | rough | light |",
+        "|---" * 6 + "|",
+    ]
+    for label in dict.fromkeys(row["label"] for row in rows):
+        line = f"| {label}"
+        for name in ("flip", *faults.LIMITS):
+            values = np.array([row[name] for row in rows if row["label"] == label])
+            form = " | {:.4f}/{:.4f}/{:.4f}" if name == "flip" else " | {:.1f}/{:.0f}/{:.0f}"
+            line += form.format(values.mean(), np.percentile(values, 95), values.max())
+        lines.append(f"{line} | {np.mean([row['light'] for row in rows if row['label'] == label]):.3f} |")
+    return lines
+
+
+def section(found: Sequence[Score], devices: Mapping) -> Section:
+    """layered medium within BOUNDS, for the report; none of it where the driver is missing."""
+    means = {name: np.mean([score.row[name] for score in found]) for name in BOUNDS if found}
+    checks = [Check(f"{k}, mean", float(v), 0.0, BOUNDS[k], "docs/results.md: what it was") for k, v in means.items()]
+    shown = [SectionPanel("input, ours, truth, error", pictures.jpeg_uri(sheet(found)))] if found else []
+    runs = [Run(name, {}, checks) for name in devices["adapters"]]
+    return Section("random-scenes", "Layered on random scenes", "The worst places.", runs, {"": shown}, **devices)
+
+
+def report(
+    methods: Sequence[str], driver: str, adapter: str | None, folder: Path | None, seeds: Sequence[int]
+) -> tuple[list[dict], list[str]]:
+    """Rows of scores() and their table, by several processes; into a folder random_worst.png."""
+    work = [(scores, (seeds[at : at + PORTION], methods, driver, adapter)) for at in range(0, len(seeds), PORTION)]
+    with terminal.progress("truth", len(work)) as step:
+        found = [score for portion in jobs.run(work, step) for score in portion]
+    if folder:
+        pictures.write_document(folder, "random_worst", sheet(found))
+    rows = [score.row for score in found]
+    return rows, [*table(rows), "Mean / 95th percentile / worst of the scenes: FLIP; pixels that are wrong"]

@@ -1,0 +1,53 @@
+"""What the compiler of AMD's RDNA 2 makes of every pass, held to what it made of them before: the stock.
+
+The compiler comes with the system's Mesa, and another version counts otherwise, so the stock is for one version:
+`validation/run isa --table validation/tests/harness/isa_stock.tsv` makes it anew.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+from support import called
+
+from bokeh_validation import paths
+from lab.isa import isa_command
+
+STOCK = Path(__file__).with_name("isa_stock.tsv").read_text(encoding="ascii").splitlines()
+MESA = "22.3.6"  # of the stock and of the documents
+# More than the stock by which a count may be: a compiler may order instructions otherwise, and adds a few copies
+TOLERANCE = 0.05
+
+
+def numbers(lines: list[str]) -> dict[str, dict[str, list[int]]]:
+    """Pass -> column -> the numbers of GLSL, HLSL and, where naga is installed, WGSL."""
+    return {
+        name: dict(zip(isa_command.COLUMNS, ([int(n) for n in cell.split(" / ")] for cell in cells), strict=True))
+        for _, name, *cells in (line.split("\t") for line in lines)
+    }
+
+
+def test_no_more_than_the_stock(tmp_path):
+    """Instructions, registers and latency within TOLERANCE above it; no fewer waves; nothing spills."""
+    done = called("isa", "--table", tmp_path / "now.tsv")
+    if f"Mesa {MESA}" not in done.stdout:
+        pytest.skip(f"no compiler of Mesa {MESA} for AMD: {done.stdout}")
+    found, stock = numbers((tmp_path / "now.tsv").read_text(encoding="ascii").splitlines()), numbers(STOCK)
+    assert found.keys() == stock.keys(), "make the stock anew"
+    assert "GLSL by glslang / HLSL by DXC" in done.stdout
+    for name, before in stock.items():
+        for column, now in found[name].items():
+            for new, old in zip(now, before[column], strict=False):
+                enough = new >= old if column == "waves" else new <= (1.0 + TOLERANCE) * old
+                assert enough, (name, column, now, before[column])
+        assert set(found[name]["spills"]) == {0}
+
+
+def test_latencies_of_the_document():
+    """docs/cost.md: those of HLSL, GLSL and WGSL are the stock's."""
+    page = (paths.ROOT / "docs/cost.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\| (\w+) \| (\d+) \| (\d+) \| (\d+) \|$", page, re.MULTILINE)
+    stock = numbers(STOCK)
+    assert len(shown) == 4
+    for name, *latencies in shown:
+        assert [int(latency) for latency in latencies] == stock[name]["latency"], name

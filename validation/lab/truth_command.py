@@ -1,0 +1,63 @@
+"""The command `validation/run truth`: every method against a lens, on ray-traced, random and moving scenes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bokeh_validation import files, terminal
+from bokeh_validation.errors import UserError
+from bokeh_validation.truth import DEFAULT, METHODS, ray_traced, ray_traced_report
+from lab.rasterised import motion, random_score
+
+# Above it, the memory of places to look at
+MOST_RANDOM = 10_000
+
+
+def truth(
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help=f"Of {', '.join(METHODS)}; may be given again. Default: those up to layered medium."),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+    ] = None,
+    count: Annotated[
+        int | None,
+        typer.Option("--random", metavar="N", help="N random scenes, by layered medium unless others are named."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(metavar="S", help="Of the first random scene. Default: 0.")] = None,
+    sequence: Annotated[
+        str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker: {', '.join(motion.NAMES)}, or all.")
+    ] = None,
+    driver: terminal.OneDriver = None,
+    adapter: terminal.Adapter = None,
+    json_file: terminal.JsonFile = None,
+    folder: Annotated[
+        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
+    ] = None,
+) -> None:
+    """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light relative to it, on
+    ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
+    """
+    given = {"--scene": scene, "--random": count, "--motion": sequence}
+    if len(several := [name for name, value in given.items() if value is not None]) > 1:
+        raise UserError(f"{' and '.join(several)}: those are different pictures. Give one of them.")
+    if seed is not None and (count is None or seed < 0):
+        raise UserError(f"--seed {seed}: not allowed. Give 0 or more, with --random N.")
+    if count is not None and not 1 <= count <= MOST_RANDOM:
+        raise UserError(f"--random {count}: not allowed. Give 1 to {MOST_RANDOM}.")
+    known, default = (METHODS, DEFAULT) if sequence is None else (motion.KNOWN, motion.DEFAULT)
+    chosen = terminal.chosen("--method", method, known, default if count is None else DEFAULT[-1:])
+    names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
+    terminal.check_writable(json_file)
+    files.check_folder("--pictures", folder)
+    used = terminal.pick_driver(driver, adapter)
+    if count is not None:
+        rows, lines = random_score.report(chosen, used.name, adapter, folder, range(seed or 0, (seed or 0) + count))
+    elif sequence is not None:
+        rows, lines = motion.report(chosen, used.name, adapter, folder, names)
+    else:
+        rows, lines = ray_traced_report(chosen, used, folder, scenes)
+    terminal.write_json(json_file, {"driver": used.name, "adapter": used.adapter, "rows": rows})
+    terminal.tell(*lines, f"{used.name} ({used.adapter})")

@@ -1,0 +1,106 @@
+"""The house stays one that a person can hold: short files and functions, imports that only go down."""
+
+import ast
+import subprocess
+import sys
+from collections import Counter
+
+import pytest
+
+from bokeh_validation import paths
+
+FILE_LINES, FUNCTION_LINES = 400, 60
+PACKAGE, LAB = paths.VALIDATION / "bokeh_validation", paths.VALIDATION / "lab"
+TESTS = paths.VALIDATION / "tests"
+CODE = (".py", ".cpp", ".c", ".h", ".js", ".html", ".glsl", ".hlsl", ".wgsl")
+SOURCES = [file for folder in (PACKAGE, LAB, TESTS) for file in sorted(folder.rglob("*")) if file.suffix in CODE]
+
+
+def name_of(file) -> str:
+    """bokeh_validation.drivers.gl for its file."""
+    return ".".join(file.relative_to(paths.VALIDATION).with_suffix("").parts).removesuffix(".__init__")
+
+
+FILES = [file for folder in (PACKAGE, LAB) for file in folder.rglob("*.py")]
+MODULES = {name_of(file): file for file in FILES if file.parent != LAB / "tests"}
+
+
+def imported(name: str) -> set[str]:
+    """Modules of the package that one imports when it is imported itself, not within a function."""
+    found = set()
+    for node in ast.parse(MODULES[name].read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                full = f"{node.module}.{alias.name}"
+                found.add(full if full in MODULES else node.module)
+    return found & set(MODULES)
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(paths.VALIDATION)))
+def test_lengths(file):
+    """Of a file, and of the bodies of its functions."""
+    text = file.read_text(encoding="utf-8")
+    assert text.count("\n") <= FILE_LINES
+    for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
+        if isinstance(node, ast.FunctionDef):
+            assert node.end_lineno - node.body[0].lineno < FUNCTION_LINES, node.name
+
+
+def test_no_cycle():
+    """Modules can be put in an order in which each imports only those before it."""
+    left = {name: imported(name) - {name} for name in MODULES}
+    while ready := [name for name, needs in left.items() if not needs]:
+        for name in ready:
+            del left[name]
+        for needs in left.values():
+            needs.difference_update(ready)
+    assert not left
+
+
+# From the ground up: a module imports nothing of a line further down
+LEVELS = [
+    line.split()
+    for line in """
+errors paths files locks process packages terminal jobs shaders numerics
+exr metrics pictures frame windows browser compilers
+options drivers reference
+plan generate compile_matrix probes
+render compare check truth engines doctor
+release
+run cli __main__
+lab demo
+""".strip().splitlines()
+]
+
+
+def level(name: str) -> int:
+    """Index in LEVELS of the longest name that is the module's or its package's."""
+    bare = name.removeprefix("bokeh_validation.")
+    fits = [
+        (len(known), index)
+        for index, names in enumerate(LEVELS)
+        for known in names
+        if f"{bare}.".startswith(f"{known}.")
+    ]
+    return max(fits)[1]
+
+
+@pytest.mark.parametrize("name", [name for name in sorted(MODULES) if name != "bokeh_validation"])
+def test_imports_go_down(name):
+    """Nothing of a higher level."""
+    higher = [other for other in imported(name) if other != "bokeh_validation" and level(other) > level(name)]
+    assert not higher
+
+
+def test_one_name_a_module():
+    """So that a name says which one is meant."""
+    names = Counter(name.rpartition(".")[2] for name in MODULES)
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+@pytest.mark.parametrize("command", [["check"], ["format", "--check"]], ids=["check", "format"])
+def test_ruff(command):
+    """As ruff.toml asks."""
+    ruff = [sys.executable, "-m", "ruff", *command, "--no-cache", "--config", "ruff.toml", "."]
+    done = subprocess.run(ruff, cwd=paths.VALIDATION, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

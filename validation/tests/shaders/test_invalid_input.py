@@ -1,0 +1,271 @@
+"""Bad input on every driver: it counts as docs/inputs.md says, and changes no pixels but those that reach it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from invalid_input import COLOR, DEPTH, sprinkled
+from support import LANGUAGES, in_each_language, spread
+from support_cases import everything, within
+
+from bokeh_validation import drivers
+from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.probes.model import Case
+from bokeh_validation.probes.small_frames import FOCUS
+from bokeh_validation.reference.listings import safe_color
+
+SIZE = (96, 64)
+CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
+ADAPTIVE = {"spacing": 1.0, "jitter": 1.0, "samples": 5}
+METHODS = {
+    "paper": Settings("paper", "hexagon", camera=CAMERA),
+    "paper star, CoC kept": Settings("paper", "star", camera=CAMERA, blur_coc=False, rotation=10.0),
+    "paper triangle": Settings("paper", "triangle", camera=CAMERA),
+    "paper adaptive": Settings("paper", "octagon", camera=CAMERA, **ADAPTIVE),
+    "exact": Settings("exact", "hexagon", camera=CAMERA, squeeze=0.7),
+    "exact decagon": Settings("exact", "decagon", camera=CAMERA),
+    "exact, one target": Settings("exact", "octagon", camera=CAMERA, targets=False),
+    "exact adaptive": Settings("exact", "hexagon", camera=CAMERA, **ADAPTIVE),
+    "naive": Settings("naive", "hexagon", camera=CAMERA),
+    "naive-grid": Settings("naive-grid", "square", 5, camera=CAMERA, rotation=20.0),
+    "layered": Settings("layered", "hexagon", camera=CAMERA, squeeze=0.7),
+    "layered, one target": Settings("layered", "octagon", 7, camera=CAMERA, preset="low", jitter=1.0, targets=False),
+}
+# One hostile case on every driver
+EVERYWHERE = ("exact", "layered")
+# Methods whose CoC is signed
+SIGNED = ("exact", "layered")
+# Textures of layered with the mean logarithm of brightness in blue
+LEVELS = ("tiles", "reach along rows", "reach")
+# The engine's alpha, which counts for nothing
+ALPHA = (np.nan, np.inf, -np.inf)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# single bad pixels
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def scene(method: str) -> tuple[Case, Case]:
+    """A picture that has one pixel of every bad value, and the same with what each counts as in its place.
+
+    Random colour over a slope with steps: CoC from 0 to 6 texels, and every outcome of the leakage test.
+    """
+    random = np.random.default_rng(5)
+    width, height = SIZE
+    color = random.lognormal(0.0, 0.7, (height, width, 4)).astype(np.float16)
+    steps = np.kron(random.choice([0.7, 1.0], (8, 12)), np.ones((8, 8)))
+    depth = (np.linspace(2.5, 9.0, width) * steps).astype(np.float32)
+    bad, counted = (Case("", METHODS[method], color.copy(), depth.copy()) for _ in range(2))
+    places = iter([(9 + 15 * row, 8 + 16 * column) for row in range(4) for column in range(6)])
+    for wrong, right in COLOR:
+        place = next(places)
+        bad.color[place][:3], counted.color[place][:3] = wrong, right
+    for wrong, right in DEPTH:
+        place = next(places)
+        bad.depth[place], counted.depth[place] = wrong, right
+    for value in ALPHA:
+        bad.color[next(places)][3] = value
+    return bad, counted
+
+
+def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(H, W) bool: pixels that are not the same to the bit, but for the sign of 0."""
+    return (a != b).any(axis=-1)
+
+
+def assert_safe(found: dict[str, np.ndarray], settings: Settings) -> None:
+    """Every number of every texture is finite and not negative, but for the CoC where it is signed, and LEVELS."""
+    for name, pixels in found.items():
+        assert np.isfinite(pixels).all(), f"{name}: {np.count_nonzero(~np.isfinite(pixels))} numbers are not finite"
+        numbers = pixels[..., : 2 if name in LEVELS else 3] if settings.method in SIGNED else pixels
+        assert (numbers >= 0).all(), f"{name}: {np.count_nonzero(numbers < 0)} numbers are negative"
+
+
+def assert_right(driver: drivers.Driver, case: Case) -> None:
+    """All textures are safe and the result is within the reference's interval."""
+    assert_safe(everything(driver, case), case.settings)
+    within(driver, case)
+
+
+@spread("method", METHODS, EVERYWHERE)
+def test_bad_pixels_count_as_documented(method, driver):
+    """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
+    found, wanted = (everything(driver, case) for case in scene(method))
+    assert_safe(found, METHODS[method])
+    for name in found:
+        where = np.argwhere(differing(found[name], wanted[name]))
+        assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
+
+
+@pytest.mark.parametrize("method", METHODS)
+@in_each_language
+def test_damage_is_confined(method, driver):
+    """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes reach.
+
+    Each pass of the others reads texels within a CoC, and those beside them. Of layered, a pixel changes
+    its tile; the largest CoC is spread over R = ceil(largest / 16) + 2 tiles, and with it the mean CoC of a layer over
+    R more. A tile is read through the linear filter, one tile farther, three times: for the split, for the kernels, for
+    the last passes. Then a CoC, once more, and the texels of half and quarter size around that.
+    """
+    random, largest = np.random.default_rng(4), 8
+    color = random.lognormal(0.0, 0.7, (16, 256, 4)).astype(np.float16)
+    depth = random.uniform(2.5, 9.0, (16, 256)).astype(np.float32)
+    clean = Case("clean", replace(METHODS[method], camera=replace(CAMERA, max_coc=0.5)), color, depth)
+    farthest = (len(clean.plan.passes) - 1) * (largest + 2)
+    if clean.settings.method == "layered":
+        tiles = 2 * (np.ceil(largest / 16) + 2) + 1 + 3
+        farthest = int(8 * tiles + largest + 8)
+    plain = everything(driver, clean)["result"]
+    for texture in ("color", "depth"):
+        for value in (np.nan, np.inf):
+            case = replace(clean, color=color.copy(), depth=depth.copy())
+            getattr(case, texture)[8, 20] = value
+            changed = differing(everything(driver, case)["result"], plain)
+            assert changed[8, 20]
+            assert np.flatnonzero(changed.any(axis=0)).max() <= 20 + farthest < 220, (texture, value)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# a third of all pixels bad: cameras, sample counts, sizes
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> Case:
+    """Random colour and depth, that share of all numbers bad, alpha too. `size` is (width, height)."""
+    random = np.random.default_rng(11)
+    width, height = size
+    color = random.lognormal(0.0, 1.0, (height, width, 4)).astype(np.float16)
+    depth = random.choice([0.5, 2.0, 4.0, 30.0], (height, width)).astype(np.float32)
+    return Case("littered", settings, sprinkled(random, color, COLOR, share), sprinkled(random, depth, DEPTH, share))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@in_each_language
+def test_in_focus_nothing_changes(method, driver):
+    """CoC 0 everywhere: the safe colours come out as they are, to the bit.
+
+    64 and 32 are powers of two, so that uv is exact in float32 and the linear filter at a texel's centre is a copy.
+    """
+    case = littered((64, 32), replace(METHODS[method], camera=replace(CAMERA, max_coc=0.0)))
+    found = everything(driver, case)
+    np.testing.assert_array_equal(found["result"][..., :3], safe_color(case.color[..., :3]).astype(np.float16))
+    np.testing.assert_array_equal(found["result"][..., 3], 0.0)
+
+
+# More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
+MOST_SAMPLES = {"d3d9": 254}
+# Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
+MOST_SIDE = {"naive": 90, "naive-grid": 24}
+
+
+@pytest.mark.parametrize("count", ["fewest", "most"])
+@pytest.mark.parametrize("method", ["paper", "paper adaptive", "exact", "exact adaptive", "naive", "naive-grid"])
+@pytest.mark.parametrize("driver", [*LANGUAGES, *MOST_SAMPLES], indirect=True)
+def test_sample_counts(method, count, driver):
+    """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
+    samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
+    settings = replace(METHODS[method], aperture="square", samples=samples)
+    if settings.spacing:
+        # a hundredth of a pixel: the blur asks for more samples than there may be
+        settings = replace(settings, spacing=0.01)
+    assert_right(driver, littered((9, 7), settings, 0.1))
+
+
+@pytest.mark.parametrize("aperture", ["octagon", "decagon"])
+def test_clipped_highlights_do_not_overflow(aperture, driver):
+    """Targets one by one from the two largest half floats, 65504 and 65472: a sum of three is not above the largest.
+
+    Where one target was rounded down and the next one up, by 16 each, the sum is above 65520 and would be infinite.
+    """
+    random = np.random.default_rng(2)
+    color = random.choice(np.array([65504.0, 65472.0]), (16, 16, 4)).astype(np.float16)
+    depth = np.ones((16, 16), np.float32)
+    for rotation in (0.0, 20.0, 45.0):
+        settings = Settings("exact", aperture, None, rotation, Camera(max_coc=1.0), coc=0.3, targets=False)
+        assert_right(driver, Case("clipped", settings, color, depth))
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# parameters out of range
+# ----------------------------------------------------------------------------------------------------------------------
+
+CAMERA_ONLY = ("paper", "exact")
+LINES = ("paper adaptive",)
+COUNTED = ("paper adaptive", "exact adaptive", "layered")
+ALL = ("paper", "exact adaptive", "exact, one target", "naive", "layered", "layered, one target")
+READERS = {
+    **METHODS,
+    "constant CoC": Settings("exact", "square", coc=0.05, camera=CAMERA),
+    "character": Settings("exact", "octagon", camera=CAMERA, cats_eye=0.5, lateral=0.05, **ADAPTIVE),
+    "focus": Settings("exact", "hexagon", camera=CAMERA, focus=FOCUS),
+}
+# Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
+MISTAKES = {
+    "BokehApertureDiameter": (CAMERA_ONLY, (-1.0, 1e30)),
+    "BokehFocalLength": (CAMERA_ONLY, (-0.05, 0.0, 1e30)),
+    "BokehFocusDistance": (CAMERA_ONLY, (-1.0, 0.0, 1e30, float("inf"))),
+    "BokehSensorHeight": (CAMERA_ONLY, (-1.0, 0.0)),
+    "BokehMaxCoC": (ALL, (2.0, 1e4)),
+    "BokehAspectRatio": (ALL, (0.0, -1.5, 1e-6, 7.0, 1e30)),
+    "BokehAngle": (ALL, (1e4, 1e9)),
+    "BokehBleedingBias": (ALL, (-1.0, -0.02, 1e30)),
+    "BokehBleedingMult": (ALL, (0.0, -30.0, 1e30)),
+    "BokehLineLength": (LINES, (0.0, -1.0, 1e30)),
+    "BokehLineCenterX": (LINES, (1e30,)),
+    "BokehSqueeze": (ALL, (0.0, -1.0, 1e30)),
+    "BokehSpacing": (COUNTED, (-1.0, 1e-30, 1e30)),
+    "BokehImageWidth": (COUNTED, (0.0, -64.0)),
+    "BokehImageHeight": (COUNTED, (0.0, -64.0, 1e30)),
+    "BokehJitter": (COUNTED, (-5.0, 5.0, 1e30)),
+    "BokehFrame": (COUNTED, (-1.0, 1e9)),
+    "BokehPassIndex": (LINES, (-1.0, 1e9)),
+    "BokehCatsEye": (("character",), (-1.0, 1e30)),
+    "BokehRoundness": (("character",), (-1.0, 1e30)),
+    "BokehLateral": (("character",), (1.0, -1.0, 1e30)),
+    **{f"Bokeh{side}Range": (("focus",), (-1.0, 1e30)) for side in ("Front", "Back")},
+    **{f"Bokeh{side}Scale": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"Bokeh{side}MaxCoC": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"BokehDepth{part}": (("focus",), (-1.0, 0.0, 1e30)) for part in ("X", "Y", "Width", "Height")},
+    "BokehConstantCoC": (("constant CoC",), (-1.0, 5.0, 1e30)),
+    "BokehSides": (("exact, one target", "layered, one target"), (1.0, 2.0, -6.0, 5.0, 1e30)),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+@in_each_language
+def test_parameters_out_of_range(name, driver):
+    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
+    readers, values = MISTAKES[name]
+    for method in readers:
+        case = littered((24, 16), READERS[method], 0.1)
+        for value in values:
+            try:
+                assert_safe(everything(driver, case, **{name: value}), case.settings)
+            except AssertionError as error:
+                raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
+
+
+# method, a parameter out of range, what docs/inputs.md says it counts as
+EQUIVALENTS = [
+    ("exact adaptive", "BokehSpacing", 0.0, 1.5),
+    ("exact adaptive", "BokehSpacing", -1.0, 1e30),
+    ("exact adaptive", "BokehImageHeight", -64.0, 0.0),
+    ("paper", "BokehBleedingMult", -30.0, 0.0),
+    ("paper", "BokehFocusDistance", -1.0, 0.0),
+    ("paper", "BokehFocusDistance", float("inf"), 1e9),
+    ("paper", "BokehFocusDistance", 3.4e38, 1e9),
+    ("paper", "BokehApertureDiameter", -1.0, 0.0),
+    ("paper", "BokehSensorHeight", -1.0, 0.0),
+    ("exact, one target", "BokehSides", 0.0, 6.0),
+    ("layered, one target", "BokehSides", 0.0, 6.0),
+]
+
+
+@in_each_language
+@pytest.mark.parametrize(("method", "name", "wrong", "right"), EQUIVALENTS)
+def test_parameters_count_as_documented(method, name, wrong, right, driver):
+    """To the bit."""
+    case = littered((24, 16), METHODS[method], 0.1)
+    found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
+    assert not differing(found, wanted).any()
