@@ -1,4 +1,4 @@
-"""`validation/run aperture`: which line passes make a convex polygon with min: docs/methods/geometry.md.
+"""`validation/run aperture`: which line passes make a convex polygon with min: docs/methods/polygons.md.
 
 Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as the picture of a highlight shows
 them. Angles are in degrees, from +x towards +y.
@@ -215,7 +215,7 @@ def aperture(
         str | None, typer.Option(metavar='"x,y x,y ..."', help="Any convex polygon: x right, y down, unit: the CoC.")
     ] = None,
 ) -> None:
-    """The line passes that make a polygon with min, as JSON (docs/methods/geometry.md); passes are numbered from 1."""
+    """The line passes that make a polygon with min, as JSON (docs/methods/polygons.md); passes are numbered from 1."""
     if (sides is None) == (vertices is None):
         raise UserError("aperture: give either --sides or --vertices.")
     if sides is not None and not 3 <= sides <= 2 * MAX_DIRECTIONS:

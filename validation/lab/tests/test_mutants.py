@@ -21,10 +21,10 @@ COMMAND = """
 import os, signal, sys, time
 from dataclasses import replace
 from bokeh_validation import cli
-from bokeh_validation.mutants import hunt, mutants_command, operators
+from lab.mutants import run_mutants, mutants_command, operators
 from bokeh_validation.probes import small_frames
 
-def judged(mutant, judges, judged=hunt._judged):
+def judged(mutant, judges, judged=run_mutants._judged):
     if mutant.name in ("broken", "endless"):
         open(os.environ.get("BEGUN", os.devnull), "w").close()
         signal.alarm(1 if mutant.name == "broken" else 600)
@@ -38,7 +38,7 @@ for name in sys.argv.pop(1).split():
     statement = f"return vec2(cos(angle) / aspectRatio, sin(angle)){factor};"
     texts = {key: text.replace(some.change, statement) for key, text in some.texts.items()}
     mutants.append(replace(some, name=name, texts=texts, argued="so" if name == "equivalent" else ""))
-hunt._judged, mutants_command.all_mutants = judged, lambda: mutants
+run_mutants._judged, mutants_command.all_mutants = judged, lambda: mutants
 small_frames.all_frames = lambda: {"paper": small_frames.of_settings(small_frames.PAPER)}
 sys.argv[1:] = ["mutants", *sys.argv[1:]]
 cli.main()

@@ -14,7 +14,7 @@ from bokeh_validation.frame.decomposition import TOLERANCE, Decomposition, decom
 from bokeh_validation.probes import highlight, impulse
 from bokeh_validation.probes.model import overlap, pixel_center
 
-DOCUMENT = (paths.ROOT / "docs/methods/geometry.md").read_text(encoding="utf-8")
+DOCUMENT = (paths.ROOT / "docs/methods/polygons.md").read_text(encoding="utf-8")
 REGULAR = range(3, 13)
 # Corners, with and without parallel sides; the fewest passes and the most light of all sets of pairs of directions
 SHAPES = {
