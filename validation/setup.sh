@@ -37,7 +37,7 @@ packages_for() {
         esac
     done
     case $command in
-    parity | plan | generate | aperture | release | doctor) ;;
+    parity | plan | generate | aperture | doctor) ;;
     demo) printf '%s ' "$opengl $browser" ;;
     peers) printf '%s ' "$opengl $vulkan $browser" ;;
     compile) printf '%s ' "$opengl $vulkan $compilers $windows $browser" ;;

@@ -28,7 +28,6 @@ COMMANDS = {
     "generate": "bokeh_validation.generate",
     "engines": "bokeh_validation.engines",
     "demo": "bokeh_validation.demo",
-    "release": "bokeh_validation.release",
     "truth": "lab.truth_command",
     "gallery": "lab.gallery",
     "figures": "lab.figures",

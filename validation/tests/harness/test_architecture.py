@@ -66,7 +66,6 @@ exr metrics pictures frame windows browser compilers
 options drivers reference
 plan generate compile_matrix probes
 render compare check truth engines doctor
-release
 run cli __main__
 lab demo
 """.strip().splitlines()
