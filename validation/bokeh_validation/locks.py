@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from bokeh_validation import paths
+from bokeh_validation import files, paths
 
 
 @contextmanager
@@ -46,3 +46,18 @@ def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Pa
             build(paths.ensured(folder))
             complete.touch()
     return folder
+
+
+def kept(folder: str, suffix: str, ingredients: Iterable[str | Path], make: Callable[[], bytes]) -> Path:
+    """The file of the cache folder that holds what is made from these ingredients: made on first use.
+
+    folder       in the cache folder, such as 'bytecode'
+    suffix       of the file's name, with its dot
+    ingredients  all that the bytes depend on, see digest()
+    make         returns the bytes; where it raises, nothing is kept
+    """
+    file = paths.ensured(paths.cache_folder() / folder) / f"{digest(ingredients)[:32]}{suffix}"
+    if not file.exists():
+        made = make()
+        files.whole(file, lambda partial: partial.write_bytes(made))
+    return file

@@ -11,6 +11,7 @@ import uuid
 from collections.abc import Sequence
 from pathlib import Path
 
+from bokeh_validation import locks
 from bokeh_validation.compilers import spirv
 from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.errors import Unavailable
@@ -114,6 +115,22 @@ def build(source: str, stage: str, entry: str, to_spirv: bool = True) -> Compile
     """
     profile = {"vert": "vs_6_0", "frag": "ps_6_0"}[stage]
     return _compile(source, ["-T", profile, "-E", entry, *(spirv_options(source) if to_spirv else ())])
+
+
+def kept_spirv(source: str, stage: str, entry: str) -> bytes:
+    """SPIR-V of a program that must compile, kept in the cache folder.
+
+    Raises RuntimeError with DXC's words where it refuses, and Unavailable.
+    """
+
+    def make() -> bytes:
+        result = build(source, stage, entry)
+        if not result.ok:
+            raise RuntimeError(f"DXC refused {entry}:\n{result.messages}")
+        return result.binary
+
+    options = " ".join(spirv_options(source))
+    return locks.kept("bytecode", f".{stage}.spv", (VERSION, options, stage, entry, source), make).read_bytes()
 
 
 def command(words: Sequence[str]) -> str | None:

@@ -3,12 +3,11 @@
 A small program of ours (windows/fxc.cpp) loads it, under Wine.
 """
 
-import hashlib
 import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from bokeh_validation import files, paths
+from bokeh_validation import locks
 from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.process import once
 from bokeh_validation.windows import programs, server, wine
@@ -116,11 +115,11 @@ def bytecode(source: str, profile: str, entry: str) -> Path:
 
     Raises RuntimeError with fxc's words where it refuses, and Unavailable.
     """
-    key = hashlib.sha256("\0".join((wine.VERSION, profile, entry, source)).encode()).hexdigest()[:32]
-    kept = paths.ensured(paths.cache_folder() / "bytecode") / f"{key}.{profile}"
-    if not kept.exists():
+
+    def make() -> bytes:
         result = compiled(source, profile, entry)
         if not result.ok:
             raise RuntimeError(f"fxc refused {entry} ({profile}):\n{result.messages}")
-        files.whole(kept, lambda partial: partial.write_bytes(result.binary))
-    return kept
+        return result.binary
+
+    return locks.kept("bytecode", f".{profile}", (wine.VERSION, profile, entry, source), make)

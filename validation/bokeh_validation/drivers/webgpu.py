@@ -185,8 +185,8 @@ class DXC(WGPU):
     def __init__(self, adapter: str | None = None):
         from bokeh_validation.compilers import dxc
 
-        dxc.load()
-        self._build = dxc.build
+        dxc.fetch()
+        self._spirv = dxc.kept_spirv
         super().__init__(adapter)
         self.adapter += f", DXC {dxc.RELEASE}"
         self.vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vert")
@@ -196,7 +196,4 @@ class DXC(WGPU):
         return self.vertex, self._compile(code, item.entry + "_PS", "frag"), {}
 
     def _compile(self, code: str, entry: str, stage: str):
-        result = self._build(code, stage, entry)
-        if not result.ok:
-            raise RuntimeError(f"DXC refused {entry}:\n{result.messages}")
-        return self.module(result.binary)
+        return self.module(self._spirv(code, stage, entry))
