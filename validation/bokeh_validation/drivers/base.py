@@ -1,8 +1,6 @@
 """The one interface of all drivers: passes and textures in, textures out."""
 
-import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -31,18 +29,6 @@ def precision_of(adapter: str) -> precision.Precision:
 
 STORAGE = {"half": np.float16, "float": np.float32}
 PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
-
-
-@dataclass(frozen=True)
-class Timing:
-    """How long a job took, seconds, each for one draw of all its passes.
-
-    wall  of the clock, from the first command to the device's being done
-    cpu   of this process on all cores meanwhile: what a software driver costs, whatever else the machine does
-    """
-
-    wall: float
-    cpu: float
 
 
 class Driver:
@@ -163,23 +149,19 @@ def flattened(
     return images, draws, numbers
 
 
-class TimedDriver(Driver):
-    """A driver that can draw without upload and read-back: osmesa, egl, wgpu, dxc.
+class DeviceDriver(Driver):
+    """A driver that holds textures of its device in this process: osmesa, egl, wgpu, dxc.
 
-    A subclass makes textures of its device, and of each pass a step: whatever it draws it from.
+    A subclass makes the textures, and of each pass a step: whatever it draws it from.
     """
 
-    def prepared(self, passes, textures, size, storage="half", share: "Prepared | None" = None) -> "Prepared":
-        """What `run` would draw, uploaded and compiled. `share` has the same textures, which are used again.
-
-        Raises Unavailable as `run` does.
-        """
-        return Prepared(self, passes, textures, size, storage, share)
-
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        prepared = self.prepared(passes, textures, size, storage)
-        self.draw(prepared.steps)
-        return {name: prepared.read(name) for name in keep}
+        images, draws, numbers = flattened(self, passes, textures, size, storage)
+        self.make_current()
+        handles = list(map(self.texture, images))
+        self.draw([self.step(draw, handles) for draw in draws])
+        kept = {name: numbers[name] for name in keep}
+        return {name: images[at].shaped(self.pixels(handles[at], images[at])).copy() for name, at in kept.items()}
 
     def make_current(self) -> None:
         """Called before anything else here."""
@@ -193,47 +175,8 @@ class TimedDriver(Driver):
     def draw(self, steps: Sequence) -> None:
         """Give the steps to the device; does not wait."""
 
-    def recorded(self, steps: Sequence, repeats: int) -> Callable[[], None]:
-        """What draws the steps so often without a pause."""
-        return lambda: [self.draw(steps) for _ in range(repeats)]
-
-    def wait(self) -> None:
-        """Return when all that was given to the device is done."""
-
     def pixels(self, handle: object, image: Image) -> np.ndarray:
         """The contents of a target, of any shape."""
-
-
-class Prepared:
-    """Passes with their textures and targets on a device, to be drawn many times."""
-
-    def __init__(
-        self, driver: TimedDriver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage, share
-    ):
-        """See TimedDriver.prepared()."""
-        self.driver = driver
-        self.images, draws, self.numbers = flattened(driver, passes, textures, size, storage)
-        driver.make_current()
-        uploaded = share.handles[: len(textures)] if share else []
-        self.handles = [*uploaded, *map(driver.texture, self.images[len(uploaded) :])]
-        self.steps = [driver.step(draw, self.handles) for draw in draws]
-
-    def timed(self, repeats: int) -> Timing:
-        """Draw `repeats` times without a pause and wait for the end. What is prepared beforehand is not in the time."""
-        self.driver.make_current()
-        draw = self.driver.recorded(self.steps, repeats)
-        self.driver.wait()
-        wall, cpu = time.perf_counter(), time.process_time()
-        draw()
-        self.driver.wait()
-        return Timing((time.perf_counter() - wall) / repeats, (time.process_time() - cpu) / repeats)
-
-    def read(self, name: str) -> np.ndarray:
-        """A target after the last draw, (H, W, 4) of its own size, a copy."""
-        self.driver.make_current()
-        number = self.numbers[name]
-        image = self.images[number]
-        return image.shaped(self.driver.pixels(self.handles[number], image)).copy()
 
 
 def half_rounding(driver: "Driver") -> str:

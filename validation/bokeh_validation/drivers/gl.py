@@ -11,12 +11,12 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, TimedDriver
+from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
 
-class GLDriver(TimedDriver):
+class GLDriver(DeviceDriver):
     """What both share: programs, textures, the pass loop. A subclass makes the context."""
 
     def __init__(self, context: moderngl.Context):
@@ -74,9 +74,6 @@ class GLDriver(TimedDriver):
                     array.program[name] = value
             target.use()
             array.render(moderngl.TRIANGLES, vertices=3)
-
-    def wait(self) -> None:
-        self.context.finish()
 
     def pixels(self, handle: moderngl.Texture, image: Image) -> np.ndarray:
         return np.frombuffer(handle.read(alignment=1), STORAGE[image.storage])

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from bokeh_validation import shaders
-from bokeh_validation.drivers.base import PROGRAMS, STORAGE, Draw, Image, TimedDriver
+from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
@@ -49,7 +49,7 @@ def texture_format(storage: str, channels: int) -> str:
     return {4: "rgba", 1: "r"}[channels] + {"half": "16float", "float": "32float"}[storage]
 
 
-class WGPU(TimedDriver):
+class WGPU(DeviceDriver):
     """WGSL: the two files as they are, one module."""
 
     name = "wgpu"
@@ -68,7 +68,6 @@ class WGPU(TimedDriver):
         self.layout = self._make_layout()
         self._sampler = self.device.create_sampler(min_filter="linear", mag_filter="linear")
         self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
-        self._fence = self.device.create_buffer(size=4, usage=self.wgpu.BufferUsage.COPY_SRC)
 
     def _make_layout(self):
         """One layout for every pass: parameters, all texture slots, the sampler. Depth need not be filterable."""
@@ -135,7 +134,7 @@ class WGPU(TimedDriver):
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
     def step(self, draw: Draw, handles: Sequence) -> Callable:
-        """See TimedDriver: what records the pass with an encoder."""
+        """See DeviceDriver: what records the pass with an encoder."""
         targets = [handles[number] for number in draw.targets]
         pipeline = self.pipeline(draw.item, [target.format for target in targets])
         bindings = self.bind(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()})
@@ -154,22 +153,10 @@ class WGPU(TimedDriver):
         return record
 
     def draw(self, steps: Sequence[Callable]) -> None:
-        self.recorded(steps, 1)()
-
-    def recorded(self, steps: Sequence[Callable], repeats: int) -> Callable[[], None]:
-        """See TimedDriver: one command buffer."""
         encoder = self.device.create_command_encoder()
-        for record in [*steps] * repeats:
+        for record in steps:
             record(encoder)
-        commands = encoder.finish()
-        return lambda: self.device.queue.submit([commands])
-
-    def wait(self) -> None:
-        """See TimedDriver: a read of four bytes, which the queue puts behind all that was submitted.
-
-        on_submitted_work_done of wgpu 0.32.0 raises TypeError.
-        """
-        self.device.queue.read_buffer(self._fence)
+        self.device.queue.submit([encoder.finish()])
 
     def pixels(self, handle, image: Image) -> np.ndarray:
         (width, height), dtype = image.size, np.dtype(STORAGE[image.storage])

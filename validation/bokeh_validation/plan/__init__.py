@@ -60,7 +60,7 @@ NOTES = (
 
 
 def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
-    """Everything that an engine needs, ready for JSON; NOTES say how to read it. Raises UserError for bad settings.
+    """Everything that an engine needs, ready for JSON; NOTES say how to read it.
 
     size      (width, height) of the textures, pixels
     viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
@@ -70,7 +70,6 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     may be one target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel
     of a pass's targets, at most; those of the frame are per pixel of the full size.
     """
-    options.check(settings)
     plan = methods.plan(settings, viewport[2:] if viewport else size)
     if any("depth" in item.inputs.values() and item.entry != SIGNED_MAP for item in plan.passes):
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))

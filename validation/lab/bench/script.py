@@ -9,6 +9,7 @@ frames.json has what `validation/run plan` prints of each method. All are drawn 
 import argparse
 import ctypes.util
 import json
+import os
 import platform
 import random
 import struct
@@ -27,6 +28,8 @@ SHORTEST, ROUNDS = 0.02, 3  # seconds: what is shorter is drawn again and again;
 COLUMNS = ("pass", "median ms", "a tenth is below", "nine tenths are below")
 AGREES = (0.8, 1.05)  # share of the time on the clock that the timer has to show: there is little besides
 
+DISAGREES = "Not to be trusted: the timer shows {:.2f} of the time on the clock."
+
 
 def refuse(text: str) -> None:
     """End with one line."""
@@ -37,10 +40,11 @@ def refuse(text: str) -> None:
 class GPU:
     """The adapter that has a part of its name, a GPU before a CPU."""
 
-    def __init__(self, part: str = ""):
-        loader = HERE / "wheels" / "libvulkan.so.1"
+    def __init__(self, part: str = "", folder: Path = HERE):
+        self.folder, loader = folder, folder / "wheels" / "libvulkan.so.1"
         if loader.exists() and not ctypes.util.find_library("vulkan"):
             ctypes.CDLL(str(loader))  # from here on found by its name
+        os.environ.setdefault("XDG_RUNTIME_DIR", "/tmp")  # or Mesa complains on standard error
         try:
             import wgpu
         except ImportError as error:
@@ -51,6 +55,7 @@ class GPU:
             refuse(f"no adapter {part or 'at all'} with timestamps in Vulkan, Metal or Direct3D 12.")
         adapter = min(found, key=lambda one: KINDS.index(one.info["adapter_type"]))
         self.wgpu, self.info = wgpu, dict(adapter.info)
+        self.name = "{device}, {backend_type}, {description}: {adapter_type}".format(**self.info)
         self.device = adapter.request_device_sync(required_features=[TIMER])
         period = wgpu.backends.wgpu_native._api.libf.wgpuQueueGetTimestampPeriod
         self.tick = period(self.device.queue._internal) * 1e-6  # milliseconds; on AMD a tick has 10 ns
@@ -66,21 +71,37 @@ class GPU:
         return made
 
 
-class Frame:
-    """A plan of frames.json; `pool` has the textures that several share."""
+def wgsl(gpu: GPU, plan: dict, item: dict, module) -> tuple[dict, dict]:
+    """The vertex stage and the fragment stage of a pass, of the shaders as they are."""
+    program = plan["programs"]["wgsl"]
+    constants = (plan["preset"] or {}).get("stands_for", {}) | item["constants"]
+    fragment = {"entry_point": program["entry"].format(**item)}
+    fragment["constants"] = {name: float(value) for name, value in constants.items()}
+    return {"module": module, "entry_point": program["vertex_entry"]}, {"module": module, **fragment}
 
-    def __init__(self, gpu: GPU, plan: dict, module, pool: dict):
-        self.gpu, self.plan, self.module, self.textures = gpu, plan, module, {}
-        for texture in plan["textures"]:
-            name, size, kind = texture["name"], texture["size"], texture["format"] or PICTURES[texture["name"]]
-            file = HERE / "{}-{}x{}.bin".format(name, *size) if texture["format"] is None else None
-            key = file or (texture["memory"], *size, kind)
-            self.textures[name] = pool[key] = pool.get(key) or gpu.texture(size, kind, file)
+
+def textures(gpu, plan: dict, pool: dict) -> dict:
+    """Name -> texture of `gpu`, of a plan of frames.json; `pool` has those that several plans share."""
+    found = {}
+    for texture in plan["textures"]:
+        name, size, kind = texture["name"], texture["size"], texture["format"] or PICTURES[texture["name"]]
+        file = gpu.folder / "{}-{}x{}.bin".format(name, *size) if texture["format"] is None else None
+        key = file or (texture["memory"], *size, kind)
+        found[name] = pool[key] = pool.get(key) or gpu.texture(size, kind, file)
+    return found
+
+
+class Frame:
+    """A plan of frames.json. `stages` makes a pass's stages, as wgsl() does, with what `program` is."""
+
+    def __init__(self, gpu: GPU, plan: dict, program, pool: dict, stages=wgsl):
+        self.gpu, self.plan, self.textures = gpu, plan, textures(gpu, plan, pool)
+        self.stages = lambda item: stages(gpu, plan, item, program)
         self.steps = [self._step(item, plan["parameters"] | item["changes"]) for item in plan["passes"]]
 
     def _step(self, item: dict, values: dict[str, float]) -> tuple:
         """(pipeline, bind group, targets)."""
-        device, wgpu, plan, program = self.gpu.device, self.gpu.wgpu, self.plan, self.plan["programs"]["wgsl"]
+        device, wgpu, plan = self.gpu.device, self.gpu.wgpu, self.plan
         block = struct.pack(f"{len(values)}f", *map(values.get, plan["block"]["order"]))
         block = block.ljust(4 * plan["block"]["floats"], b"\0")
         buffer = device.create_buffer_with_data(data=block, usage=wgpu.BufferUsage.UNIFORM)
@@ -92,17 +113,12 @@ class Frame:
             bound.append((read["binding"], kind, self.textures[read["texture"]].create_view()))
         layout = [{"binding": at, "visibility": wgpu.ShaderStage.FRAGMENT, **kind} for at, kind, _ in bound]
         layout = device.create_bind_group_layout(entries=layout)
-        constants = (plan["preset"] or {}).get("stands_for", {}) | item["constants"]
+        vertex, fragment = self.stages(item)
         views = [self.textures[name].create_view() for name in item["targets"]]
         pipeline = device.create_render_pipeline(
             layout=device.create_pipeline_layout(bind_group_layouts=[layout]),
-            vertex={"module": self.module, "entry_point": program["vertex_entry"]},
-            fragment={
-                "module": self.module,
-                "entry_point": program["entry"].format(**item),
-                "constants": {name: float(value) for name, value in constants.items()},
-                "targets": [{"format": view.texture.format} for view in views],
-            },
+            vertex=vertex,
+            fragment={**fragment, "targets": [{"format": view.texture.format} for view in views]},
         )
         bound = [{"binding": at, "resource": resource} for at, _, resource in bound]
         targets = [{"view": view, "load_op": "clear", "store_op": "store"} for view in views]
@@ -129,14 +145,14 @@ class Frame:
         return wall, [times[first : first + count] for first in range(0, total, count)]
 
 
-def measured(frames: dict[str, Frame], seconds: float) -> dict:
-    """The timer's share of the clock; each frame's and its passes' COLUMNS."""
+def measured(frames: dict, seconds: float, rounds: int = ROUNDS) -> dict:
+    """The timer's share of the clock; each frame's and its passes' COLUMNS, of `rounds` rounds or more."""
     repeats, shares, seen = {}, [], {key: [] for key in frames}
     for key, frame in frames.items():
         frame.drawn()  # compiles what is compiled on first use
         repeats[key] = min(MOST_STAMPS // (2 * len(frame.steps)), int(SHORTEST * 1e3 / frame.drawn()[0]) + 1)
     end = time.perf_counter() + seconds
-    while len(shares) < ROUNDS * len(frames) or time.perf_counter() < end:
+    while len(shares) < rounds * len(frames) or time.perf_counter() < end:
         for key in random.sample(list(frames), len(frames)):
             wall, each = frames[key].drawn(repeats[key])
             shares.append((each[-1][-1] - each[0][0]) / wall)
@@ -160,7 +176,7 @@ def show(size: str, found: dict) -> None:
         for row in zip(*columns.values(), strict=True):
             print(f"  {row[0][0]:24}" + "".join(f"{one[1]:10.3f}" for one in row))
     if not AGREES[0] <= found["timer"] <= AGREES[1]:
-        print(f"Not to be trusted: the timer shows {found['timer']:.2f} of the time on the clock.")
+        print(DISAGREES.format(found["timer"]))
 
 
 def main() -> None:
@@ -174,7 +190,7 @@ def main() -> None:
     text = "".join((HERE / name).read_text("ascii") for name in pack["files"])
     found = {"version": pack["version"], "shaders": f"{zlib.crc32(text.encode()):08x}", "adapter": gpu.info}
     found |= {"system": platform.platform(), "date": date.today().isoformat(), "columns": COLUMNS, "sizes": {}}
-    print("{device}, {backend_type}, {description}: {adapter_type}".format(**gpu.info))
+    print(gpu.name)
     module = gpu.device.create_shader_module(code=text)
     for name, plans in pack["sizes"].items():
         pool = {}

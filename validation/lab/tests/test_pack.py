@@ -47,11 +47,10 @@ def test_times(packed, tmp_path):
         assert all(0.0 <= low <= median <= high for _, median, low, high in passes) and f"{whole:.3f}" in done.stdout
 
 
-def test_pictures(packed, monkeypatch):
+def test_pictures(packed):
     """Its frames are those that the package draws, to the bit: each after all others, in the same textures."""
     driver, pool, images = load("wgpu"), {}, bench.textures(SIZE)
-    monkeypatch.setattr(script, "HERE", packed)
-    gpu, data = script.GPU(), json.loads((packed / "frames.json").read_text())
+    gpu, data = script.GPU(folder=packed), json.loads((packed / "frames.json").read_text())
     module = gpu.device.create_shader_module(code="".join((packed / name).read_text() for name in data["files"]))
     frames = {key: script.Frame(gpu, one, module, pool) for key, one in data["sizes"]["72x40"].items()}
     for key, settings in bench.settings().items():

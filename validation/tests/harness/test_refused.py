@@ -41,10 +41,11 @@ gallery --output /no/such/folder/x | /no/such/folder
 figures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
 bench --rounds 0 | --rounds; 3
-bench --driver nvidia | --driver nvidia; osmesa
-bench --driver osmesa --adapter nothing | none of the drivers; osmesa
+bench --driver nvidia | --driver nvidia; wgpu
+bench --driver egl --adapter nothing | nothing; llvmpipe
 bench --pack /no/such/folder/x | /no/such/folder; Make it first
 bench --pack x --driver egl | --pack; --driver
+bench --pack x --judge | --pack; --judge
 bench --wheels | --wheels; --pack
 bench --json /nowhere/b.json | /nowhere/b.json; no folder
 aperture --sides 3 --vertices '0,0 1,0 1,1' | --sides; --vertices
