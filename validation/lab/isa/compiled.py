@@ -1,4 +1,4 @@
-"""The passes whose cost is counted, as code for the GPUs' compilers: from the GLSL, the HLSL and the WGSL."""
+"""The passes whose cost is counted, as code for a GPU's compiler: from the GLSL, the HLSL and the WGSL."""
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -46,8 +46,8 @@ def all_passes() -> dict[str, Pass]:
     return {item.entry.removeprefix("Bokeh"): item for item in passes}
 
 
-def code(passes: Mapping[str, Pass], language: str, profile: str = "450") -> Code:
-    """Passes as SPIR-V: of GLSL by glslang, of HLSL by DXC, of WGSL by naga. GLSL of another profile than 450 as text.
+def code(passes: Mapping[str, Pass], language: str) -> Code:
+    """Passes as SPIR-V: of GLSL by glslang, of HLSL by DXC, of WGSL by naga.
 
     Raises Unavailable without these compilers and UserError where they refuse a pass.
     """
@@ -58,10 +58,7 @@ def code(passes: Mapping[str, Pass], language: str, profile: str = "450") -> Cod
             return _binary(dxc.build(shaders.hlsl(6, constants), name, function)), function
         if language == "wgsl":
             return _binary(naga.spirv(shaders.wgsl(), function, constants)), function
-        text = shaders.glsl(entry, profile, constants)
-        if profile != "450":
-            return text.encode("ascii"), "main"
-        return _binary(glslang.spirv(text, name, glslang.VULKAN)), "main"
+        return _binary(glslang.spirv(shaders.glsl(entry, "450", constants), name, glslang.VULKAN)), "main"
 
     items = passes.values()
     # DXC is for one thread at a time

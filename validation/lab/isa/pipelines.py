@@ -1,9 +1,8 @@
 """A program by itself: pipelines made by the Vulkan driver that the environment chooses, and what it says of them.
 
-It runs in other Pythons too (an unpacked system's, an emulated one's), so it needs the package `vulkan` and nothing
-else of this project. Standard input: {"bindings": {NUMBER: KIND}, "vertex": [FILE, ENTRY], "fragments": [[NAME, FILE,
-ENTRY, TARGETS], ...]}, files of SPIR-V. Standard output: {"version": "22.3.6", "pipelines": {NAME: {STATISTIC:
-VALUE}}}. Nothing is ever drawn.
+It needs the package `vulkan` and nothing else of this project. Standard input: {"bindings": {NUMBER: KIND}, "vertex":
+[FILE, ENTRY], "fragments": [[NAME, FILE, ENTRY, TARGETS], ...]}, files of SPIR-V. Standard output: {"version":
+"22.3.6", "pipelines": {NAME: {STATISTIC: VALUE}}}. Nothing is ever drawn.
 """
 
 import json

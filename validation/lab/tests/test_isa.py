@@ -1,7 +1,7 @@
 """What the compiler of AMD's RDNA 2 makes of every pass, held to what it made of them before: the stock.
 
 The compiler comes with the system's Mesa, and another version counts otherwise, so the stock is for one version:
-`validation/run isa --table validation/tests/harness/isa_stock.tsv` makes it anew.
+`validation/run isa --table validation/lab/tests/isa_stock.tsv` makes it anew.
 """
 
 import re
@@ -23,7 +23,7 @@ def numbers(lines: list[str]) -> dict[str, dict[str, list[int]]]:
     """Pass -> column -> the numbers of GLSL, HLSL and, where naga is installed, WGSL."""
     return {
         name: dict(zip(isa_command.COLUMNS, ([int(n) for n in cell.split(" / ")] for cell in cells), strict=True))
-        for _, name, *cells in (line.split("\t") for line in lines)
+        for name, *cells in (line.split("\t") for line in lines)
     }
 
 
