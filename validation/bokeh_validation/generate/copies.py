@@ -3,7 +3,7 @@
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from bokeh_validation import paths, shaders
 from bokeh_validation.errors import UserError
@@ -74,18 +74,3 @@ def drawn() -> dict[str, bool]:
             for item in methods.plan(settings, (64, 64)).passes:
                 used[item.entry.removeprefix("Bokeh")] = "result" in item.outputs
     return {name: used[name] for name in (entry.removeprefix("Bokeh") for entry in ENTRIES) if name in used}
-
-
-def unity_passes() -> Iterator[str]:
-    """The shader's passes."""
-    for name, last in drawn().items():
-        yield f'Pass {{ Name "{name}" {"ColorMask RGB " * last}HLSLPROGRAM'
-        yield "    #pragma vertex FullScreenVertex"
-        yield f"    #pragma fragment Bokeh{name}_PS"
-        yield "ENDHLSL }"
-
-
-def unreal_classes() -> Iterator[str]:
-    """The plug-in's shader classes. It has others for what reads the engine's own textures."""
-    own = ("LinearDepth", "SignedCoCMap", "CoCMap")
-    yield from (f'BOKEH_SHADER({name}, "Bokeh{name}_PS");' for name in drawn() if name not in own)

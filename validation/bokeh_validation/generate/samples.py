@@ -1,13 +1,13 @@
-"""The passes of a frame as the samples of integration/ list them: rows, and how each language writes one."""
+"""The passes of a frame as the templates of the samples see them."""
 
-import re
-from collections.abc import Iterator
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import degrees
-from typing import NamedTuple
 
 from bokeh_validation import plan, shaders
 from bokeh_validation.frame import methods
-from bokeh_validation.shaders.entries import ADAPTIVE, BOTH, COLORS, COPY, EDGE, ENTRIES, EXACT, Entry
+from bokeh_validation.shaders import calls
+from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT
 from bokeh_validation.shaders.passes import Pass
 
 # What the samples call what they hand to a frame: the engine's depth buffer, and metres for paper
@@ -20,154 +20,97 @@ SIDED = ("BokehDownsample", "BokehHoleFill", "BokehComposite")
 SIZE = (64, 64)
 
 
-class Language(NamedTuple):
-    """How a table of passes is written.
+@dataclass(frozen=True)
+class Row:
+    """A pass of a frame.
 
-    head, tail        around all; {} is its name
-    row               a pass: {entry} such as BokehTileMax, {name} without Bokeh, {define} such as TILE_MAX, {scale}
-                      that its targets' size is divided by, {call} of the library in GLSL, {returned} for the struct
-                      and members of several targets, {sets} for its own parameters, {reads} with '-' for a colour
-                      slot that it leaves out, {writes}, {quoted} for these, each in quotes, {memory}, {sides}, {copy}:
-                      1 where one of {sets} is 1, in a block of parameters that passes share
-    parameter, angle  one of {sets}; an angle is in degrees
-    polygon, its_end  around the rows of each of several polygons; {} is its sides
-    replaced          a word and what the language has in its place
-    camel             whether 'near target 2' is called nearTarget2; else near_target_2
-    targets           whether a pass may write several
-    spacing           of paper; 0: a fixed number of samples
-    metres            the pass from the depth buffer to metres, first of paper; without it a sample draws it itself
+    entry     such as BokehTileMax; `name` is TileMax, `define` TILE_MAX
+    reads     a texture for each colour slot up to the last that it reads, '-' for one that it leaves out
+    writes    its targets, and the number of the memory of each
+    scale     that the size of its targets is divided by
+    sets      parameters of its own without Bokeh -> value; Angle is in degrees
+    call      of the library, in GLSL
+    returned  name and members of the struct that the call returns, where the pass writes several targets
     """
 
-    head: str
-    row: str
-    tail: str
-    parameter: str = ""
-    angle: str = ""
-    polygon: str = ""
-    its_end: str = ""
-    quote: str = '"'
-    replaced: tuple[str, str] = ("", "")
-    camel: bool = False
-    targets: bool = True
-    spacing: float = 1.0
-    metres: str = ""
+    entry: str
+    define: str
+    reads: tuple[str, ...]
+    writes: tuple[str, ...]
+    memory: tuple[int, ...]
+    scale: int
+    sets: dict[str, float]
+    call: str
+    returned: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Without Bokeh."""
+        return self.entry.removeprefix("Bokeh")
 
 
-PYTHON = Language(
-    "{} = [", '    ("{define}", "{reads}", "{writes}", {scale}, {{{sets}}}),', "]",
-    '"Bokeh{}": {:g}', '"Bokeh{}": radians({:g})',
-    metres='    ("LINEAR_DEPTH", "", "metres", 1, {}),',
-)  # fmt: skip
-PANDA3D = PYTHON._replace(head="{} = {{", row=f"    {PYTHON.row}", tail="}}", polygon="    {}: [", its_end="    ],")
-JAVA = Language(
-    "public static final BokehFilter.Step[] {} = {{",
-    '    new BokehFilter.Step(BokehPass.{define}, "{reads}", "{writes}", {scale}, Map.of({sets})),', "}};",
-    '"{}", {:g}f', '"{}", {:g}f * FastMath.DEG_TO_RAD', replaced=("color", "scene"), camel=True,
-    metres='    new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "metres", 1, Map.of()),',
-)  # fmt: skip
-DIRECT3D11 = Language(
-    "static const std::vector<Pass> {} = {{",
-    '    {{"{entry}_PS", "{reads}", "{writes}", {scale}, {{{sets}}}}},', "}};",
-    "{{&BokehParameters::{}, {:.1f}f}}", "{{&BokehParameters::{}, {:.1f}f * PI / 180.0f}}", spacing=0.0,
-    metres='    {"BokehLinearDepth_PS", "", "metres", 1, {}},',
-)  # fmt: skip
-DIRECT3D9 = Language(
-    "static const Pass {}[MAX_PASSES] = {{", '    {{"{entry}_PS", "{reads}", "{writes}", {scale}{sets}}},', "}};",
-    ", {{PARAMETER({}), {:.1f}f}}", ", {{PARAMETER({}), {:.1f}f * 3.14159265f / 180.0f}}", spacing=0.0,
-)  # fmt: skip
-VULKAN = Language(
-    "inline const std::vector<BokehPass> {} = {{",
-    '    {{"{entry}", "{define}", {{"{reads}"}}, {{"{writes}"}}, {{{memory}}}, {scale}, {sides}, {copy}}},', "}};",
-)  # fmt: skip
-OGRE = Language(
-    "static Frame {}(int sides)\n{{\n    static const std::map<int, Frame> frames = {{",
-    '            {{"{define}", "{reads}", "{writes}", {scale}, {{{sets}}}}},',
-    "    }};\n    return frames.at(sides);\n}}", '{{"Bokeh{}", {:.1f}f}}', "", "        {{{}, {{", "        }}}},",
-)  # fmt: skip
-SCRIPT = Language(
-    "const {} = {{", "    [[{quoted}], {scale}, '{call}'{returned}],", "}};",
-    polygon="  {}: [", its_end="  ],", quote="'", camel=True,
-)  # fmt: skip
-LUA = Language(
-    "FRAMES.{} = {{", '    {{ {{ {quoted} }}, {scale}, "{call}"{returned} }},', "}}",
-    polygon="  [{}] = {{", its_end="  }},", camel=True,
-)  # fmt: skip
-GODOT = Language(
-    "const {} := {{", '\t\t["{writes}", {scale}, "{call}"],', "}}",
-    polygon="\t{}: [", its_end="\t],", replaced=("uv", "UV"), targets=False,
-)  # fmt: skip
-UNITY = Language(
-    "public static readonly Dictionary<int, BokehStep[]> {} = new Dictionary<int, BokehStep[]>\n{{",
-    '        new BokehStep(BokehShaderPass.{name}, "{reads}", "{writes}", {scale}) {{{sets}}},', "}};",
-    "{} = {:g}f", "", "    [{}] = new[]\n    {{", "    }},", camel=True,
-)  # fmt: skip
-UNREAL = Language(
-    "static const TArray<FBokehStep>* Bokeh{}(int32 Sides)\n{{",
-    '            {{&AddBokehPass<FBokeh{name}PS>, TEXT("{reads}"), TEXT("{writes}"), {scale}, {{{sets}}}}},',
-    "    return nullptr;\n}}", ".{} = {:.1f}f", "",
-    "    if (Sides == {})\n    {{\n        static const TArray<FBokehStep> Steps = {{",
-    "        }};\n        return &Steps;\n    }}", camel=True,
-)  # fmt: skip
-BEVY = Language(
-    "pub const {}: Table = &[", '        pass("{entry}_PS", &["{reads}"], &["{writes}"], {scale}, &[{sets}]),', "];",
-    "{}({:.1f})", "", "    ({}, &[", "    ]),",
-)  # fmt: skip
+def snake(name: str) -> str:
+    """near_target_2 for 'near target 2'."""
+    return name.replace(" ", "_")
 
 
-def table(language: Language, name: str, method: str, aperture: str = "") -> Iterator[str]:
-    """The lines of a polygon's table of passes; without `aperture`, of all polygons, and without the CoC map."""
-    yield from language.head.format(name).splitlines()
-    if aperture:
-        yield from [language.metres] * (method == "paper" and bool(language.metres))
-        yield from rows(language, method, aperture)
-    else:
-        for shape in ("hexagon", "octagon") if method == "paper" else EXACT:
-            yield from language.polygon.format(EXACT[shape]).splitlines()
-            yield from rows(language, method, shape)[1:]
-            yield from language.its_end.format().splitlines()
-    yield from language.tail.format().splitlines()
+def camel(name: str) -> str:
+    """nearTarget2 for 'near target 2'."""
+    return name[0] + name.title().replace(" ", "")[1:]
 
 
-def rows(language: Language, method: str, aperture: str) -> list[str]:
-    """The passes of a method from the CoC map on, as the language writes them."""
-    spacing = language.spacing if method == "paper" else 0.0
-    settings = methods.Settings(method, aperture, targets=language.targets, spacing=spacing)
+def polygons(method: str) -> dict[str, int]:
+    """Those that samples have of a method, with their sides."""
+    return {name: EXACT[name] for name in (("hexagon", "octagon") if method == "paper" else EXACT)}
+
+
+def frame(
+    method: str,
+    aperture: str,
+    style: Callable[[str], str] = snake,
+    targets: bool = True,
+    adaptive: bool = False,
+) -> list[Row]:
+    """The passes of a method from the CoC map on.
+
+    style     how a texture's name is spelt: `snake` or `camel`
+    targets   whether a pass may write several
+    adaptive  whether lines of paper take as many samples as their length needs
+    """
+    spacing = 1.0 if adaptive and method == "paper" else 0.0
+    settings = methods.Settings(method, aperture, targets=targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
-    names = {}
-    for name in (texture["name"] for texture in planned["textures"]):
-        names[name] = name[0] + name.title().replace(" ", "")[1:] if language.camel else name.replace(" ", "_")
-    names |= DEPTH_NAMES
-    memory = {texture["name"]: str(texture["memory"]) for texture in planned["textures"]}
-    word, replacement = language.replaced
-    separator = '", "' if language in (BEVY, VULKAN) else " "
-    lines = []
+    names = {texture["name"]: style(texture["name"]) for texture in planned["textures"]} | DEPTH_NAMES
+    memory = {texture["name"]: texture["memory"] for texture in planned["textures"]}
     steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
-    for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True):
-        sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
-        if item.entry in SIDED:
-            sets["Sides"] = item.values()["BokehSides"]
-        if "Angle" in sets:
-            sets["Angle"] = round(degrees(sets["Angle"]), 6)
-        forms = {"Angle": language.angle or language.parameter}
-        last = max(COLORS.index(slot) for slot in item.inputs if slot in COLORS)
-        writes = [names[name] for name in item.outputs]
-        line = language.row.format(
-            entry=item.entry,
-            name=item.entry.removeprefix("Bokeh"),
-            define=step["define"].removeprefix("BOKEH_"),
-            reads=separator.join(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
-            writes=separator.join(writes),
-            quoted=", ".join(f"{language.quote}{name}{language.quote}" for name in writes),
-            memory=", ".join(memory[name] for name in item.outputs),
-            scale=item.scale,
-            sides=EXACT.get(aperture),
-            copy=int(1.0 in sets.values()),
-            sets=", ".join(forms.get(name, language.parameter).format(name, value) for name, value in sets.items()),
-            call=call(item, names),
-            returned=f", {language.quote}{' '.join(returned(item))}{language.quote}" if len(writes) > 1 else "",
-        )
-        lines.append(re.sub(rf"\b{word}\b", replacement, line) if word else line)
-    return lines
+    return [
+        _row(step, item, names, memory) for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True)
+    ]
+
+
+def after_map(method: str, aperture: str, style: Callable[[str], str] = snake, **chosen: bool) -> list[Row]:
+    """The same without the CoC map."""
+    return frame(method, aperture, style, **chosen)[1:]
+
+
+def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) -> Row:
+    sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
+    if item.entry in SIDED:
+        sets["Sides"] = item.values()["BokehSides"]
+    if "Angle" in sets:
+        sets["Angle"] = round(degrees(sets["Angle"]), 6)
+    last = max(COLORS.index(slot) for slot in item.inputs if slot in COLORS)
+    return Row(
+        entry=item.entry,
+        define=step["define"].removeprefix("BOKEH_"),
+        reads=tuple(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
+        writes=tuple(names[name] for name in item.outputs),
+        memory=tuple(memory[name] for name in item.outputs),
+        scale=item.scale,
+        sets=sets,
+        call=call(item, names),
+        returned=returned(item) if len(item.outputs) > 1 else (),
+    )
 
 
 # Arguments that each sample has under the library's name, and two of the line filter, which no sample calls
@@ -192,10 +135,9 @@ def call(item: Pass, names: dict[str, str]) -> str:
         line = f"BokehDepthOfFieldAdaptive({textures['ColorSamp']}, metres, uv, {segment}, settings, true)"
         other = textures.get("ColorSampB")
         return f"BokehCombine({line}, BokehFetch({other}, uv), false)" if other else line
-    function = _function(entry)
-    _, parameters = _signature(function)
+    function, signature = _called(item)
     arguments, sampled, slots = [], "", iter(COLORS)
-    for kind, name in (parameter.split() for parameter in parameters.split(",")):
+    for kind, name in signature.parameters:
         if kind == "BOKEH_TEXTURE":
             # a slot that the polygon has no target for gets the one before, and does not read it
             sampled = textures.get(next(slots), sampled)
@@ -218,29 +160,27 @@ def call(item: Pass, names: dict[str, str]) -> str:
 
 def returned(item: Pass) -> tuple[str, ...]:
     """Name and members of the struct that a pass's function returns, as many as the entry has targets; or nothing."""
-    kind, _ = _signature(_function(item.spec))
-    members = re.findall(rf"^struct {kind}\n\{{\n((?:    vec4 \w+;\n)+)", shaders.text("glsl"), re.MULTILINE)
+    _, signature = _called(item)
+    members = [name for kind, name in calls.structs(shaders.text("glsl")).get(signature.kind, ()) if kind == "vec4"]
     if not members:
         return ()
     targets = ENTRIES[item.spec.whole].targets if item.spec.whole else max(item.spec.targets, 1)
     if item.spec.role == EDGE:
         targets = 4
-    return kind, *re.findall(r"vec4 (\w+)", members[0])[:targets]
+    return signature.kind, *members[:targets]
 
 
-def _function(entry: Entry) -> str:
-    """The function of the library that an entry calls."""
-    if entry.role == EDGE:
-        return "BokehLayerFirst" if entry.layers else "BokehExactFirst"
-    layer = "Layers" if entry.sides in BOTH else "Layer"
-    return re.sub("(?:Square|Hexagon|Octagon|Decagon)Layer", layer, (entry.whole or entry.name).removesuffix("One"))
+def _called(item: Pass) -> tuple[str, calls.Signature]:
+    """The function of the library that a pass's entry takes its result from, and its signature."""
+    signatures = calls.signatures(shaders.text("glsl"))
+    for name in calls.called_from(shaders.file_text("glsl", "bokeh_passes"), item.entry):
+        kind, parameters = signatures[name]
+        # what only fetches has a texture too
+        if parameters and parameters[0][0] == "BOKEH_TEXTURE" and kind != "vec2" and "Fetch" not in name:
+            return name, signatures[name]
+    raise ValueError(f"{item.entry} calls no function of the library that reads its textures")
 
 
 def _last(item: Pass) -> int:
     """BokehExactFirst's parameter: the last target that is wanted."""
     return item.constants["BOKEH_TARGET_INDEX"] + 2 if item.spec.role == EDGE else item.spec.sides // 2
-
-
-def _signature(function: str) -> tuple[str, str]:
-    """Type of a function of the GLSL library, and its parameters."""
-    return re.search(rf"^(\w+) {function}\(([^)]*)\)\n\{{", shaders.text("glsl"), re.MULTILINE).groups()

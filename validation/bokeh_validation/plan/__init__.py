@@ -116,6 +116,21 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     }
 
 
+def text(planned: dict) -> str:
+    """A frame as JSON with one pass, texture or note a line."""
+    members = []
+    for key, value in planned.items():
+        entries, brackets = [], "[]"
+        if isinstance(value, dict) and any(isinstance(entry, dict) for entry in value.values()):
+            entries, brackets = [f"{json.dumps(name)}: {json.dumps(entry)}" for name, entry in value.items()], "{}"
+        elif key == "notes" or (isinstance(value, list) and any(isinstance(entry, dict) for entry in value)):
+            entries = [json.dumps(entry) for entry in value]
+        lines = ",\n".join(f"  {entry}" for entry in entries)
+        shown = f"{brackets[0]}\n{lines}\n {brackets[1]}" if entries else json.dumps(value)
+        members.append(f" {json.dumps(key)}: {shown}")
+    return "{\n" + ",\n".join(members) + "\n}\n"
+
+
 def _from_buffer(item: Pass) -> Pass:
     """With the engine's depth buffer in place of metres."""
     renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in item.inputs.items()}
@@ -252,7 +267,7 @@ def plan(
     """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
     whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
     planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
-    typer.echo(json.dumps(planned, indent=1))
+    typer.echo(text(planned), nl=False)
 
 
 def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from typing import NamedTuple
 
 from bokeh_validation import shaders
 from bokeh_validation.shaders.entries import ENTRIES
@@ -78,3 +79,34 @@ def program(text: str, entry: str, constants: frozenset[tuple[str, float]] = fro
             reached[name] = _live(code.get(name, name), constants)
             waiting += _called(reached[name])
     return reached
+
+
+class Signature(NamedTuple):
+    """Type of a function of GLSL, and type and name of each of its parameters."""
+
+    kind: str
+    parameters: tuple[tuple[str, str], ...]
+
+
+@lru_cache(maxsize=16)
+def signatures(text: str) -> Mapping[str, Signature]:
+    """Name -> signature of every function of a GLSL text; of main() too, by its entry."""
+    found = {}
+    for name, match in found_functions(text):
+        kind, _, parameters = _code(match["head"]).strip().removesuffix(")").partition("(")
+        pairs = (tuple(parameter.split()) for parameter in parameters.split(",") if parameter.strip())
+        found[name] = Signature(kind.split()[0], tuple(pairs))
+    return found
+
+
+@lru_cache(maxsize=16)
+def structs(text: str) -> Mapping[str, tuple[tuple[str, str], ...]]:
+    """Name -> type and name of each member of every struct of a GLSL text."""
+    found = re.findall(r"^struct (\w+)\n\{\n(.*?)^\};$", _code(text), re.MULTILINE | re.DOTALL)
+    return {name: tuple(re.findall(r"^ +(\w+) (\w+);$", members, re.MULTILINE)) for name, members in found}
+
+
+def called_from(text: str, entry: str) -> tuple[str, ...]:
+    """What an entry calls, itself and by functions of its own file `text`, that is not in that file."""
+    own = program(text, f"{entry}_PS")
+    return tuple(dict.fromkeys(name for code in own.values() for name in _called(code) if name not in own))

@@ -174,7 +174,8 @@ def test_nothing_is_out_of_date():
 def test_a_region_needs_its_markers():
     """A file without them is left alone."""
     with pytest.raises(UserError, match="a.py: its markers .* Restore them"):
-        generate.replaced("a.py", f"# {generate.WRITTEN_BY} {generate.FRAME}: begin\n", generate.FRAME, [])
+        marker = f"# {generate.WRITTEN_BY} {generate.FRAME}: "
+        generate.replaced("a.py", f"{marker}begin\n", f"{marker}begin\n{marker}end\n")
 
 
 def test_layers_page():
