@@ -9,7 +9,7 @@ import numpy as np
 from bokeh_validation.frame import aperture_shapes
 from bokeh_validation.frame.decomposition import LinePass, decompose
 from bokeh_validation.shaders.entries import BOTH, COLORS, EXACT
-from bokeh_validation.shaders.passes import Pass
+from bokeh_validation.shaders.passes import PAPER_SAMPLES, USUAL_SPACING, Pass
 
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
@@ -19,8 +19,7 @@ PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC
 PRESETS = {"low": (1, 11, 0), "medium": (2, 11, 1), "high": (3, 18, 1), "ultra": (4, 18, 1)}
 # Of exact -> samples on a line at most, pixels between them
 EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
-EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, 1.5), "high": (17, 1.0), "ultra": (33, 1.0)}
-PAPER_SAMPLES = 13
+EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, USUAL_SPACING), "high": (17, 1.0), "ultra": (33, 1.0)}
 # With spacing, where nobody says
 MOST_SAMPLES = 65
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,

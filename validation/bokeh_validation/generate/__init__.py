@@ -11,7 +11,7 @@ import typer
 from bokeh_validation import files, paths, plan, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
-from bokeh_validation.generate import copies, reshade, samples
+from bokeh_validation.generate import copies, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -85,7 +85,6 @@ def rendered() -> Iterator[tuple[str, str]]:
         for path in sorted(root.rglob("*.*.jinja")):
             name = path.relative_to(root).as_posix()
             yield f"integration/{name.removesuffix('.jinja')}", ENVIRONMENT.get_template(name).render(context())
-    yield "integration/reshade/PolygonalBokeh.fx", _between("// ", FRAME, reshade.effect())
     yield "docs/reference/passes.md", _between("<!-- ", FRAME, passes_page(), " -->")
     yield "docs/reference/parameters.md", _between("<!-- ", PARAMETER_LIST, parameter_table(), " -->")
 
@@ -104,6 +103,7 @@ def context() -> dict:
         "frame": samples.frame,
         "after_map": samples.after_map,
         "camel": samples.camel,
+        "targets": samples.targets,
         "polygons": lambda method: samples.polygons(method).items(),
         "parameters": fields,
         # with what fills the buffer up

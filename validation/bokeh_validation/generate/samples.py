@@ -70,27 +70,36 @@ def frame(
     style: Callable[[str], str] = snake,
     targets: bool = True,
     adaptive: bool = False,
+    memory: str = "",
 ) -> list[Row]:
     """The passes of a method from the CoC map on.
 
     style     how a texture's name is spelt: `snake` or `camel`
     targets   whether a pass may write several
     adaptive  whether lines of paper take as many samples as their length needs
+    memory    begins the name of each target, which its memory numbers: targets that may share it are one; else ''
     """
     spacing = 1.0 if adaptive and method == "paper" else 0.0
     settings = methods.Settings(method, aperture, targets=targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
     names = {texture["name"]: style(texture["name"]) for texture in planned["textures"]} | DEPTH_NAMES
-    memory = {texture["name"]: texture["memory"] for texture in planned["textures"]}
+    numbers = {texture["name"]: texture["memory"] for texture in planned["textures"]}
+    if memory:
+        names |= {name: f"{memory}{number}" for name, number in numbers.items() if number is not None}
     steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
     return [
-        _row(step, item, names, memory) for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True)
+        _row(step, item, names, numbers) for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True)
     ]
 
 
 def after_map(method: str, aperture: str, style: Callable[[str], str] = snake, **chosen: bool) -> list[Row]:
     """The same without the CoC map."""
     return frame(method, aperture, style, **chosen)[1:]
+
+
+def targets(rows: list[Row]) -> dict[str, int]:
+    """Name of each target -> what its size is divided by."""
+    return {name: row.scale for row in rows for name in row.writes}
 
 
 def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) -> Row:

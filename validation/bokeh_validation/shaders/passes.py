@@ -17,6 +17,8 @@ BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
 SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
 # BOKEH_SPACING where nobody says: that of the preset MEDIUM
 USUAL_SPACING = 1.5
+# On a line of the paper: section 4.3
+PAPER_SAMPLES = 13
 # What Pass.scale may be
 SCALES = (1, 2, 4, 8)
 
@@ -72,7 +74,7 @@ class Pass:
     inputs: Mapping[str, str]
     output: str | tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
-    samples: int = 13
+    samples: int = PAPER_SAMPLES
     defines: Mapping[str, float] = field(default_factory=dict)
     sources: Mapping[str, str] | None = None
     viewport: tuple[int, int, int, int] | None = None

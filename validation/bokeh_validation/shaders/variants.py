@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 from bokeh_validation import shaders
 from bokeh_validation.shaders import entries
+from bokeh_validation.shaders.passes import PAPER_SAMPLES
 
 VERTEX = "BokehFullScreen"
-PAPER_SAMPLES = 13  # on a line, section 4.3
 
 # Values of BOKEH_NUM_SAMPLES by the role of an entry; others, and those of the layers, do not depend on it.
 SAMPLES: dict[str, tuple[int, ...]] = {

@@ -17,7 +17,7 @@ from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, Pass
 VERTEX = "BokehFullScreen"
 SIZE = (1920, 1080)
 # Of `exact` at MEDIUM: BOKEH_NUM_SAMPLES, pixels between samples
-SAMPLES, SPACING = 9, 1.5
+SAMPLES, SPACING = methods.EXACT_PRESETS["medium"]
 # binding -> kind of descriptor: the textures of HLSL and WGSL have a sampler of their own
 COMBINED = {0: "uniform"} | dict.fromkeys(BINDINGS.values(), "combined")
 SEPARATE = {0: "uniform", FIRST_SAMPLER: "sampler"} | dict.fromkeys(BINDINGS.values(), "texture")
