@@ -1,4 +1,4 @@
-"""Section [1]: the constants and presets are those that the harness and the documents have."""
+"""The constants and presets are those that the harness and the documents have, and those that were tuned."""
 
 import re
 
@@ -70,3 +70,26 @@ def test_presets():
         if language != "wgsl":
             found = {name: tuple(map(float, values.values())) for name, values in shaders.presets(text).items() if name}
             assert found == PRESETS
+
+
+TUNED = paths.VALIDATION / "tests/shaders/constants.txt"
+# What is no choice: a half, a factor or an end of a share
+PLAIN = {"0.0", "0.5", "1.0", "2.0"}
+
+
+def tuned() -> dict[str, list[str]]:
+    """Function of bokeh_layers.glsl -> its numbers in their order, but for PLAIN."""
+    text = re.sub(r"//.*", "", paths.shader("glsl", "bokeh_layers").read_text(encoding="utf-8"))
+    bodies = re.findall(r"^\w+ (\w+)\([^)]*\)\n\{\n(.*?)^\}", text, re.MULTILINE | re.DOTALL)
+    found = {name: re.findall(r"(?<![\w.])\d+\.\d+", body) for name, body in bodies}
+    return {name: kept for name, numbers in found.items() if (kept := [one for one in numbers if one not in PLAIN])}
+
+
+def test_tuned_constants():
+    """Of layered, which is its own reference: what constants.txt has, function by function.
+
+    Written by hand, so that expected pictures written anew do not carry a changed constant with them. The other files'
+    functions are held to formulas.py, and the three languages to each other by parity.
+    """
+    lines = [line.split() for line in TUNED.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    assert tuned() == {name: numbers for name, *numbers in lines}

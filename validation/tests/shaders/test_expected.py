@@ -28,8 +28,12 @@ FILE = paths.VALIDATION / "tests/shaders/expected_layered.npz"
 SIZE = (37, 27)
 # both layers full: near CoC of up to 25 pixels, far ones of up to 17
 FULL = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
-# a CoC that is in part in a layer, or spreads a little, pixels
-PLANES = (-11.0, -9.0, 3.0, 11.0, 14.0)
+# a CoC that is in part in a layer, or spreads a little, pixels: a near layer sets in from 6 to 12, its share is between
+# none and all from 8.4 to 9.6; a far one sets in from 10 to 16, its share from 12.4 to 13.6. One in the middle of each.
+PLANES = (-11.0, -9.0, 3.0, 11.0, 13.0, 14.0)
+# so wide that lines of a layer take samples farther apart than a texel, and read its level
+WIDE_SIZE = (16, 120)
+WIDE_PLANES = (-90.0, 60.0, 90.0)
 SETTINGS = {
     "hexagon": Settings("layered", "hexagon", camera=FULL, jitter=1.0, squeeze=0.7, rotation=10.0),
     "less": Settings("layered", "hexagon", camera=replace(FULL, aperture_diameter=1.8)),
@@ -41,12 +45,15 @@ SETTINGS = {
     "octagon, cut, one target": Settings("layered", "octagon", camera=FULL, targets=False, cats_eye=0.9),
     "slope": near_edges.settings(rotation=10.0),
     **{f"plane {coc}": near_edges.settings(rotation=10.0) for coc in PLANES},
+    **{f"wide {coc}": near_edges.settings() for coc in WIDE_PLANES},
+    "wide square": near_edges.settings("square", jitter=1.0),
 }
 
 
 def case(name: str) -> Case:
     """Random patches; in one of them black on the left and lights on the right, in the planes one depth."""
-    found = noise_case(SIZE, SETTINGS[name])
+    size = WIDE_SIZE if name.startswith("wide") else SIZE
+    found = noise_case(size, SETTINGS[name])
     if name == "slope":
         # shares of the near layer from none to all
         columns = [near_edges.metres(coc, SIZE[1]) for coc in np.linspace(-4.0, -12.0, SIZE[0])]
@@ -54,6 +61,9 @@ def case(name: str) -> Case:
     if name.startswith("plane"):
         coc = float(name.removeprefix("plane "))
         return replace(found, depth=depth_of(SIZE, near_edges.metres(coc, SIZE[1])))
+    if name.startswith("wide"):
+        coc = float(name.removeprefix("wide ").replace("square", "100.0"))
+        return replace(found, depth=depth_of(size, near_edges.metres(coc, size[1])))
     if name == "hexagon":
         found = replace(found, color=found.color.copy())
         found.color[:, :16, :3] = 0.0
@@ -69,7 +79,7 @@ def expected() -> dict[str, np.ndarray]:
         for name in SETTINGS:
             passes = case(name).plan.passes
             names = [output for item in passes for output in item.outputs]
-            kept = Reference().run(passes, case(name).textures(), SIZE, keep=names)
+            kept = Reference().run(passes, case(name).textures(), case(name).size, keep=names)
             written |= {f"{name}/{output}": pixels for output, pixels in kept.items()}
         np.savez_compressed(FILE, **written)
     with np.load(FILE) as file:
@@ -80,7 +90,8 @@ def expected() -> dict[str, np.ndarray]:
 def test_every_pass(name, expected):
     """To a step of the half floats that they are stored in: sin and cos may differ in a last bit."""
     mine = {key.removeprefix(f"{name}/"): pixels for key, pixels in expected.items() if key.startswith(f"{name}/")}
-    results = Reference().images(case(name).plan.passes, case(name).textures(), SIZE, given=mine)
+    drawn = case(name)
+    results = Reference().images(drawn.plan.passes, drawn.textures(), drawn.size, given=mine)
     assert set(results) == set(mine)
     for output, image in results.items():
         wanted = mine[output].astype(np.float64)

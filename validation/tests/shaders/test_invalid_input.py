@@ -8,11 +8,11 @@ from invalid_input import COLOR, DEPTH, sprinkled
 from support import LANGUAGES, in_each_language, spread
 from support_cases import everything, within
 
-from bokeh_validation import drivers
+from bokeh_validation import drivers, paths
 from bokeh_validation.frame.methods import Camera, Settings
 from bokeh_validation.probes.model import Case
 from bokeh_validation.probes.small_frames import FOCUS
-from bokeh_validation.reference.listings import safe_color
+from bokeh_validation.reference.listings import MAX_DEPTH, safe_color
 
 SIZE = (96, 64)
 CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
@@ -269,3 +269,43 @@ def test_parameters_count_as_documented(method, name, wrong, right, driver):
     case = littered((24, 16), METHODS[method], 0.1)
     found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
     assert not differing(found, wanted).any()
+
+
+# docs/inputs.md, Bad input: what goes in -> what the tests above take it as. Each number of a row is asserted there: of
+# COLOR and DEPTH by test_bad_pixels_count_as_documented, of parameters by EQUIVALENTS.
+PAGE_ROWS = {
+    "colour NaN, negative; +infinite": "{color_nan:g}; {color_infinite:g}",
+    "depth NaN, 0, negative; above {most_depth:.0f} m, infinite": "{depth_nan:f} m; {depth_infinite:.0f} m",
+    "stored depth NaN or below 0, kind 3; kind 8": "the sky; the camera",
+    "`BokehFocusDistance` up to the focal length; above {most_depth:.0f} m": (
+        "{depth_nan:f} m more than the focal length; {focus_infinite:.0f} m"
+    ),
+    "`BokehApertureDiameter`, `BokehBleedingMult` negative": "{aperture_negative:g}",
+}
+
+
+def test_page_has_what_is_tested():
+    """The table of docs/inputs.md, with the numbers that COLOR, DEPTH and EQUIVALENTS hold the shaders to."""
+
+    def counted(pairs, wanted: float) -> float:
+        """What a bad number counts as; `wanted` may be NaN."""
+        (found,) = {right for wrong, right in pairs if wrong == wanted or np.isnan(wrong) and np.isnan(wanted)}
+        return found
+
+    parameters = {(name, wrong): right for _, name, wrong, right in EQUIVALENTS}
+    numbers = {
+        "color_nan": counted(COLOR, np.nan),
+        "color_infinite": counted(COLOR, np.inf),
+        "depth_nan": counted(DEPTH, np.nan),
+        "depth_infinite": counted(DEPTH, np.inf),
+        "most_depth": MAX_DEPTH,
+        "focus_infinite": parameters["BokehFocusDistance", float("inf")],
+        "aperture_negative": parameters["BokehApertureDiameter", -1.0],
+    }
+    assert numbers["aperture_negative"] == parameters["BokehBleedingMult", -30.0]
+    page = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8").split("## Bad input")[1].split("\n## ")[0]
+    rows = [line.strip("|").split("|") for line in page.splitlines() if line.startswith("|")][2:]
+    wanted = {left.format_map(numbers): right.format_map(numbers) for left, right in PAGE_ROWS.items()}
+    assert {left: right for left, right in rows if left in wanted} == wanted
+    # rows of parameters that EQUIVALENTS has, or that have no number: a new one belongs into PAGE_ROWS
+    assert len(rows) == len(wanted) + 5

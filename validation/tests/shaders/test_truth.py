@@ -6,12 +6,19 @@ from functools import cache
 import pytest
 from support import called, load
 
-from bokeh_validation import truth
+from bokeh_validation import paths, truth
 from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 # FLIP of MEDIUM at most: below every other method of docs/results.md
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
+# What `validation/run truth --json` wrote, and how far FLIP may be from it. On one Mesa it repeats exactly; the
+# rest is for another. A constant that is changed in all three languages shows here, however the expected pictures are written.
+RECORDED = {
+    (row["scene"], row["label"]): row
+    for row in json.loads((paths.ROOT / "docs/data/truth.json").read_text(encoding="utf-8"))["rows"]
+}
+SAME = 0.0005
 # The octagon against its truth: so near to what the hexagon has
 OCTAGON_OFF = 0.006
 
@@ -25,10 +32,12 @@ def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_layered(name, request):
-    """MEDIUM within its bound, one set of parameters for all scenes; LOW nearer than exact: on the widest blur, on
-    street_11 in test_command, on all with --all.
+    """MEDIUM within its bound and as recorded, one set of parameters for all scenes.
+
+    LOW nearer than exact: on the widest blur, on street_11 in test_command, on all with --all.
     """
     assert flip(name, "layered medium") <= BOUNDS[name]
+    assert flip(name, "layered medium") == pytest.approx(RECORDED[name, "layered medium"]["flip"], abs=SAME)
     if name == "canopy_12x3" or request.config.getoption("--all"):
         assert flip(name, "layered low") < flip(name, "exact")
 
