@@ -12,8 +12,8 @@ from bokeh_validation.truth import ray_traced
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 # FLIP of MEDIUM at most: below every other method of docs/results.md
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
-# What `validation/run truth --json` wrote, and how far FLIP may be from it. On one Mesa it repeats exactly; the
-# rest is for another. A constant that is changed in all three languages shows here, however the expected pictures are written.
+# What `validation/run truth --json` wrote, and how far FLIP may be from it: on one Mesa it repeats exactly, the rest is
+# for another. A constant changed in all three languages shows here, however the expected pictures are written.
 RECORDED = {
     (row["scene"], row["label"]): row
     for row in json.loads((paths.ROOT / "docs/data/truth.json").read_text(encoding="utf-8"))["rows"]
