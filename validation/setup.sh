@@ -42,7 +42,7 @@ packages_for() {
     peers) printf '%s ' "$opengl $vulkan $browser" ;;
     compile) printf '%s ' "$opengl $vulkan $compilers $windows $browser" ;;
     engines) printf '%s ' "$everything" ;;
-    render | truth | gallery | figures | shapes | compare) printf '%s ' "$opengl" ;;
+    render | truth | pictures | shapes | compare) printf '%s ' "$opengl" ;;
     isa) printf '%s ' "$opengl $vulkan $compilers" ;;
     bench | check | mutants | probes) printf '%s ' "$opengl $vulkan $compilers" ;;
     *) printf '%s ' "$opengl $vulkan $compilers $windows" ;;

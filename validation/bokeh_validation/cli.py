@@ -29,13 +29,14 @@ COMMANDS = {
     "engines": "bokeh_validation.engines",
     "demo": "bokeh_validation.demo",
     "truth": "lab.truth_command",
-    "gallery": "lab.gallery",
-    "figures": "lab.figures",
+    "pictures": "lab.documents.pictures_command",
     "peers": "lab.other_effects",
     "bench": "lab.bench",
     "isa": "lab.isa.isa_command",
     "mutants": "lab.mutants.mutants_command",
 }
+# Where a command's function has another name than the command
+FUNCTIONS = {"compile": "compile_all", "pictures": "draw_pictures"}
 
 
 def application() -> typer.Typer:
@@ -50,7 +51,7 @@ def application() -> typer.Typer:
     asked = [word for word in sys.argv[1:] if word in COMMANDS][:1]
     for name in asked or (COMMANDS if {"-h", "--help"} & set(sys.argv) else ()):
         module = importlib.import_module(COMMANDS[name])
-        app.command(name)(getattr(module, "compile_all" if name == "compile" else name))
+        app.command(name)(getattr(module, FUNCTIONS.get(name, name)))
     return app
 
 

@@ -1,11 +1,10 @@
 """The command `validation/run truth`: every method against a lens, on ray-traced, random and moving scenes."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from bokeh_validation import files, terminal
+from bokeh_validation import terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.truth import DEFAULT, METHODS, ray_traced, ray_traced_report
 from lab.rasterised import motion, random_score
@@ -33,9 +32,6 @@ def truth(
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
     json_file: terminal.JsonFile = None,
-    folder: Annotated[
-        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
-    ] = None,
 ) -> None:
     """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light relative to it, on
     ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
@@ -51,13 +47,12 @@ def truth(
     chosen = terminal.chosen("--method", method, known, default if count is None else DEFAULT[-1:])
     names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
-    files.check_folder("--pictures", folder)
     used = terminal.pick_driver(driver, adapter)
     if count is not None:
-        rows, lines = random_score.report(chosen, used.name, adapter, folder, range(seed or 0, (seed or 0) + count))
+        rows, lines = random_score.report(chosen, used.name, adapter, range(seed or 0, (seed or 0) + count))
     elif sequence is not None:
-        rows, lines = motion.report(chosen, used.name, adapter, folder, names)
+        rows, lines = motion.report(chosen, used.name, adapter, names)
     else:
-        rows, lines = ray_traced_report(chosen, used, folder, scenes)
+        rows, lines = ray_traced_report(chosen, used, scenes)
     terminal.write_json(json_file, {"driver": used.name, "adapter": used.adapter, "rows": rows})
     terminal.tell(*lines, f"{used.name} ({used.adapter})")

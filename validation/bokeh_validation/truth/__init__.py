@@ -1,13 +1,11 @@
 """Every method on every ray-traced scene, compared with what a lens sees there."""
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bokeh_validation import metrics, pictures, terminal
+from bokeh_validation import metrics, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.pictures import Panel
 from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import labels, ray_traced
 from bokeh_validation.truth.labels import METHODS
@@ -16,15 +14,6 @@ from bokeh_validation.truth.ray_traced import SceneFile
 DEFAULT = METHODS[: METHODS.index("layered medium") + 1]
 # How bright the scenes are shown
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
-CAPTIONS = {
-    "pinhole": "input: colour and depth through a pinhole",
-    "paper": "paper, hexagon, 13 samples per line",
-    "gather": "gather: Listing 3, 924 samples",
-    "layered medium": "layered, preset MEDIUM",
-    "truth": "truth: ray traced through a lens",
-}
-# scene, without the times of its lens -> left and top of its detail; width, height
-PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
 
 
 def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
@@ -55,35 +44,15 @@ def markdown(rows: Sequence[Mapping]) -> list[str]:
     return lines
 
 
-def shown(scene: SceneFile, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """A detail at twice its size, and market_7 at half: file name -> 8-bit rgb, as far as there are images."""
-    exposed = {label: pictures.filmic(image, EXPOSURE.get(scene.name, 1.0)) for label, image in images.items()}
-    place, found = PLACES[scene.name.removesuffix("x3")], {}
-
-    def draw(name: str, second: str, cut: Callable[[np.ndarray], np.ndarray]) -> None:
-        labels = ("pinhole", second, "layered medium", "truth")
-        if set(labels) <= set(images):
-            panels = [Panel(cut(exposed[label]), CAPTIONS[label]) for label in labels]
-            found[f"likeness_{scene.name}{name}"] = pictures.grid([panels[:2], panels[2:]])
-
-    draw("_detail", "gather", lambda pixels: pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2))
-    if scene is ray_traced.MARKET:
-        draw("", "paper", pictures.halved)
-    return found
-
-
 def ray_traced_report(
-    methods: Sequence[str], used: Driver, folder: Path | None, scenes: Sequence[SceneFile]
+    methods: Sequence[str], used: Driver, scenes: Sequence[SceneFile]
 ) -> tuple[list[dict], list[str]]:
-    """Rows and their table, and pictures into a folder."""
+    """Rows and their table."""
     rows = []
     with terminal.progress("truth", len(scenes) * len(methods)) as step:
         for file in scenes:
-            lens, images = ray_traced.truth(file, "hexagon"), {}
+            lens = ray_traced.truth(file, "hexagon")
             for label in methods:
-                images[label] = picture(used, file, label)
-                rows.append({"scene": file.name, "label": label, **measured(images[label], lens)})
+                rows.append({"scene": file.name, "label": label, **measured(picture(used, file, label), lens)})
                 step(f"{file.name}, {label}")
-            for name, pixels in shown(file, images | {"truth": lens}).items() if folder else ():
-                pictures.write_document(folder, name, pixels)
     return rows, markdown(rows)

@@ -8,7 +8,7 @@ import numpy as np
 import typer
 from PIL import Image
 
-from bokeh_validation import drivers, files, jobs, metrics, pictures, terminal, truth
+from bokeh_validation import drivers, jobs, metrics, pictures, terminal, truth
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import geometry
 from bokeh_validation.frame.methods import Camera
@@ -135,9 +135,6 @@ def peers(
     found: Annotated[
         Path | None, typer.Option("--search", metavar="FILE", help="Search the scenes' parameters; write them as JSON.")
     ] = None,
-    folder: Annotated[
-        Path | None, typer.Option("--pictures", metavar="FOLDER", help="Write the pictures of docs/results.md here.")
-    ] = None,
     sequence: Annotated[
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
@@ -146,17 +143,14 @@ def peers(
     asked = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)
-    files.check_folder("--pictures", folder)
     for name in scenes:
         if found is None and name not in FOUND:
             raise UserError(
                 f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
             )
     named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
-    if sequence and (scene or found or folder):
-        raise UserError(
-            f"--motion {sequence}: it draws none of the scenes. Leave out --scene, --search and --pictures."
-        )
+    if sequence and (scene or found):
+        raise UserError(f"--motion {sequence}: it draws none of the scenes. Leave out --scene and --search.")
     Page(asked).close()  # what is missing is told before any work
     if sequence is not None:
         terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
@@ -164,8 +158,6 @@ def peers(
     work = [(of_scene, (name, asked, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
     with terminal.progress("peers", len(work)) as step:
         *drawings, lights = jobs.run(work, step)
-    for name, (_, page, _) in zip(scenes, drawings, strict=True) if folder else ():
-        pictures.write_document(folder, f"peers_{name}", page)
     terminal.write_json(found, {name: chosen for name, (_, _, chosen) in zip(scenes, drawings, strict=True)})
     ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {kept:.2f}" for shape, kept in lights)]
     table = truth.markdown([row for rows, _, _ in drawings for row in rows])

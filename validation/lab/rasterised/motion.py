@@ -1,7 +1,6 @@
 """How much a method flickers where the truth does not, and how near it is where blur is moderate: truth.sequences."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -202,16 +201,13 @@ def chosen(name: str | None) -> list[str]:
 
 
 def report(
-    methods: Sequence[str], driver: str, adapter: str | None, folder: Path | None, names: Sequence[str]
+    methods: Sequence[str], driver: str, adapter: str | None, names: Sequence[str]
 ) -> tuple[list[dict], list[str]]:
-    """Rows of sequences and their table, by several processes; into a folder motion_NAME.webp."""
+    """Rows of sequences and their table, by several processes."""
     work = [(measured, (name, methods, driver, adapter)) for name in names if name in MOTIONS]
     work += [(moderate, (place, methods, driver, adapter)) for place in MODERATE] if AT_REST in names else []
     with terminal.progress("truth", len(work)) as step:
         found = jobs.run(work, step)
-    for name, (_, frames) in zip(names, found, strict=False):
-        if folder and frames:
-            pictures.write_animation(folder, f"motion_{name}", frames, MILLISECONDS, QUALITY)
     rows = [row for some, _ in found for row in some]
     explained = "Error, 1/255: deviation over the frames, change between frames; mean / 99th percentile of the pixels."
     return rows, [*table(rows), f"{explained} {AT_REST}: FLIP"]

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -118,14 +117,16 @@ def section(found: Sequence[Score], devices: Mapping) -> Section:
     return Section("random-scenes", "Layered on random scenes", "The worst places.", runs, {"": shown}, **devices)
 
 
-def report(
-    methods: Sequence[str], driver: str, adapter: str | None, folder: Path | None, seeds: Sequence[int]
-) -> tuple[list[dict], list[str]]:
-    """Rows of scores() and their table, by several processes; into a folder random_worst.png."""
+def by_processes(methods: Sequence[str], driver: str, adapter: str | None, seeds: Sequence[int]) -> list[Score]:
+    """What scores() gives, by several processes."""
     work = [(scores, (seeds[at : at + PORTION], methods, driver, adapter)) for at in range(0, len(seeds), PORTION)]
     with terminal.progress("truth", len(work)) as step:
-        found = [score for portion in jobs.run(work, step) for score in portion]
-    if folder:
-        pictures.write_document(folder, "random_worst", sheet(found))
-    rows = [score.row for score in found]
+        return [score for portion in jobs.run(work, step) for score in portion]
+
+
+def report(
+    methods: Sequence[str], driver: str, adapter: str | None, seeds: Sequence[int]
+) -> tuple[list[dict], list[str]]:
+    """Rows of scores() and their table."""
+    rows = [score.row for score in by_processes(methods, driver, adapter, seeds)]
     return rows, [*table(rows), "Mean / 95th percentile / worst of the scenes: FLIP; pixels that are wrong"]

@@ -161,7 +161,7 @@ def test_pitfalls_have_tests():
         assert re.search(rf"^\* \*\*\[?{re.escape(seen)}", text, re.MULTILINE), seen
     for names in (KEPT | KEPT_AWAY).values():
         for file, name in (named.split("::") for named in names.split(", ")):
-            source = next((paths.VALIDATION / "tests").rglob(f"{file}.py")).read_text(encoding="utf-8")
+            source = next(paths.VALIDATION.rglob(f"{file}.py")).read_text(encoding="utf-8")
             assert re.search(rf"^(?:    )?def {name}\(", source, re.MULTILINE), f"{file}::{name}"
 
 

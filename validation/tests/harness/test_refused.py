@@ -34,11 +34,11 @@ peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
 peers --motion walk | --motion walk: unknown. Give one of still, pan
 peers --motion pan --scene market_7 | --motion pan; Leave out --scene
-peers --pictures /no/such/folder | --pictures /no/such/folder
 peers --search /no/such/p.json | /no/such/p.json; no folder
-figures --driver d3d12 | --driver d3d12; osmesa
-gallery --output /no/such/folder/x | /no/such/folder
-figures --output /dev/null | --output /dev/null; no such folder
+pictures --driver d3d12 | --driver d3d12; osmesa
+pictures figure_99 | figure_99; figure_13
+pictures --output /no/such/folder/x | /no/such/folder
+pictures --output /dev/null | --output /dev/null; no such folder
 bench --size 800 | --size 800; 1920x1080
 bench --rounds 0 | --rounds; 3
 bench --driver nvidia | --driver nvidia; wgpu
@@ -65,7 +65,6 @@ truth --random 3 --seed -1 | --seed -1: not allowed; 0 or more
 truth --seed 3 | --seed 3; with --random N
 truth --motion walk | --motion walk: unknown. Give one of still, pan; all.
 truth --motion pan --method "gather, jitter" | gather, jitter: unknown; layered medium, jitter
-truth --pictures nowhere | --pictures nowhere: there is no such folder. Make it first.
 """
 
 

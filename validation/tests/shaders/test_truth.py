@@ -49,17 +49,16 @@ def test_octagon():
     assert turned < flip("street_11", "layered medium", "octagon", rotation=0.0)
 
 
-def test_command(tmp_path):
-    """Every method's numbers as JSON, layered ahead of the others, and the picture of that scene.
+def test_command():
+    """Every method's numbers as JSON, layered ahead of the others.
 
     The JSON alone on standard output, where '-' asks for it; all other text on standard error.
     """
     options = "truth --scene street_11 --driver osmesa --json -".split()
-    done = called(*options, "--pictures", tmp_path)
+    done = called(*options)
     assert done.returncode == 0 and "| street_11 |" in done.stderr, done.stderr
     rows = {row["label"]: row for row in json.loads(done.stdout)["rows"]}
     assert list(rows) == list(truth.DEFAULT)
     assert rows["layered medium"]["flip"] == pytest.approx(flip("street_11", "layered medium"))
     ahead = sorted(rows, key=lambda label: rows[label]["flip"])
     assert ahead[:2] == ["layered medium", "layered low"]
-    assert [path.name for path in tmp_path.glob("*.png")] == ["likeness_street_11_detail.png"]

@@ -1,4 +1,4 @@
-"""The figures of the paper that shaders draw, as docs/paper.md shows them: `validation/run figures`.
+"""The figures of the paper that shaders draw, as docs/paper.md shows them.
 
 Photographs come from an npm package. Points, their shapes and their true light are those of the probes.
 """
@@ -9,12 +9,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, radians, tan
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import typer
 
-from bokeh_validation import exr, files, locks, paths, pictures, terminal
+from bokeh_validation import exr, pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
@@ -40,9 +38,6 @@ PHOTOGRAPH_SIZE, PHOTOGRAPH_COC = (400, 300), 0.1
 # What the middle brightness of a panorama becomes: dark enough for its lights to stand out
 MEDIAN = 0.2
 HALF_MAX = 65504.0
-# Of npm; it has no dependencies
-PACKAGE = "@pmndrs/assets@1.7.0"
-
 # Metres. Wider than the scene's own lens, so that what the figures are about is large enough to be seen.
 WIDE_APERTURE = 0.15
 # Left, top, width, height
@@ -64,13 +59,13 @@ def tone_mapped(image: np.ndarray, exposure: float = 1.0, zoom: int = 1) -> np.n
 
 
 def panorama(name: str) -> np.ndarray:
-    """An equirectangular photograph of PACKAGE, linear rgb (H, W, 3) float64. Raises Unavailable."""
+    """An equirectangular photograph of @pmndrs/assets, linear rgb (H, W, 3) float64. Raises Unavailable."""
     try:
-        built = locks.built_once("photographs", [PACKAGE], lambda folder: pages.call_npm(folder, "install", PACKAGE))
+        modules = pages.installed(Path(__file__).parent)
     except RuntimeError as error:
         raise Unavailable(f"the photographs could not be downloaded: {str(error).splitlines()[0]}") from error
     # a JavaScript module with the file in base64
-    module = (built / "node_modules/@pmndrs/assets/hdri" / f"{name}.exr.js").read_text(encoding="ascii")
+    module = (modules / "@pmndrs/assets/hdri" / f"{name}.exr.js").read_text(encoding="ascii")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, f"{name}.exr")
         file.write_bytes(base64.b64decode(module.partition("base64,")[2].rpartition("'")[0]))
@@ -206,25 +201,3 @@ def two_under_max(driver: Driver) -> Pictures:
         point_panel(driver, "exact: octagons, it makes no star", "exact", "octagon", near, TWO_POINTS),
     ]
     return {"figure_13": pictures.grid([panels])}
-
-
-# Each raises Unavailable where this machine lacks its input
-FIGURES = (photographs, coc_blur, canopy, apertures_of_points, two_under_max)
-
-
-def figures(
-    folder: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the pictures go.")
-    ] = paths.ROOT / "docs/reproduction",
-    driver: terminal.OneDriver = None,
-    adapter: terminal.Adapter = None,
-) -> None:
-    """Figures 1, 7, 9 and 11 to 13 of the paper, drawn with our shaders."""
-    files.check_folder("--output", folder)
-    used = terminal.pick_driver(driver, adapter)
-    for draw in FIGURES:
-        try:
-            for name, pixels in draw(used).items():
-                terminal.tell(f"{pictures.write_document(folder, name, pixels)}, by {used.name} ({used.adapter})")
-        except Unavailable as error:
-            terminal.tell(f"not drawn, {draw.__name__}: {error}")

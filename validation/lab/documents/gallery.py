@@ -1,13 +1,10 @@
-"""Pictures of the documents on market_7, shapes, focus, colour and a pull: the work behind `validation/run gallery`."""
+"""Pictures of the documents on market_7, shapes, focus, colour and a pull of focus."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import typer
 
-from bokeh_validation import files, pictures, terminal
+from bokeh_validation import pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.truth import ray_traced
 
@@ -23,7 +20,7 @@ AXIAL |= {"spacing": 1.0, "samples": 65}
 LENSES = {"plain lens": {"axial": (-0.005, 0.011)}, "achromat": {"axial": (-0.008, -0.008)}}
 
 # The loop: metres that are focused first and last, frames on the way, milliseconds of each, quality of the WebP
-PULL, NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = "focus_pull", 0.9, 8.0, 24, 70, 75
+NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = 0.9, 8.0, 24, 70, 75
 
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
@@ -88,17 +85,9 @@ def pull(driver: Driver) -> list[np.ndarray]:
     return [*there, *there[-2:0:-1]]
 
 
-def gallery(
-    folder: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the pictures go.")],
-    driver: terminal.OneDriver = None,
-    adapter: terminal.Adapter = None,
-) -> None:
-    """Draw the documents' gallery: every aperture, focus near and far, chromatic aberration, a pull of focus."""
-    files.check_folder("--output", folder)
-    used = terminal.pick_driver(driver, adapter)
-    for name, rows in PICTURES.items():
-        panels = [[pictures.Panel(drawn(used, **view), caption) for caption, view in row.items()] for row in rows]
-        path = pictures.write_document(folder, name, pictures.grid(panels))
-        terminal.console.print(f"{path}, by {used.name} ({used.adapter})")
-    path = pictures.write_animation(folder, PULL, pull(used), PULL_MILLISECONDS, PULL_QUALITY)
-    terminal.console.print(f"{path}, by {used.name} ({used.adapter})")
+def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
+    """One of PICTURES."""
+    panels = [
+        [pictures.Panel(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
+    ]
+    return {name: pictures.grid(panels)}

@@ -1,0 +1,122 @@
+"""The table of the documents' pictures: which function draws which files, with which shaders, from which inputs."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bokeh_validation import locks, paths, pictures, shaders, truth
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.truth import ray_traced
+from lab import other_effects
+from lab.documents import figures, gallery
+from lab.documents.likeness import likeness
+from lab.other_effects.effects import EFFECTS
+from lab.rasterised import motion, random_score
+
+
+class Animation(NamedTuple):
+    """8-bit rgb frames, milliseconds that each is shown, quality of the WebP."""
+
+    frames: list[np.ndarray]
+    milliseconds: int
+    quality: int
+
+
+Drawn = dict[str, np.ndarray | Animation]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Pictures that one function draws.
+
+    names    of their files, without suffix
+    draw     driver -> name -> picture. Raises Unavailable where this machine lacks what it needs
+    stems    files of the shaders that it draws with
+    inputs   files that it reads
+    folder   below the repository's root
+    """
+
+    names: tuple[str, ...]
+    draw: Callable[[Driver], Drawn]
+    stems: tuple[str, ...]
+    inputs: tuple[Path, ...] = ()
+    folder: str = "docs/images"
+
+    def digest(self) -> str:
+        """A hash of the text of the shaders, without comments, and of the inputs. It is another when these change."""
+        # the languages are held to be the same, and a comment draws nothing
+        texts = [shaders.COMMENT.sub("", shaders.file_text("glsl", stem)) for stem in self.stems]
+        return locks.digest([*(" ".join(text.split()) for text in texts), *self.inputs])
+
+
+PAPER, LAYERED = ("bokeh", "bokeh_paper", "bokeh_passes"), ("bokeh", "bokeh_layers", "bokeh_passes")
+ALL = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
+MARKET, CANOPY = ray_traced.MARKET, ray_traced.CANOPY
+# Of docs/results.md: seeds of the random scenes
+SEEDS = range(80)
+
+
+def cats_eye(driver: Driver) -> Drawn:
+    """What docs/methods/character.md has a command for."""
+    image = truth.picture(driver, MARKET, "layered ultra", "octagon", cats_eye=0.6)
+    return {"character_cats_eye": pictures.display(image, tone_map=True)}
+
+
+def worst(driver: Driver) -> Drawn:
+    """The worst places of random scenes by layered medium."""
+    return {"random_worst": random_score.sheet(random_score.by_processes(["layered medium"], driver.name, None, SEEDS))}
+
+
+def pan(driver: Driver) -> Drawn:
+    """A pan by two methods beside the truth."""
+    _, frames = motion.measured("pan", list(motion.SHOWN), driver.name)
+    return {"motion_pan": Animation(frames, motion.MILLISECONDS, motion.QUALITY)}
+
+
+def focus_pull(driver: Driver) -> Drawn:
+    """The README's first picture."""
+    return {"focus_pull": Animation(gallery.pull(driver), gallery.PULL_MILLISECONDS, gallery.PULL_QUALITY)}
+
+
+def others(_: Driver, name: str) -> Drawn:
+    """Other effects beside ours, in Chromium; on the device that they are on."""
+    return {f"peers_{name}": other_effects.of_scene(name, list(EFFECTS), anew=False)[1]}
+
+
+def files_of(scene: ray_traced.SceneFile) -> tuple[Path, ...]:
+    """The pinhole picture of a scene, and its truth."""
+    return scene.source, paths.SCENES / f"{scene.name}_hex.exr"
+
+
+def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] = PAPER, **others) -> Drawing:
+    return Drawing(tuple(f"figure_{name}" for name in names), draw, tuple(stems), **others, folder="docs/reproduction")
+
+
+DRAWINGS = (
+    Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
+    *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
+    Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
+    *(
+        Drawing(
+            (f"likeness_{scene.name}_detail", *([f"likeness_{scene.name}"] if scene is MARKET else [])),
+            partial(likeness, scene=scene), ALL, files_of(scene),
+        )
+        for scene in ray_traced.SCENES
+    ),
+    Drawing(("random_worst",), worst, LAYERED),
+    Drawing(("motion_pan",), pan, LAYERED),
+    *(
+        Drawing((f"peers_{scene.name}",), partial(others, name=scene.name), ALL, files_of(scene))
+        for scene in ray_traced.SCENES
+    ),
+    _figure(figures.photographs, *(f"01_{letter}" for letter in figures.VIEWS)),
+    _figure(figures.coc_blur, "07", inputs=(CANOPY.source,)),
+    _figure(figures.canopy, "11", "11_own", "11_wide", inputs=files_of(CANOPY)),
+    _figure(figures.apertures_of_points, "09", "12"),
+    _figure(figures.two_under_max, "13"),
+)  # fmt: skip
+BY_NAME = {name: drawing for drawing in DRAWINGS for name in drawing.names}

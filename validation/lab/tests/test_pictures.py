@@ -1,0 +1,109 @@
+"""validation/run pictures: it draws the pictures of the documents; all of them are recorded and shown."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from support import called, refused
+
+from bokeh_validation import paths
+from lab.documents import drawings, gallery, pictures_command
+
+README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+DOCUMENT = paths.ROOT / "docs" / "paper.md"
+PICTURES = paths.ROOT / "docs" / "reproduction"
+# Of 255, on average: single pixels at comparisons and last digits are what drivers differ by
+MAX_DIFFERENCE = 0.5
+GALLERY = (*gallery.PICTURES, "focus_pull", "character_cats_eye")
+FIGURES = tuple(name for name in drawings.BY_NAME if name.startswith("figure_"))
+
+
+def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
+    """A command drew these pictures, and they are those that are kept."""
+    assert {path.stem for path in drawn.iterdir()} == names
+    for path in drawn.iterdir():
+        pixels, wanted = (np.asarray(Image.open(folder / path.name)).astype(int) for folder in (drawn, kept))
+        assert pixels.shape == wanted.shape and np.abs(pixels - wanted).mean() < MAX_DIFFERENCE, path.name
+
+
+def test_gallery(tmp_path):
+    done = called("pictures", *GALLERY, "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert_kept(tmp_path, paths.ROOT / "docs/images", set(GALLERY))
+
+
+def test_likeness(tmp_path):
+    done = called("pictures", "likeness_street_11_detail", "--output", tmp_path, "--driver", "osmesa")
+    assert done.returncode == 0, done.stderr
+    assert_kept(tmp_path, paths.ROOT / "docs/images", {"likeness_street_11_detail"})
+
+
+def test_pictures_are_those_of_the_document(tmp_path):
+    """As they are kept, but for what drivers differ by. Those of Figure 1 need a download, which may fail."""
+    done = called("pictures", *FIGURES, "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    names = {name for name in FIGURES if "figure_01" not in name or "not drawn" not in done.stdout}
+    assert_kept(tmp_path, PICTURES, names)
+    # those that nothing draws any more are shown too, each once
+    shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", DOCUMENT.read_text(encoding="utf-8"))
+    assert sorted(shown) == sorted(path.name for path in PICTURES.iterdir())
+
+
+def test_no_picture_was_altered():
+    """Every picture of docs and integration is the file whose hash is recorded, and all that is recorded is there."""
+    now = {name: pictures_command.file_hash(path) for name, path in pictures_command.every_picture().items()}
+    assert now == {name: record["sha256"] for name, record in pictures_command.recorded().items()}
+
+
+def test_every_picture_is_drawn_or_kept():
+    """The table draws files that are there; those of docs that it does not draw are figures kept from version 0.2."""
+    names = {path.stem for path in pictures_command.every_picture().values()}
+    assert set(drawings.BY_NAME) < names
+    by_nobody = {Path(name).stem for name, record in pictures_command.recorded().items() if not record["drawn_with"]}
+    kept = {"figure_02", "figure_03", "figure_04", "figure_05", "figure_06", "figure_08", "figure_10"}
+    assert by_nobody == kept | {"apertures_exact_6", "picture"}
+
+
+def test_older_than_its_shaders(monkeypatch):
+    """A change of a shader's code makes a picture older, a comment does not."""
+    before, text = drawings.BY_NAME["focus_pull"].digest(), drawings.shaders.file_text
+    monkeypatch.setattr(drawings.shaders, "file_text", lambda *file: text(*file) + "\n// nothing\n")
+    assert drawings.BY_NAME["focus_pull"].digest() == before
+    fine = pictures_command.older()
+    monkeypatch.setattr(drawings.shaders, "file_text", lambda *file: text(*file).replace("0.5", "0.6"))
+    assert len(pictures_command.older()) > len(fine)
+    assert "focus_pull: older than its shaders" in called("pictures", "--list").stdout
+
+
+def test_record(tmp_path, monkeypatch):
+    """A file in a wrong place is refused; of another the record has the hash. What stays is recorded as before."""
+    refused(called("pictures", "--record", tmp_path / "x.png"), ["--record", "no picture"])
+    before = pictures_command.RECORD.read_text()
+    copy = tmp_path / "pictures.json"
+    copy.write_text(before)
+    monkeypatch.setattr(pictures_command, "RECORD", copy)
+    called("pictures", "--record", PICTURES / "figure_02.png")
+    assert copy.read_text() == before
+
+
+def test_pictures_of_the_readme():
+    """Each below 700 kB, with a command under it that the program has; the gallery's are all shown somewhere."""
+    shown = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
+    for picture in shown:
+        assert (paths.ROOT / picture).stat().st_size < 700_000, picture
+        after = README.split(f"]({picture})", 1)[1].strip()
+        assert re.match(r"(?:!\[[^\]]*\]\([^)]+\)\s*)*\*[^*]*`validation/run \w+", after), picture
+    pages = [README, *(page.read_text(encoding="utf-8") for page in (paths.ROOT / "docs").rglob("*.md"))]
+    for name in drawings.BY_NAME:
+        assert any(re.search(rf"(images|reproduction)/{name}\.\w+\)", page) for page in pages), name
+
+
+def test_without_npm(tmp_path, monkeypatch):
+    """The other figures are drawn; a line says what is missing for the photographs."""
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = called("pictures", "figure_01_a", "figure_13", "--output", tmp_path)
+    assert done.returncode == 0 and "not drawn, figure_01_a, figure_01_b" in done.stdout
+    assert "npm is not on this machine" in done.stdout
+    assert [path.name for path in tmp_path.glob("*.png")] == ["figure_13.png"]
