@@ -1,6 +1,7 @@
 """What this machine has: compilers, drivers, and how to get what is missing."""
 
 import platform
+import shutil
 import sys
 from collections.abc import Callable
 from typing import Annotated
@@ -8,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from bokeh_validation import drivers, paths
+from bokeh_validation import drivers, needs, paths, setup
 from bokeh_validation.compile_matrix.registry import COMPILERS
 from bokeh_validation.compilers import dxc, fxc
 from bokeh_validation.terminal import console
@@ -20,6 +21,37 @@ def find(check: Callable[[], str]) -> tuple[str, str]:
         return "[green]found[/]", check()
     except Exception as error:  # a broken installation is a finding, not a crash
         return "[yellow]missing[/]", " ".join(str(error).split())
+
+
+def state(name: str, absent: set[str]) -> str:
+    """Of a need, whether it is there; nothing where it cannot be told. `absent` are Debian packages."""
+    need = needs.NEEDS[name]
+    if need.extra:
+        there = (setup.environment() / f"complete-{need.extra}").exists()
+    elif need.packages and shutil.which("dpkg-query"):
+        there = all(package not in absent or shutil.which(package) for package in need.packages)
+    else:
+        return ""
+    return "[green]found[/]" if there else "[yellow]missing[/]"
+
+
+def print_needs() -> None:
+    """The table of needs.py: what is there, and how to get what is not; then what each command needs."""
+    absent = set(setup.missing(needs.packages(list(needs.NEEDS))))
+    table = Table("", "", "to fetch", "", box=None, pad_edge=False)
+    states = {name: state(name, absent) for name in needs.NEEDS}
+    for name, need in needs.NEEDS.items():
+        table.add_row(f"need {name}", states[name], f"{need.megabytes} MB", need.what)
+    console.print(table)
+    for name in (name for name in states if "missing" in states[name]):
+        console.print(f"missing {name}: {needs.install(name)}", markup=False, highlight=False, soft_wrap=True)
+    table = Table("", "in all", "", box=None, pad_edge=False)
+    for command, names in needs.COMMANDS.items():
+        called = "validation/test" if command == "test" else f"validation/run {command}".strip()
+        table.add_row(
+            called, f"{needs.megabytes(command)} MB", "everything" if names == needs.EVERYTHING else ", ".join(names)
+        )
+    console.print(table)
 
 
 def environment() -> dict[str, str]:
@@ -35,7 +67,7 @@ def environment() -> dict[str, str]:
 def doctor(
     install: Annotated[bool, typer.Option("--install", help="Fetch what can be fetched into the cache.")] = False,
 ) -> None:
-    """Every compiler and driver: version or adapter, or the command that installs it."""
+    """Every compiler and driver with its version, and all that commands need: there or not, and how to install it."""
     if install:
         dxc.fetch()
         fxc.fetch()
@@ -47,3 +79,4 @@ def doctor(
     for name, value in environment().items():
         table.add_row(name, "", value)
     console.print(table)
+    print_needs()

@@ -1,11 +1,12 @@
 """Taking turns between processes: what is made in the cache folder on first use is made by one of them."""
 
-import fcntl
 import hashlib
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from filelock import FileLock
 
 from bokeh_validation import files, paths
 
@@ -16,8 +17,7 @@ def held(name: str) -> Iterator[None]:
 
     It is gone with the process that holds it, however that ends. Not for a lock within itself.
     """
-    with open(paths.ensured(paths.cache_folder() / "locks") / name, "w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    with FileLock(paths.ensured(paths.cache_folder() / "locks") / name):
         yield
 
 

@@ -10,7 +10,7 @@ from unittest.mock import patch
 
 import pytest
 
-from bokeh_validation import cli, drivers
+from bokeh_validation import cli, drivers, needs
 from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
@@ -81,7 +81,7 @@ def compiled(step: Callable[[], CompileResult]) -> CompileResult:
 
 def disassembled(module: bytes) -> str:
     """The text of a SPIR-V module."""
-    disassembler = tool.Tool("spirv-dis", "apt-get install -y spirv-tools")
+    disassembler = tool.Tool("spirv-dis", needs.install("glslang"))
     return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).messages
 
 

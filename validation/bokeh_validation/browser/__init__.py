@@ -17,15 +17,13 @@ from functools import cache, partial
 from pathlib import Path
 from unittest.mock import patch
 
+from bokeh_validation import needs
 from bokeh_validation.errors import Unavailable
 
 VARIABLE = "BOKEH_CHROMIUM"
 # Debian's name, Ubuntu's (there a snap, which works as well), and Google's own packages
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-INSTALL = (
-    "apt-get install -y --no-install-recommends chromium (Ubuntu, where that is a snap: install google-chrome, "
-    f"or set {VARIABLE} to a Chromium)"
-)
+INSTALL = f"{needs.install('chromium')}, or set {VARIABLE} to a Chromium"
 OLDEST = 140  # the first with Uint8Array.fromBase64
 
 # The browser serves one page from memory: it has nothing to ask of any network. A software device may take long over
@@ -155,7 +153,10 @@ class Session:
         # Chromium makes a socket in there, and the path of a socket has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(dir=near, **TEMPORARY))
-        from playwright.async_api import async_playwright
+        try:
+            from playwright.async_api import async_playwright
+        except ImportError:
+            raise Unavailable(f"Playwright, which drives Chromium, is not installed; {needs.install('web')}") from None
 
         # the browser's profile is where the driver has its temporary files; there is no parameter for that
         with patch.dict(os.environ, TMPDIR=folder):

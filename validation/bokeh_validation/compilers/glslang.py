@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 
+from bokeh_validation import needs
 from bokeh_validation.compilers.spirv import REGISTERS
 from bokeh_validation.compilers.tool import CompileResult, Tool
 
-GLSLANG = Tool("glslangValidator", "apt-get install -y glslang-tools")
+GLSLANG = Tool("glslangValidator", needs.install("glslang"))
 
 # What the SPIR-V is for, as a client and as glslangValidator's options. OpenGL: GLSL 330 states no locations or
 # bindings, so they are assigned. HLSL: those of the WGSL file; to what --rsb gives a texture its shift is added.

@@ -1,10 +1,11 @@
 """What comes after SPIR-V: spirv-val checks a module, spirv-cross turns it into the text of Metal."""
 
+from bokeh_validation import needs
 from bokeh_validation.compilers.tool import CompileResult, Tool
 from bokeh_validation.shaders import passes
 
-VAL = Tool("spirv-val", "apt-get install -y spirv-tools")
-CROSS = Tool("spirv-cross", "apt-get install -y spirv-cross", "--revision")
+VAL = Tool("spirv-val", needs.install("glslang"))
+CROSS = Tool("spirv-cross", needs.install("spirv-cross"), "--revision")
 
 # HLSL's registers on the bindings of the WGSL file, all in set 0
 REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {

@@ -1,13 +1,18 @@
 """What a compiler says of a shader; compilers on the command line, run with a time limit."""
 
+import os
 import signal
 import subprocess
+import sysconfig
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from bokeh_validation.process import find
+from bokeh_validation import process
+
+# Where wheels put compilers of Khronos, with the libraries of these beside them
+WHEELS = Path(sysconfig.get_path("purelib"), "cmeel.prefix")
 
 TIMEOUT = 30.0  # seconds; what runs here takes 0.05
 
@@ -44,6 +49,14 @@ class Tool:
         """The first line that it prints of itself. Raises Unavailable."""
         return self.run([self.option]).messages.partition("\n")[0]
 
+    def _found(self) -> tuple[str, dict[str, str]]:
+        """The program and its environment: from a wheel of the lock file, else on PATH. Raises Unavailable."""
+        program = WHEELS / "bin" / self.name
+        if not program.is_file():
+            return process.find(self.name, self.install), dict(os.environ)
+        variables = {name: str(WHEELS / "lib") for name in ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")}
+        return str(program), {**os.environ, **variables}
+
     def run(
         self, arguments: Sequence[str], inputs: Mapping[str, bytes] | None = None, output: str = ""
     ) -> CompileResult:
@@ -53,11 +66,17 @@ class Tool:
 
         After a crash or a hang the messages begin with a line that says so. Raises Unavailable.
         """
-        program, inputs = find(self.name, self.install), inputs or {}
+        (program, environment), inputs = self._found(), inputs or {}
         with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
             for file, data in inputs.items():
                 Path(folder, file).write_bytes(data)
-            options = {"cwd": folder, "stdin": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "timeout": TIMEOUT}
+            options = {
+                "cwd": folder,
+                "env": environment,
+                "stdin": subprocess.DEVNULL,
+                "stderr": subprocess.STDOUT,
+                "timeout": TIMEOUT,
+            }
             try:
                 done = subprocess.run([program, *arguments], stdout=subprocess.PIPE, **options)
             except subprocess.TimeoutExpired as error:

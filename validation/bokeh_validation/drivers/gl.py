@@ -10,7 +10,7 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
-from bokeh_validation import shaders
+from bokeh_validation import needs, shaders
 from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
@@ -92,7 +92,7 @@ class EGL(GLDriver):
     """GLSL 330 through EGL, on the first device or the one chosen by a part of its name."""
 
     name = "egl"
-    install = "apt-get install -y libegl1 libgl1-mesa-dri"
+    install = needs.install("opengl")
 
     def __init__(self, adapter: str | None = None):
         seen = []
@@ -174,7 +174,7 @@ class OSMesa(GLDriver):
     """GLSL 330 on Mesa's off-screen software renderer."""
 
     name = "osmesa"
-    install = "apt-get install -y libosmesa6"
+    install = needs.install("opengl")
 
     def __init__(self, adapter: str | None = None):
         self.foreign = OSMesaContext()

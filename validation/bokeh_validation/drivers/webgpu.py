@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from bokeh_validation import shaders
+from bokeh_validation import needs, shaders
 from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
@@ -53,7 +53,7 @@ class WGPU(DeviceDriver):
     """WGSL: the two files as they are, one module."""
 
     name = "wgpu"
-    install = "apt-get install -y mesa-vulkan-drivers libvulkan1"
+    install = needs.install("vulkan")
 
     def __init__(self, adapter: str | None = None):
         self.wgpu = _import()

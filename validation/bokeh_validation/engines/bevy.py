@@ -9,14 +9,14 @@ import re
 import shutil
 from pathlib import Path
 
-from bokeh_validation import paths, process
+from bokeh_validation import needs, paths, process
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/bevy"
 EXAMPLE = "scene"
 # What Bevy 0.19 asks for
 RUST = (1, 95)
-INSTALL_RUST = f"install Rust {RUST[0]}.{RUST[1]} or later with cargo: https://rustup.rs"
+INSTALL_RUST = f"install Rust {RUST[0]}.{RUST[1]} or later with cargo: {needs.install('cargo')}"
 BUILD_S = 3600.0
 RUN_S = 300.0  # takes 10 to 30 s on two cores
 VERSION_S = 60.0
@@ -45,7 +45,7 @@ def driver() -> Path:
     """The description of lavapipe, Mesa's Vulkan on the processor. Raises Unavailable."""
     drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
     if not drivers:
-        raise Unavailable("no Vulkan driver; apt-get install -y mesa-vulkan-drivers libvulkan1")
+        raise Unavailable(f"no Vulkan driver; {needs.install('vulkan')}")
     return drivers[0]
 
 

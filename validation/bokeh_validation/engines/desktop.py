@@ -6,7 +6,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from bokeh_validation import locks, paths, process
+from bokeh_validation import locks, needs, paths, process
 from bokeh_validation.drivers import gl
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.process import find
@@ -20,10 +20,10 @@ BUILD_OGRE = (
     "g++ -std=c++17 -O1 -Wall sample.cpp $(pkg-config --cflags --libs OGRE) "
     '-DOGRE_PLUGINS="\\"$(pkg-config --variable=plugindir OGRE)\\""'
 )
-OGRE = "apt-get install -y g++ pkg-config libogre-1.12-dev"
+OGRE = needs.install("ogre")
 # Ivy fetches the jars once; it gets by with a fifteenth of what Maven brings along
 IVY = "/usr/share/java/ivy.jar"
-JAVA = "apt-get install -y --no-install-recommends default-jre-headless ivy"
+JAVA = needs.install("java")
 # A runtime has the compiler as a module, though not as a command
 JAVAC = ("-m", "jdk.compiler/com.sun.tools.javac.Main", "-Xlint:all", "-Werror")
 
@@ -41,11 +41,11 @@ def command(name: str, capture: bool = False) -> list[str | Path]:
     gl.EGL().context.release()
     window = []
     if name in WINDOW:
-        window = [find("xvfb-run", "apt-get install -y xvfb xauth libgl1 libgl1-mesa-dri"), "-a"]
+        window = [find("xvfb-run", needs.install("window")), "-a"]
     if name == "jmonkeyengine":
         return [*window, *_java(), "Capture" if capture else "Sample"]
     if name in ("love", "ogre"):
-        program = [find("love", "apt-get install -y love"), "."] if name == "love" else [_ogre()]
+        program = [find("love", needs.install("love")), "."] if name == "love" else [_ogre()]
         return [*window, *program, *(["--capture"] if capture else [])]
     return [*window, python(name), "capture.py" if capture else "sample.py"]
 

@@ -10,11 +10,11 @@ import json
 import shutil
 from pathlib import Path
 
-from bokeh_validation import browser, locks, paths, process
+from bokeh_validation import browser, locks, needs, paths, process
 from bokeh_validation.process import find
 
 NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcanvas") for kind in ("webgl", "webgpu"))
-INSTALL = "apt-get install -y --no-install-recommends npm"
+INSTALL = needs.install("npm")
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
 RUN_LIMIT = 240.0  # it takes 10 on two cores
 

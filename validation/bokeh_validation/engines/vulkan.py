@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import locks, paths, pictures, process
+from bokeh_validation import locks, needs, paths, pictures, process
 from bokeh_validation.compilers import dxc
 from bokeh_validation.engines import bevy
 from bokeh_validation.errors import Unavailable
@@ -22,7 +22,7 @@ from bokeh_validation.truth import ray_traced
 SAMPLE = paths.ROOT / "integration/vulkan"
 NAMES = ("vulkan-glsl", "vulkan-hlsl")
 BUILD = "g++ -std=c++20 -O1 -Wall sample.cpp -lvulkan"  # in its folder; ' -o PROGRAM' is added. 10 s of one core
-INSTALL = "apt-get install -y g++ libvulkan-dev glslang-tools vulkan-validationlayers"
+INSTALL = needs.install("vulkan-sdk")
 LAYERS = Path("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json")
 CHECKS = {
     "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation",

@@ -6,7 +6,6 @@ The display is Xvfb's, on a number that is free; that of the user is never touch
 """
 
 import atexit
-import fcntl
 import os
 import re
 import shutil
@@ -15,13 +14,14 @@ from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
 
-from bokeh_validation import locks, paths, process
+from filelock import FileLock, Timeout
+
+from bokeh_validation import locks, needs, paths, process
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.packages import Package
 from bokeh_validation.process import find, once
 
-PACKAGES = "wine wine64 g++-mingw-w64-x86-64-posix xvfb xauth"
-INSTALL = f"apt-get install -y --no-install-recommends {PACKAGES}"
+INSTALL = needs.install("wine")
 PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
 KILL_S = 10.0
 QUIET = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
@@ -114,16 +114,16 @@ class Wine:
         """End all programs and the display, and give the prefix back."""
         self.end_programs()
         self._display.communicate()  # closes standard input
-        self._lock.close()
+        self._lock.release()
 
 
 def _own_folder():
-    """(folder, open lock file) of the first prefix that no other process has."""
+    """(folder, lock that is held) of the first prefix that no other process has."""
     folder = paths.ensured(paths.cache_folder() / "wine")
     for number in count():
-        lock = open(folder / f"prefix-{number}.lock", "w")
-        with suppress(OSError):
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock = FileLock(folder / f"prefix-{number}.lock", blocking=False, thread_local=False)
+        with suppress(Timeout):
+            lock.acquire()
             return folder / f"prefix-{number}", lock
 
 

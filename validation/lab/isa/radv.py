@@ -8,6 +8,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from bokeh_validation import needs
 from bokeh_validation.errors import Unavailable
 from lab.isa.compiled import Code
 
@@ -43,7 +44,7 @@ class Count:
 def counts(code: Code) -> tuple[str, dict[str, Count]]:
     """(version of Mesa, name of a pass -> what the compiler makes of it). Raises Unavailable."""
     if not DRIVER.is_file():
-        raise Unavailable("needs RADV: sudo apt-get install -y mesa-vulkan-drivers")
+        raise Unavailable(f"needs RADV; {needs.install('vulkan')}")
     with tempfile.TemporaryDirectory(prefix="bokeh-isa-") as folder:
 
         def file(index: int, content: bytes) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from support import needed
 
-from bokeh_validation import paths
+from bokeh_validation import needs, paths
 from bokeh_validation.compilers import dxc, fxc, tool
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.generate import copies
@@ -103,7 +103,7 @@ def test_unity_shader_refuses_texture_arrays():
 def check_compiled(program: str, package: str, arguments: list[str], files: dict[str, str]) -> None:
     """Without a warning. `files` are what is there, by name; those that are not headers are compiled."""
     names = [name for name in files if not name.endswith(".h")]
-    compiler = tool.Tool(program, f"apt-get install -y --no-install-recommends {package}")
+    compiler = tool.Tool(program, f"{needs.APT} {package}")
     with needed(program):
         done = compiler.run([*arguments, *names], {name: code.encode("ascii") for name, code in files.items()})
     assert done.ok and not done.messages, done.messages

@@ -14,14 +14,13 @@ from PIL import Image
 from support import load, needed
 from support_pages import assert_picture
 
-from bokeh_validation import paths
+from bokeh_validation import needs, paths
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.process import find
 from bokeh_validation.truth import ray_traced
 
 EFFECT = paths.ROOT / "integration/reshade/PolygonalBokeh.fx"
-APT = "apt-get install -y vkbasalt vulkan-tools xvfb xauth mesa-vulkan-drivers"
 # The picture is a part of market_7, as large as vkcube's window, which is so far from the screen's corner
 PART, CORNER = (slice(30, 510), slice(160, 800)), 100
 FAR_PLANE, HIGHLIGHTS, FOCUS, MOST = 100.0, 0.9, 2.5, 0.1
@@ -58,10 +57,10 @@ def drawn(folder: Path) -> np.ndarray:
                       f"reshadeIncludePath = {folder}\ndepthCapture = off\n")  # fmt: skip
     with needed("vkBasalt"):
         if not Path("/usr/share/vulkan/implicit_layer.d/vkBasalt.json").exists():
-            raise Unavailable(f"vkBasalt is not on this machine; {APT}")
+            raise Unavailable(f"vkBasalt is not on this machine; {needs.install('reshade')}")
         (driver,) = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))[:1]
-        server = [find("xvfb-run", APT), "-a", "-s", f"-screen 0 800x600x24 -fbdir {folder}"]
-        program = [find("vkcube", APT), "--c", "1000000", "--width", "640", "--height", "480"]
+        server = [find("xvfb-run", needs.install("reshade")), "-a", "-s", f"-screen 0 800x600x24 -fbdir {folder}"]
+        program = [find("vkcube", needs.install("reshade")), "--c", "1000000", "--width", "640", "--height", "480"]
     layer = {"ENABLE_VKBASALT": "1", "VKBASALT_CONFIG_FILE": config, "VKBASALT_LOG_FILE": log}
     layer |= {"VKBASALT_LOG_LEVEL": "error", "VK_ICD_FILENAMES": driver}
     running = subprocess.Popen([*server, *program], env={**os.environ, **layer}, start_new_session=True)

@@ -61,7 +61,7 @@ def test_no_cycle():
 LEVELS = [
     line.split()
     for line in """
-errors paths files locks process packages terminal jobs shaders numerics
+errors paths needs setup files locks process packages terminal jobs shaders numerics
 exr metrics pictures frame windows browser compilers
 options drivers reference
 plan generate compile_matrix probes

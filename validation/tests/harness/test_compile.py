@@ -4,6 +4,7 @@ By the main compilers of each language, by all with --all.
 """
 
 from functools import partial
+from pathlib import Path
 
 import pytest
 from support import compiled, disassembled, needed
@@ -20,7 +21,7 @@ from bokeh_validation.compile_matrix import (
     naga,
     registry,
 )
-from bokeh_validation.compilers import dxc, glslang, spirv
+from bokeh_validation.compilers import dxc, glslang, spirv, tool
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.shaders.variants import Program, load
 
@@ -112,6 +113,7 @@ def test_nothing_installed(monkeypatch):
         raise Unavailable("no driver; apt-get install -y driver")
 
     monkeypatch.setenv("PATH", "/nonexistent")
+    monkeypatch.setattr(tool, "WHEELS", Path("/nonexistent"))
     for place, name in ((mesa, "driver"), (naga, "driver"), (registry.angle_tint.browser, "session")):
         monkeypatch.setattr(place, name, absent)
     result = compile_programs([program for program in SAMPLE if program.profile in ("450", "wgsl")])

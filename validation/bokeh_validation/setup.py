@@ -1,0 +1,268 @@
+"""Put in place what a command needs, by the table in needs.py: Debian packages if this is root, and Python packages.
+
+    python3 -S -P -m bokeh_validation.setup VALIDATION/run ARGUMENT...
+
+setup.sh calls it with the system's Python, so it uses the standard library alone. It ends by starting the script anew
+with BOKEH_SET_UP, the path of the virtual environment's Python. It prints nothing if everything is there.
+The environment has the extras that were asked for so far: most commands need only core, and the 54 MB of web are for
+those with a browser.
+"""
+
+import hashlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from bokeh_validation import needs, paths
+
+LOCKS = {
+    extra: paths.VALIDATION / name
+    for extra, name in (
+        ("core", "requirements.txt"),
+        ("lab", "requirements-lab.txt"),
+        ("web", "requirements-web.txt"),
+    )
+}
+# of pip: a second try after a hiccup, and no minutes where there is no network
+PATIENCE = ("--retries", "2", "--timeout", "15")
+UNREACHABLE = re.compile(r"Retrying \(|ConnectionError|ConnectTimeout|ReadTimeout|name resolution")
+
+
+class SetUpFailed(Exception):
+    """What could not be set up, and why, in one line."""
+
+
+def say(text: str) -> None:
+    """All talk goes to standard error; standard output belongs to the program."""
+    print(f"set-up: {text}", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def turn(name: str) -> Iterator[None]:
+    """One set-up at a time: a second one waits, and finds the work done. The lock goes with the process."""
+    import fcntl  # where there is none, pip installs pyproject.toml's extras without this module
+
+    with open(paths.cache_folder() / name, "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+# ---- Debian's packages ----
+
+
+def missing(packages: Sequence[str]) -> list[str]:
+    """Those that are not installed. Elsewhere than on Debian and Ubuntu: none, and doctor tells what is missing."""
+    if not packages or not (shutil.which("dpkg-query") and shutil.which("apt-get")):
+        return []
+    query = ["dpkg-query", "-W", "-f", "${Package} ${db:Status-Status}\n", *packages]
+    lines = subprocess.run(query, capture_output=True, text=True).stdout.splitlines()
+    return [name for name in packages if f"{name} installed" not in lines]
+
+
+def _release() -> dict[str, str]:
+    with suppress(OSError):
+        import platform
+
+        return platform.freedesktop_os_release()
+    return {}
+
+
+def _absent_file() -> Path:
+    """Names of what this release of the system does not have at all, as an earlier run found out."""
+    release = _release()
+    return paths.cache_folder() / f"not-in-{release.get('ID', 'this')}-{release.get('VERSION_ID', 'release')}"
+
+
+def wanted(packages: Sequence[str]) -> list[str]:
+    """The missing ones, without those that are known not to be had: not asked for again and again."""
+    absent = _absent_file().read_text().split() if _absent_file().exists() else []
+    # Ubuntu's chromium is a snap, which a container cannot install; npm from elsewhere brings node of its own
+    absent += ["chromium"] if _release().get("ID") != "debian" else []
+    absent += ["npm"] if shutil.which("npm") else []
+    return [name for name in missing(packages) if name not in absent]
+
+
+def install_packages(packages: Sequence[str]) -> None:
+    """Install what is missing as root, or print the line that does. What fails is reported as missing later."""
+    if not (names := wanted(packages)):
+        return
+    if os.geteuid() != 0:
+        say(f"missing system packages; run: sudo {needs.APT} {' '.join(names)}")
+        return
+    with turn("apt.lock"):
+        if names := wanted(packages):
+            _Apt().install(names)
+
+
+class _Apt:
+    """apt-get, with what it says in a log."""
+
+    def __init__(self) -> None:
+        self.log = paths.cache_folder() / "apt.log"
+        self.log.write_text("")
+        self.updated = False
+
+    def _run(self, *words: str) -> bool:
+        environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+        with open(self.log, "a") as log:
+            return subprocess.run(["apt-get", *words], stdout=log, stderr=log, env=environment).returncode == 0
+
+    def _update(self) -> None:
+        say("updating the package lists")
+        self.updated = self._run("update")
+
+    @staticmethod
+    def _said(*words: str) -> str:
+        return subprocess.run(words, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"}).stdout
+
+    def _offered(self, names: Sequence[str]) -> list[str]:
+        """Those of the packages that the package lists offer."""
+        found, name = [], ""
+        for line in self._said("apt-cache", "policy", *names).splitlines():
+            if not line.startswith(" "):
+                name = line.partition(":")[0]
+            elif line.strip().startswith("Candidate:") and "(none)" not in line:
+                found.append(name)
+        return found
+
+    def install(self, names: Sequence[str]) -> None:
+        offered = self._offered(names)
+        if len(offered) < len(names):
+            self._update()
+            offered = self._offered(names)
+        for name in (name for name in names if name not in offered):
+            say(f"{name} is not to be had here; what needs it will be reported as missing")
+            if self.updated:  # an update that failed is no proof
+                with open(_absent_file(), "a") as file:
+                    file.write(f"{name}\n")
+        if not offered:
+            return
+        options = ("install", "-y", "--no-install-recommends", *offered)
+        asked = self._said("apt-get", "--assume-no", *(option for option in options if option != "-y"))
+        sizes = re.findall(r"Need to get (.*) of archives|operation, (.*) of additional", asked)
+        told = [
+            size
+            for pair, word in zip(sizes, ("to fetch", "on disk"), strict=False)
+            for size in (f"{''.join(pair)} {word}",)
+        ]
+        say(f"installing {' '.join(offered)} ({', '.join(told)})")
+        install = ("-o", "DPkg::Lock::Timeout=300", *options)
+        if self._run(*install):
+            return
+        if not self.updated:  # lists that are too old name files that are gone
+            self._update()
+            if self.updated and self._run(*install):
+                return
+        say(f"apt-get install failed (see {self.log}); what needs the packages will be reported as missing")
+
+
+# ---- Python's ----
+
+
+def environment() -> Path:
+    """The folder of the virtual environment: the locks and the Python decide what is in it, so they name it."""
+    hashed = hashlib.sha256(b"".join(lock.read_bytes() for lock in LOCKS.values()))
+    hashed.update(sys.version.encode() + sys.base_prefix.encode())
+    return paths.cache_folder().absolute() / f"venv-{hashed.hexdigest()[:16]}"
+
+
+def _complete(target: Path, extra: str) -> Path:
+    """Written last of all: where it is missing, the set-up was interrupted, and is done again."""
+    return target / f"complete-{extra}"
+
+
+def install_extras(extras: Sequence[str]) -> Path:
+    """The environment's Python, with these extras of pyproject.toml in it. Raises SetUpFailed."""
+    target = environment()
+    python = target / "bin" / "python"
+    if all(_complete(target, extra).exists() for extra in extras):
+        return python
+    with turn("lock"):
+        if not _complete(target, "core").exists():
+            _make(target)
+        for extra in extras:
+            if not _complete(target, extra).exists():
+                need = needs.NEEDS[extra]
+                say(f"fetching {need.what} (about {need.megabytes} MB), once, into {target}")
+                _pip(python, LOCKS[extra])
+                _complete(target, extra).touch()
+    return python
+
+
+def _make(target: Path) -> None:
+    shutil.rmtree(target, ignore_errors=True)
+    made = subprocess.run([sys.executable, "-m", "venv", str(target)], capture_output=True, text=True)
+    if made.returncode:
+        raise SetUpFailed(f"{sys.executable} cannot make virtual environments: {_last(made.stdout + made.stderr)}")
+
+
+def _last(text: str) -> str:
+    return (text.strip().splitlines() or ["no message"])[-1]
+
+
+def _pip(python: Path, lock: Path) -> None:
+    """Install what a lock file pins; the name of each package is the sign of progress. Raises SetUpFailed."""
+    command = [python, "-I", "-m", "pip", "install", "--progress-bar", "off", "--disable-pip-version-check"]
+    command += ["--no-input", *PATIENCE, "--require-hashes", "-r", lock]
+    log = paths.cache_folder() / "pip.log"
+    # a session of its own, so that it ends with us
+    options = {"stdin": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "start_new_session": True}
+    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True, errors="replace", **options)
+    said = []
+    try:
+        for line in process.stdout:
+            said.append(line)
+            if found := re.match(r"Collecting ([^ ]*)", line):
+                say(f"  {found[1]}")
+        process.wait()
+    except BaseException:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        raise
+    log.write_text("".join(said))
+    if process.returncode:
+        reason = "the package index cannot be reached" if UNREACHABLE.search("".join(said)) else _last("".join(said))
+        raise SetUpFailed(f"the Python packages could not be installed: {reason}; see {log}")
+
+
+# ---- both ----
+
+
+def set_up(script: str, arguments: Sequence[str]) -> Path:
+    """What a script, 'run' or 'test', needs for these arguments; the Python to run it with. Raises SetUpFailed."""
+    with suppress(OSError):
+        paths.ensured(paths.cache_folder())
+    if not os.access(paths.cache_folder(), os.W_OK):
+        raise SetUpFailed(f"cannot write to the cache folder {paths.cache_folder()}; set BOKEH_CACHE")
+    names = needs.COMMANDS["test"] if script == "test" else needs.of(arguments)
+    install_packages(needs.packages(names))
+    return install_extras(needs.extras(names))
+
+
+def _stop(*_) -> None:
+    raise KeyboardInterrupt
+
+
+def main() -> None:
+    """Set up and start the script anew; a failure is one line and exit code 2."""
+    signal.signal(signal.SIGTERM, _stop)
+    script, *arguments = sys.argv[1:]
+    try:
+        python = set_up(Path(script).name, arguments)
+    except SetUpFailed as failure:
+        print(f"error: {failure}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    os.execve(script, [script, *arguments], {**os.environ, "BOKEH_SET_UP": str(python)})
+
+
+if __name__ == "__main__":
+    main()

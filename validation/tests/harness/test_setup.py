@@ -1,0 +1,138 @@
+"""What commands need is one table; set-up installs by it, and says in one line what failed."""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from bokeh_validation import cli, needs, paths, setup
+
+CONTRIBUTING = (paths.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+PROJECT = tomllib.loads((paths.VALIDATION / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+# nothing listens there
+NO_INDEX = {"PIP_INDEX_URL": "http://127.0.0.1:9/simple", "PIP_RETRIES": "0"}
+
+
+def test_every_command_is_in_the_table():
+    assert set(needs.COMMANDS) - {"", "test"} == set(cli.COMMANDS)
+
+
+def test_every_need_is_known():
+    """And each row is wanted by a command, or is one that set-up does not install."""
+    used = {name for names in (*needs.COMMANDS.values(), *needs.WORDS.values()) for name in names}
+    assert used <= set(needs.NEEDS)
+    assert set(needs.NEEDS) - used == {"glslang", "window", "cargo"}
+
+
+def test_extras():
+    """pyproject.toml, the table and the locks have the same; each lock pins every package of its extra, with hashes."""
+    assert set(EXTRAS) == set(setup.LOCKS) == {need.extra for need in needs.NEEDS.values() if need.extra}
+    for extra, lock in setup.LOCKS.items():
+        text = lock.read_text(encoding="ascii")
+        pinned = re.findall(r"^([a-z][\w.-]*)==(?=.*\\\n +--hash=sha256:)", text, re.MULTILINE)
+        assert len(pinned) == len(re.findall(r"^\w.*==", text, re.MULTILINE)) and "://" not in text
+        assert {re.match(r"[\w-]+", one)[0].lower() for one in EXTRAS[extra]} <= set(pinned)
+
+
+def test_entry_point():
+    module, _, function = PROJECT["scripts"]["bokeh-validation"].partition(":")
+    assert getattr(sys.modules[module], function) is cli.main
+
+
+def test_contributing():
+    """Its sizes are those of the table: what a row has in megabytes is the sum for that command."""
+    rows = re.findall(r"^\| `validation/run ?([^`]*)` \|.*?\| (.*) \|$", CONTRIBUTING, re.MULTILINE)
+    told = {words: re.search(r"(\d+) MB", said) for words, said in rows}
+    for words in ("parity", "check", "", "--full"):
+        assert int(told[words][1]) == sum(needs.NEEDS[name].megabytes for name in needs.of(words.split())), words
+
+
+def test_of():
+    """A word of the command line can need more than its command; the version needs no Debian package."""
+    assert needs.packages(needs.of(["--version"])) == () == needs.packages(needs.of(["parity"]))
+    assert "wine" in needs.of(["render", "--driver=d3d9"]) and "wine" not in needs.of(["render"])
+    assert {"chromium", "web"} <= set(needs.of(["check", "--driver", "webgl2"]))
+    assert set(needs.EVERYTHING) <= set(needs.of(["--full"]))
+
+
+def test_install():
+    assert needs.install("npm") == "apt-get install -y --no-install-recommends npm (https://nodejs.org)"
+    assert "validation[web]" in needs.install("web")
+
+
+def test_messages_come_from_the_table():
+    """No other module spells out a line of apt-get."""
+    for folder in ("bokeh_validation", "lab"):
+        for file in (paths.VALIDATION / folder).rglob("*.py"):
+            texts = (
+                node.value for node in ast.walk(ast.parse(file.read_text("utf-8"))) if isinstance(node, ast.Constant)
+            )
+            found = [text for text in texts if isinstance(text, str) and "apt-get install" in text]
+            assert not found or file.name in ("needs.py", "setup.py"), file
+
+
+def test_core_imports_nothing_of_one_system():
+    """Modules of Unix alone are imported within functions, so that the core can be imported on Windows."""
+    for file in (paths.VALIDATION / "bokeh_validation").rglob("*.py"):
+        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            assert not {"fcntl", "pwd", "grp", "resource", "termios"} & set(names), file
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch):
+    """An empty cache folder, and programs in place of apt-get and dpkg that log their command lines."""
+    monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
+    paths.ensured(tmp_path / "cache")
+    programs = paths.ensured(tmp_path / "programs")
+    scripts = {
+        "dpkg-query": "exit 1",
+        "apt-get": f'echo "$*" >>{tmp_path}/calls; echo "Need to get 5 MB of archives."',
+        "apt-cache": 'shift; for name; do [ $name = gone ] || printf "%s:\\n  Candidate: 1\\n" $name; done',
+    }
+    for name, script in scripts.items():
+        (programs / name).write_text(f"#!/bin/sh\n{script}\n")
+        (programs / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{programs}:/usr/bin:/bin")
+    return tmp_path
+
+
+def test_packages_as_root(machine, monkeypatch, capsys):
+    """What is not to be had is said once, and remembered."""
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    setup.install_packages(["one", "gone"])
+    said = capsys.readouterr().err
+    assert "gone is not to be had" in said and "installing one (5 MB to fetch)" in said
+    assert "install -y --no-install-recommends one" in (machine / "calls").read_text()
+    assert setup.wanted(["one", "gone"]) == ["one"]
+
+
+def test_packages_as_user(machine, monkeypatch, capsys):
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    setup.install_packages(["one", "two"])
+    assert capsys.readouterr().err.splitlines() == [f"set-up: missing system packages; run: sudo {needs.APT} one two"]
+    assert not (machine / "calls").exists()
+
+
+def test_no_network(tmp_path):
+    """One line and exit code 2; what is half done is made again."""
+    environment = {**os.environ, **NO_INDEX, "BOKEH_CACHE": str(tmp_path)}
+    environment.pop("BOKEH_SET_UP", None)
+    done = subprocess.run([paths.VALIDATION / "run", "parity"], env=environment, capture_output=True, text=True)
+    progress, *errors = done.stderr.splitlines()
+    assert done.returncode == 2 and done.stdout == "" and progress.startswith("set-up: fetching")
+    assert len(errors) == 1 and errors[0].startswith("error: the Python packages could not be installed: the package")
+    assert not list(tmp_path.glob("venv-*/complete-*"))
+
+
+def test_folder_that_cannot_be_written():
+    environment = {**os.environ, "BOKEH_CACHE": "/dev/null/x"}
+    done = subprocess.run([paths.VALIDATION / "run", "parity"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.splitlines() == [
+        "error: cannot write to the cache folder /dev/null/x; set BOKEH_CACHE"
+    ]
