@@ -50,7 +50,7 @@ def texture_format(storage: str, channels: int) -> str:
 
 
 class WGPU(DeviceDriver):
-    """WGSL: the two files as they are, one module."""
+    """WGSL: the program's text as it is, one module."""
 
     name = "wgpu"
     install = needs.install("vulkan")

@@ -39,7 +39,7 @@ class Mutant:
 
 @cache
 def originals() -> Mapping[str, str]:
-    """Path in the shaders' folder -> text, of the nine files."""
+    """Path in the shaders' folder -> text, of all shader files."""
     keys = [keys[language] for keys in parity.FILES.values() for language in paths.LANGUAGES]
     return {key: (paths.shaders() / key).read_text(encoding="ascii") for key in keys}
 

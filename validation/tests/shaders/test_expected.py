@@ -99,6 +99,15 @@ def test_every_pass(name, expected):
         assert off.max() <= 1.0, (output, off.max())
 
 
+def test_two_steps_are_noticed(expected):
+    """The tolerance of test_every_pass is no wider than it says."""
+    off = {key: pixels.copy() for key, pixels in expected.items()}
+    pixel = off["little/result"][5, 5]
+    pixel[:3] += 2 * images.step(np.abs(pixel[:3]).astype(np.float64), np.float16).astype(np.float16)
+    with pytest.raises(AssertionError):
+        test_every_pass("little", off)
+
+
 def test_every_entry_is_expected():
     """All entries of bokeh_layers.* are drawn above."""
     drawn = {item.entry for name in SETTINGS for item in case(name).plan.passes}

@@ -1,0 +1,57 @@
+"""The .d.ts files of the npm package declare the options and uniforms that its JavaScript has, no more and no fewer."""
+
+import re
+
+from bokeh_validation import paths
+
+WEB = paths.ROOT / "integration/web"
+
+
+def members(file: str, interface: str) -> set[str]:
+    """Names that an interface declares itself, without comments."""
+    text = re.sub(r"/\*.*?\*/", "", (WEB / file).read_text(encoding="utf-8"), flags=re.DOTALL)
+    body = re.search(rf"interface {interface}\b[^{{]*\{{\n(.*?)^\}}", text, re.MULTILINE | re.DOTALL)[1]
+    return set(re.findall(r"^  (\w+)\??: ", body, re.MULTILINE))
+
+
+def keys(file: str, name: str) -> set[str]:
+    """Names of an object `const NAME = { .. }`, also those one object deeper."""
+    text = re.sub(r"//.*", "", (WEB / file).read_text(encoding="utf-8"))
+    body = re.search(rf"const {name} = \{{(.*?)\}};", text, re.DOTALL)[1]
+    return set(re.findall(r"(\w+):", body))
+
+
+def extras() -> set[str]:
+    """Uniforms of EXTRAS, without the names of the extras."""
+    text = (WEB / "common.js").read_text(encoding="utf-8")
+    body = re.search(r"const EXTRAS = \{\n(.*?)^\};", text, re.MULTILINE | re.DOTALL)[1]
+    return {name for inner in re.findall(r"\{(.*?)\}", body) for name in re.findall(r"(\w+):", inner)}
+
+
+def test_options():
+    """Of all engines: CHOICES; what a class has beside them: its own list of choices."""
+    assert members("common.d.ts", "Options") == keys("common.js", "CHOICES")
+    assert members("three-common.d.ts", "ThreeOptions") == keys("three-common.js", "THREE_CHOICES")
+
+
+def test_uniforms():
+    """What is to be set from outside."""
+    assert members("common.d.ts", "Lens") == keys("common.js", "LENS") | extras()
+
+
+def test_react():
+    """The properties that the component takes out of its own, beside its pass's options."""
+    taken = re.search(r"const \{ (.*?), \.\.\.uniforms \} = props", (WEB / "react.js").read_text(encoding="utf-8"))[1]
+    names = {name.partition(" ")[0] for name in taken.split(", ")}
+    options = members("common.d.ts", "Options") | members("three-common.d.ts", "ThreeOptions")
+    # a uniform of the pass, which all that is left over is
+    assert members("react.d.ts", "PolygonBokehProps") - {"debugMode"} == names - options
+
+
+def test_engine_options():
+    """What Babylon.js has beside the common options is in its JavaScript's list; PlayCanvas has those alone."""
+    text = (WEB / "babylon.js").read_text(encoding="utf-8")
+    choices = re.search(r"\{\s*\.\.\.CHOICES,(.*?)\}", text, re.DOTALL)[1]
+    assert members("babylon.d.ts", "BabylonOptions") == set(re.findall(r"(\w+):", choices))
+    assert "options?: Options)" in (WEB / "playcanvas.d.ts").read_text(encoding="utf-8")
+    assert "...CHOICES" not in (WEB / "playcanvas.js").read_text(encoding="utf-8")
