@@ -10,6 +10,7 @@ import shutil
 from pathlib import Path
 
 from bokeh_validation import needs, paths, process
+from bokeh_validation.engines import lavapipe
 from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/bevy"
@@ -24,9 +25,9 @@ VERSION_S = 60.0
 
 def run(name: str, folder: Path) -> None:
     """Leave the capture of the sample in `folder`. Raises errors.Unavailable, RuntimeError."""
-    lavapipe = driver()
+    icd = lavapipe.description()
     build(copied(), "--example", EXAMPLE)
-    extra = {"VK_ICD_FILENAMES": str(lavapipe), "BEVY_ASSET_ROOT": str(folder)}
+    extra = {"VK_ICD_FILENAMES": str(icd), "BEVY_ASSET_ROOT": str(folder)}
     process.run([_program(), folder], RUN_S, folder, extra)
 
 
@@ -39,14 +40,6 @@ def build(project: Path, *arguments: str) -> None:
     # the crate's own profile, so that Bevy is built once
     extra |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0"}
     process.run([_cargo(), "build", "--quiet", *arguments], BUILD_S, project, extra)
-
-
-def driver() -> Path:
-    """The description of lavapipe, Mesa's Vulkan on the processor. Raises Unavailable."""
-    drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
-    if not drivers:
-        raise Unavailable(f"no Vulkan driver; {needs.install('vulkan')}")
-    return drivers[0]
 
 
 def built() -> bool:

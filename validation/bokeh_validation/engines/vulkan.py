@@ -14,7 +14,7 @@ import numpy as np
 
 from bokeh_validation import locks, needs, paths, pictures, process
 from bokeh_validation.compilers import dxc
-from bokeh_validation.engines import bevy
+from bokeh_validation.engines import lavapipe
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import ray_traced
@@ -41,7 +41,7 @@ def run(name: str, folder: Path) -> None:
         raise Unavailable(f"no validation layers; {INSTALL}")
     language, capture = name.removeprefix("vulkan-"), _scene(folder)
     commands = f"{_dxc()}:{os.environ['PATH']}" if language == "hlsl" else os.environ["PATH"]
-    environment = {"VK_ICD_FILENAMES": str(bevy.driver()), "PATH": commands, **CHECKS}
+    environment = {"VK_ICD_FILENAMES": str(lavapipe.description()), "PATH": commands, **CHECKS}
     for shot in capture["shots"]:
         said = process.run([_program(), language, shot["name"], folder], SECONDS, SAMPLE, environment).splitlines()
         if len(said) != 1:  # of the device
