@@ -61,7 +61,7 @@ NEEDS = {
     # setup.py installs none of these: a wheel of core has the first, a command downloads the next, the last is your own
     "glslang": _debian("shader compilers, where no wheel has them", 6, "glslang-tools spirv-tools", "Vulkan SDK"),
     "window": _debian("a display for samples with a window", 1, "xvfb xauth libgl1 libgl1-mesa-dri"),
-    "dxc": Need("Microsoft's DXC, into the cache folder", 30, elsewhere="PyPI, compushady"),
+    "dxc": Need("Microsoft's DXC, into the cache folder", 67, elsewhere="PyPI, compushady"),
     "fxc": Need("Microsoft's d3dcompiler_47, into the cache folder", 9, elsewhere="PyPI, kivy-deps-angle"),
     "cargo": Need("Rust 1.95 or later, and Bevy's crates", 210, elsewhere="https://rustup.rs"),
 }  # fmt: skip
