@@ -5,7 +5,7 @@ reference has made: nothing else is compiled.
 """
 
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from bokeh_validation import drivers, paths, shaders, terminal
@@ -13,7 +13,8 @@ from bokeh_validation.compile_matrix import naga
 from bokeh_validation.compilers import dxc, glslang
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.probes import small_frames
+from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes.judges import Frame
 from bokeh_validation.shaders import calls, parity
 from bokeh_validation.shaders.entries import ENTRIES
 
@@ -54,8 +55,13 @@ def _refused(language: str, entries: set[str]) -> Iterator[str]:
             yield f"{language} {name}: {result.messages}"
 
 
-def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts]) -> Iterator[str]:
-    """The passes that the reference does not allow; of every edited code those of the first frame that has it."""
+def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) -> Iterator[str]:
+    """The passes that are not what they were; of every edited code those of the first frame that has it.
+
+    They are held to the GLSL of the last commit: an edit that is wrong in the same way in all languages shows, and what
+    is edited is not what it is judged by. What differs there is held to the GLSL as it is as well: an edit that is
+    meant to change pictures has to change them alike in all languages.
+    """
     drawn = set()
     for label, frame in small_frames.all_frames().items():
         for language, driver in used.items() if not frame.main else ():
@@ -63,18 +69,33 @@ def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts]) -> Iterator[s
             keys = [(language, item.entry, code) for item, code in zip(frame.passes, codes, strict=True)]
             new = {key for key in keys if key[2]} - drawn
             drawn |= new
-            judges = small_frames.judges(label, frame, driver.precision, driver.rounding) if new else []
-            for key, judge in zip(keys, judges, strict=False):
-                if key in new and (objection := judge.objection(driver)):
-                    yield f"{driver.name}: {objection}"
+            if new:
+                yield from _differing(label, frame, driver, glsl, [key in new for key in keys])
+
+
+def _differing(label: str, frame: Frame, driver: Driver, glsl: str, asked: Sequence[bool]) -> Iterator[str]:
+    """What is wrong with those passes of a frame that are asked for."""
+    device = driver.precision, driver.rounding
+    try:
+        before = judges.judges(label, frame, *device, glsl)
+    except KeyError:
+        # the last commit has not got what this frame draws
+        before = [None] * len(frame.passes)
+    objections = [judge.objection(driver) if judge and one else "" for judge, one in zip(before, asked, strict=True)]
+    yield from (f"{driver.name}, by the last commit: {objection}" for objection in objections if objection)
+    now = judges.judges(label, frame, *device) if any(objections) or None in before else []
+    for judge, one, objection in zip(now, asked, objections, strict=False):
+        if one and (objection or None in before) and (said := judge.objection(driver)):
+            yield f"{driver.name}: {said}"
 
 
 def check() -> None:
     """What an edit of a shader can have broken: parity, rules, a compiler and a driver a language, within seconds."""
     texts, entries, changed, problems, skipped, used = {}, {}, set(), [], [], {}
-    for language in paths.LANGUAGES:
-        keys = [files[language] for files in parity.FILES.values()]
-        before, after = "".join(map(_committed, keys)), shaders.text(language)
+    keys = {language: [files[language] for files in parity.FILES.values()] for language in paths.LANGUAGES}
+    committed = {language: "".join(map(_committed, files)) for language, files in keys.items()}
+    for language, before in committed.items():
+        after = shaders.text(language)
         if before != after:
             texts[language] = before, after
             changed |= {name for name, _ in calls.functions(after).items() ^ calls.functions(before).items()}
@@ -92,7 +113,7 @@ def check() -> None:
                 used[language] = drivers.load(DRIVERS[language])
         except Unavailable as error:
             skipped.append(f"{language} ({error})")
-    problems += _wrong(used, texts)
+    problems += _wrong(used, texts, committed["glsl"])
     names = ", ".join(driver.name for driver in used.values()) or "no driver"
     terminal.tell(*problems[:24], f"{len(problems)} problems in parity, rules, {', '.join(entries)} and on {names}")
     terminal.tell(f"not run: {', '.join([*skipped, 'other drivers and compilers, probes, samples'])} (validation/test)")

@@ -14,11 +14,12 @@ import numpy as np
 from typer import Argument, Option
 
 from bokeh_validation import exr, metrics, options, render, terminal
-from bokeh_validation.drivers.base import STORAGE, Driver
+from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.exr import Scene
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
+from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.reference.listings import DEPTH_KINDS, linear_depth, stored_depth
 
 # What an engine's depth buffer may hold, and may have been read as

@@ -20,10 +20,10 @@ from math import floor, radians
 from typing import NamedTuple
 
 import numpy as np
+from lines import Segment, edge_lengths, line_segment, parallelogram, polygon_edge
 
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
-from bokeh_validation.reference.lines import Segment, edge_lengths, line_segment, parallelogram, polygon_edge
 
 
 class Spread(NamedTuple):

@@ -10,7 +10,7 @@ from bokeh_validation import drivers, metrics, shaders
 from bokeh_validation import probes as patterns
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
-from bokeh_validation.probes import model
+from bokeh_validation.probes import judges
 from bokeh_validation.probes.model import Case
 from bokeh_validation.shaders.passes import Pass
 
@@ -57,7 +57,7 @@ def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str
 
 def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
     """The result, and how far it is from the reference's. Fails where any pass's target is outside of its interval."""
-    found = model.compared(case, driver)
+    found = judges.compared(case, driver)
     outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
     assert not outside, (driver.name, outside, case.settings)
     assert np.isfinite(found.outputs["result"]).all()

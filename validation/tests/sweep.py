@@ -17,10 +17,10 @@ max, the result changes by no more than the one that changes most.
 from collections.abc import Mapping
 
 import numpy as np
+from formulas import filter_coc
+from lines import Segment, lines
 
 from bokeh_validation.numerics import precision
-from bokeh_validation.reference.formulas import filter_coc
-from bokeh_validation.reference.lines import Segment, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, LINE
 from bokeh_validation.shaders.passes import Pass
 

@@ -15,7 +15,7 @@ DRIVERS = {
     "webgpu": ("drivers.web", "WebGPU"),
     "d3d9": ("drivers.d3d", "D3D9"),
     "d3d11": ("drivers.d3d", "D3D11"),
-    "reference": ("reference.device", "Reference"),
+    "reference": ("drivers.computed", "Reference"),
 }
 NAMES = tuple(DRIVERS)
 

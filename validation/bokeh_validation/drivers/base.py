@@ -1,6 +1,6 @@
 """The one interface of all drivers: passes and textures in, textures out."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -8,9 +8,8 @@ import numpy as np
 
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.numerics import images, precision
+from bokeh_validation.numerics.images import STORAGE, Textures
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
-
-Textures = Mapping[str, np.ndarray]
 
 # Parts of the names of devices that are programs on this machine's cores -> whose they are
 SOFTWARE = {"llvmpipe": "Mesa", "softpipe": "Mesa", "swiftshader": "SwiftShader", "microsoft basic render": "WARP"}
@@ -27,7 +26,6 @@ def precision_of(adapter: str) -> precision.Precision:
     return known.get(software_device(adapter), precision.GPU)
 
 
-STORAGE = {"half": np.float16, "float": np.float32}
 PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
 
 

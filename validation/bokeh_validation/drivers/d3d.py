@@ -11,8 +11,9 @@ import numpy as np
 
 from bokeh_validation import shaders
 from bokeh_validation.compilers import fxc
-from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
+from bokeh_validation.drivers.base import Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine

@@ -11,8 +11,9 @@ import moderngl
 import numpy as np
 
 from bokeh_validation import needs, shaders
-from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
+from bokeh_validation.drivers.base import PROGRAMS, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
 

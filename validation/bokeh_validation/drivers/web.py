@@ -6,9 +6,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from bokeh_validation import browser, shaders
-from bokeh_validation.drivers.base import STORAGE, Driver, Image, flattened
+from bokeh_validation.drivers.base import Driver, Image, flattened
 from bokeh_validation.drivers.webgpu import texture_format
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
 

@@ -7,8 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from bokeh_validation import needs, shaders
-from bokeh_validation.drivers.base import PROGRAMS, STORAGE, DeviceDriver, Draw, Image
+from bokeh_validation.drivers.base import PROGRAMS, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
 # Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four

@@ -24,7 +24,7 @@ distance before and after each frame.
 
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
 each, as docs/reference/passes.md lists them. It is compared pass by pass, each with what the device had in the pass's
-inputs, as in probes.model.compared.
+inputs: a sample can't be asked to draw one pass of a frame.
 """
 
 import json
@@ -41,8 +41,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.numerics.images import Image
 from bokeh_validation.numerics.precision import Precision
 from bokeh_validation.probes.model import Case
-from bokeh_validation.reference import listings
-from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference import listings, pass_images
 from bokeh_validation.shaders.passes import Pass, target_size
 
 _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
@@ -140,7 +139,7 @@ def _compared(
 ) -> Shot:
     # layered pass by pass, from what the device had
     given = outputs if case.settings.method == "layered" else None
-    reference = Reference().images(passes, textures, case.size, "half", precision, rounding, given=given)
+    reference = pass_images.images(passes, textures, case.size, "half", precision, rounding, given=given)
     # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
     comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}
     outside = {key: comparison.outside for key, comparison in comparisons.items() if comparison.outside}

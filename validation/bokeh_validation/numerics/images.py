@@ -1,8 +1,13 @@
 """A texture of the reference, with how far a correct device may be from it, and how a render target stores it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+
+Textures = Mapping[str, np.ndarray]
+# What targets are made of
+STORAGE = {"half": np.float16, "float": np.float32}
 
 
 @dataclass(frozen=True)

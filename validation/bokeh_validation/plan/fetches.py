@@ -4,8 +4,18 @@ from math import ceil, pi, sin
 
 import numpy as np
 
-from bokeh_validation.reference.lines import lines
-from bokeh_validation.shaders.entries import BOTH, DEPTH, EDGE, FIRST, LATERAL, SECOND, STEADY
+from bokeh_validation.shaders.entries import (
+    ADAPTIVE,
+    BOTH,
+    DEPTH,
+    EDGE,
+    FIRST,
+    GRID,
+    LATERAL,
+    LINE,
+    SECOND,
+    STEADY,
+)
 from bokeh_validation.shaders.passes import Pass
 
 KINDS = ("color", "depth", "table")
@@ -17,7 +27,7 @@ def of_pass(item: Pass) -> dict[str, int]:
         return {"color": _of_layers(item), "depth": 0, "table": 0}
     # the other parallelogram of a final pass, whose depth is not looked at
     others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
-    samples = item.samples if "KernelSamp" in item.inputs else len(lines(item)) * item.samples
+    samples = item.samples if "KernelSamp" in item.inputs else lines(item) * item.samples
     # red and blue; the 3 x 3 around the pixel, and two other textures
     others += 2 * (item.spec.role == LATERAL) + 11 * (item.spec.role == STEADY)
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
@@ -26,6 +36,19 @@ def of_pass(item: Pass) -> dict[str, int]:
         "depth": depth,
         "table": item.samples if "KernelSamp" in item.inputs else 0,
     }
+
+
+def lines(item: Pass) -> int:
+    """Along how many lines a filter pass but one of the layers takes samples; a grid of n x n is n lines."""
+    entry = item.spec
+    if entry.role in (LINE, ADAPTIVE):
+        return 1
+    if entry.role == GRID:
+        return item.samples
+    if entry.role == EDGE:
+        # the parallelograms of the edges before this one
+        return item.constants["BOKEH_TARGET_INDEX"] + 1
+    return entry.sides // 2 - 1 if entry.role in (FIRST, SECOND) else 0
 
 
 def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:

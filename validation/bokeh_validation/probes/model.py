@@ -1,19 +1,14 @@
-"""What a probe is: pictures to render, checks on them, and the comparison with the reference."""
+"""What a probe is: pictures to render, and checks on them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from hashlib import blake2b
 
 import numpy as np
 
-from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
-from bokeh_validation.metrics import Comparison
-from bokeh_validation.numerics import precision
-from bokeh_validation.numerics.images import Image
-from bokeh_validation.reference.device import Reference
 
 Outputs = Mapping[str, np.ndarray]
 
@@ -87,40 +82,6 @@ class Probe:
     shows: str
     cases: tuple[Case, ...]
     judge: Callable[[Mapping[str, Outputs]], list[Check]]
-
-
-@dataclass(frozen=True)
-class CaseResult:
-    """Pictures of one case on one driver and on the reference, and how far they are apart."""
-
-    case: Case
-    outputs: Outputs
-    expected: Mapping[str, Image]
-    comparisons: Mapping[str, Comparison]
-
-
-@lru_cache(maxsize=16)  # scenes are 20 MB each
-def expected(case: Case, kind: precision.Precision, rounding: str) -> dict[str, Image]:
-    """The reference's outputs with the acceptance interval of a class of devices; kept, since drivers share them."""
-    images = Reference().images(case.plan.passes, case.textures(), case.size, precision=kind, rounding=rounding)
-    # what nobody looks at is not kept: a scene's passes are a hundred megabytes
-    return {name: images[name] for name in case.keep}
-
-
-def compared(case: Case, driver: Driver) -> CaseResult:
-    """A case on a driver: its outputs, the reference's, and how far they are apart, for each of case.keep.
-
-    It is compared pass by pass, each with what the device had in its inputs: all targets must be within their
-    intervals. From end to end a step in the stored CoC would count as often as a sample is taken by it, and of the
-    layered method whether a pixel is near is a matter of such a step.
-    """
-    passes, textures, software = case.plan.passes, case.textures(), driver.software
-    names = [name for item in passes for name in item.outputs]
-    outputs = driver.run(passes, textures, case.size, keep=names)
-    images = Reference().images(passes, textures, case.size, "half", driver.precision, driver.rounding, given=outputs)
-    # bounds in steps are for pictures: sums and shares are often small differences
-    comparisons = {k: metrics.compare(outputs[k], images[k], software and k in case.keep) for k in names}
-    return CaseResult(case, {k: outputs[k] for k in case.keep}, {k: images[k] for k in case.keep}, comparisons)
 
 
 def drawn(driver: Driver, case: Case) -> np.ndarray:

@@ -14,7 +14,8 @@ from bokeh_validation import drivers, metrics, pictures
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.metrics import Comparison
-from bokeh_validation.probes.model import CaseResult, Check, Probe, compared
+from bokeh_validation.probes.judges import CaseResult, compared
+from bokeh_validation.probes.model import Check, Probe
 from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
 
 DIFFERENCE_STEPS = 8

@@ -1,34 +1,25 @@
-"""Small frames that reach every entry and every switch, and what the reference allows each of their passes.
+"""Small frames that reach every entry and every switch.
 
-`check` draws those that an edit can have broken; `mutants` shows that a mistake is seen. A pass is drawn on its own, on
-what the reference made for its inputs: so its interval is that of this pass alone.
+`check` draws those that an edit can have broken; `mutants` shows that a mistake is seen.
 """
 
-import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from bokeh_validation import metrics, shaders
-from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Camera, Settings
-from bokeh_validation.numerics.images import Image
-from bokeh_validation.numerics.precision import Precision
 from bokeh_validation.probes import near_edges
+from bokeh_validation.probes.judges import Frame
 from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import listings
-from bokeh_validation.reference.device import Reference
-from bokeh_validation.shaders.passes import Pass, target_area
+from bokeh_validation.shaders.passes import Pass
 
-Area = tuple[int, int, int, int]
 SIZE, LAYERED_SIZE = (45, 29), (75, 50)
 # An image that is a part of its textures: not in their middle
 PART_SIZE, TEXTURES, CORNER = (48, 37), (89, 73), (24, 8)
 HOSTILE_DEPTH = (np.nan, np.inf, -np.inf, -1e30, -2.0, 1e30, 1e9, 0.0, 1.0)
-# Without an interval of the reference, float32 and a store: a step of half floats, and of the smallest of them
-STEP, SMALLEST = 2.0**-10, 2.0**-24
 
 ALL = {
     "rotation": 17.0,
@@ -82,90 +73,6 @@ SWITCHES = {
 }
 IN_PART = ("paper pentagon", "paper hexagon", "naive", "naive grid", "exact decagon", "exact decagon, one target")
 IN_PART += ("lateral", "constant CoC", "layered hexagon", "layered, cut")
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Passes to draw, with what they read.
-
-    area      the viewport, where the image is a part of its textures
-    expected  output -> what must be in it, (H, W, 4), in place of the reference's result
-    main      body of a main function in place of the entry's
-    """
-
-    passes: tuple[Pass, ...]
-    textures: Mapping[str, np.ndarray]
-    size: tuple[int, int]
-    storage: str = "half"
-    area: Area | None = None
-    expected: Mapping[str, np.ndarray] = field(default_factory=dict)
-    main: str = ""
-
-
-@dataclass(frozen=True)
-class Judge:
-    """A pass with everything that it reads, and the interval of each target in the part that it draws.
-
-    denied  target -> pixels of that interval which the formulas do not allow: the interval is of the shaders' text
-    """
-
-    label: str
-    item: Pass
-    frame: Frame
-    inputs: Mapping[str, np.ndarray]
-    part: tuple[slice, slice]
-    allowed: Mapping[str, Image]
-    denied: Mapping[str, int]
-
-    def objection(self, driver: Driver) -> str:
-        """What is wrong with what a driver draws, or nothing."""
-        item = self.item
-        if self.frame.main:
-            text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl(item.entry, "330", item.defines))
-            item = replace(item, sources={"glsl": f"{text}\nvoid main()\n{{\n    {self.frame.main}\n}}\n"})
-        outputs = driver.run([item], self.inputs, self.frame.size, self.frame.storage, keep=item.outputs)
-        for name, allowed in self.allowed.items():
-            outside = metrics.compare(outputs[name][self.part], allowed, False).outside or self.denied.get(name)
-            if outside:
-                return f"{item.entry} writes {name!r} with {outside} wrong pixels of {self.label}"
-        return ""
-
-
-def judges(label: str, frame: Frame, precision: Precision, rounding: str) -> list[Judge]:
-    """One for each pass of a frame, for a device of that precision and rounding."""
-    names = [name for item in frame.passes for name in item.outputs]
-    size, made, images, result = frame.size, {}, {}, []
-    if not frame.main:
-        made = Reference().run(frame.passes, frame.textures, size, frame.storage, keep=names)
-        images = Reference().images(frame.passes, frame.textures, size, frame.storage, precision, rounding, given=made)
-    images |= {name: Image(value) for name, value in frame.expected.items()}
-    for item in frame.passes:
-        x, y, width, height = target_area(item.scale, frame.area or (0, 0, *size))
-        part = slice(y, y + height), slice(x, x + width)
-        read = {name: made.get(name, frame.textures.get(name)) for name in item.inputs.values()}
-        allowed = {name: _bounded(images[name].part(*part)) for name in item.outputs}
-        written = {} if frame.main or item.spec.layers else {name: made[name][part] for name in item.outputs}
-        denied = {name: _denied(value.astype(float), allowed[name]) for name, value in written.items()}
-        result.append(Judge(label, item, frame, read, part, allowed, denied))
-        # nobody may read what is around the image
-        for name in item.outputs if frame.area else ():
-            around = np.full_like(made[name], np.nan)
-            around[part] = made[name][part]
-            made[name] = around
-    return result
-
-
-def _denied(written: np.ndarray, image: Image) -> int:
-    """Pixels of an interval that has not got in it what the formulas say, which was stored."""
-    off = np.abs(written - image.value) > image.error + STEP * np.abs(written) + SMALLEST
-    return int((off.any(axis=-1) & ~image.undecided).sum())
-
-
-def _bounded(image: Image) -> Image:
-    """With an interval, where the reference has none."""
-    if image.error is not None:
-        return image
-    return Image(image.value, STEP * np.abs(image.value) + SMALLEST, np.zeros(image.value.shape[:2], bool))
 
 
 def all_frames() -> dict[str, Frame]:

@@ -7,9 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
+from bokeh_validation import shaders
 from bokeh_validation.numerics.images import Image
 from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
-from bokeh_validation.reference import sampling
+from bokeh_validation.reference import glsl, sampling
 from bokeh_validation.reference.interpreter import Run
 from bokeh_validation.reference.intervals import Interval, interval
 from bokeh_validation.shaders.passes import Pass, is_linear
@@ -106,15 +107,23 @@ def _error(around: np.ndarray, off: np.ndarray) -> np.ndarray:
 
 
 def run_pass(
-    item: Pass, inputs: Mapping[str, Image], size: tuple[int, int], precision: Precision | None
+    item: Pass,
+    inputs: Mapping[str, Image],
+    size: tuple[int, int],
+    precision: Precision | None,
+    text: str | None = None,
 ) -> list[Image]:
-    """What a pass writes to each of its targets, of that size; textures by their slots."""
+    """What a pass writes to each of its targets, of that size; textures by their slots.
+
+    text  the GLSL of all files, where it is not that of the package as it is
+    """
     entry = item.spec
     width, height = size
     textures = {
         f"Bokeh{slot}": Texture(image, precision, is_linear(entry.name, slot)) for slot, image in inputs.items()
     }
     uniforms = {name: interval(value) for name, value in item.given().items()}
+    library = glsl.library(text or shaders.text("glsl"))
     # a viewport is cut out beforehand
     given = {**uniforms, **item.constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
 
@@ -122,7 +131,7 @@ def run_pass(
         pixels = np.arange(start, min(start + PIXELS, width * height))
         uv = np.stack([(pixels % width + 0.5) / width, (pixels // width + 0.5) / height])
         place = Interval(uv, uv - UV, uv + UV) if precision else Interval(uv)
-        run = Run({**given, "BokehUV": place}, textures, precision.line if precision else 0.0, len(pixels))
+        run = Run(library, {**given, "BokehUV": place}, textures, precision.line if precision else 0.0, len(pixels))
         written = run.main(entry.name)
         return [written[name].spread(len(pixels)) for name in RESULTS[: entry.targets]], run.undecided
 

@@ -21,8 +21,8 @@ import numpy as np
 from pycparser import c_ast
 
 from bokeh_validation.numerics.precision import FLOAT_STEP
-from bokeh_validation.reference import glsl
 from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
+from bokeh_validation.reference.glsl import Library
 from bokeh_validation.reference.intervals import Condition, Interval, chosen
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
@@ -67,6 +67,7 @@ def _is_floor(node: c_ast.Node | None, of: c_ast.Node | None = None) -> bool:
 class Run:
     """A pass over some pixels.
 
+    library    the text
     given      uniforms, constants, BokehUV; of a texture's name the name itself
     textures   execution.Texture, by their names
     line       Precision.line: how far off sin and cos may be
@@ -74,6 +75,7 @@ class Run:
     undecided  (count,): where one of Listing 3's comparisons, or the jitter's side, is open and changes something
     """
 
+    library: Library
     given: Mapping[str, object]
     textures: Mapping[str, object]
     line: float
@@ -87,7 +89,7 @@ class Run:
         """What a pass writes, by the names of its targets."""
         variables: Variables = {}
         with np.errstate(all="ignore"):
-            _Call(self, np.ones(self.count, bool)).visit(glsl.main(entry).body, variables)
+            _Call(self, np.ones(self.count, bool)).visit(self.library.main(entry).body, variables)
         return variables
 
 
@@ -174,7 +176,7 @@ class _Call:
     def _Decl(self, node: c_ast.Decl, variables: Variables) -> None:
         if node.init is not None:
             variables[node.name] = self.value(node.init, variables)
-        elif node.type.type.names[0] in glsl.structs():
+        elif node.type.type.names[0] in self.run.library.structs:
             variables[node.name] = {}
 
     def _Assignment(self, node: c_ast.Assignment, variables: Variables) -> None:
@@ -255,7 +257,7 @@ class _Call:
         return int(node.value) if node.type == "int" else float(node.value)
 
     def _ID(self, node: c_ast.ID, variables: Variables):
-        for known in (variables, self.run.given, glsl.constants()):
+        for known in (variables, self.run.given, self.run.library.constants):
             if node.name in known:
                 return known[node.name]
         return {"true": True, "false": False}[node.name]
@@ -309,6 +311,6 @@ class _Call:
             return Interval(value, value - off, value + off)
         if name in FUNCTIONS:
             return FUNCTIONS[name](*arguments)
-        function, call = glsl.functions()[name], _Call(self.run, self.here, name)
+        function, call = self.run.library.function(name), _Call(self.run, self.here, name)
         call.visit(function.body, dict(zip(function.parameters, arguments, strict=True)))
         return call.result

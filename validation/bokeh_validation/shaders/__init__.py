@@ -41,7 +41,11 @@ def file_text(language: str, stem: str = "bokeh") -> str:
 def presets(source: str) -> dict[str, dict[str, str]]:
     """In HLSL and GLSL: preset -> name -> value; '' is none of them."""
     found = r"(?:defined\(BOKEH_PRESET_(\w+)\)|^#else)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
-    return {name: dict(re.findall(r"(\w+) (\S+)\n", lines)) for name, lines in re.findall(found, source, re.MULTILINE)}
+    values: dict[str, dict[str, str]] = {}
+    for name, lines in re.findall(found, source, re.MULTILINE):
+        # a source may be several files, each with presets of its own
+        values.setdefault(name, {}).update(re.findall(r"(\w+) (\S+)\n", lines))
+    return values
 
 
 def settings(language: str, source: str) -> dict[str, str]:

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from bokeh_validation import __version__, paths, plan, process
-from bokeh_validation.drivers.base import Textures
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
+from bokeh_validation.numerics.images import Textures
 from lab.bench import script
 
 # wgpu and what it imports here, of the lock file; on macOS also what that, made on Linux, does not know

@@ -14,8 +14,8 @@ from multiprocessing.process import BaseProcess
 from bokeh_validation import drivers, shaders
 from bokeh_validation.drivers import gl  # noqa: F401  loaded once, not in the process of every mutant
 from bokeh_validation.errors import UserError
-from bokeh_validation.probes import small_frames
-from bokeh_validation.probes.small_frames import Judge
+from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes.judges import Judge
 from bokeh_validation.shaders import calls, parity, rules
 from bokeh_validation.windows import wine
 from lab.mutants.mutant import ALIVE, BROKEN, CAUGHT, EQUIVALENT, REFUSED, Mutant, together
@@ -31,7 +31,7 @@ _loaded = cache(drivers.load)
 
 def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[str, str]]:
     """Outcome and detail of each, in their order. Raises UserError where the shaders as they are do not pass."""
-    judges = _prepared(mutants)
+    prepared = _prepared(mutants)
     results: dict[str, tuple[str, str]] = {}
     waiting = list(reversed(mutants))
     running: dict[connection.Connection, tuple[Mutant, BaseProcess]] = {}
@@ -40,7 +40,7 @@ def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[st
             while waiting and len(running) < WORKERS:
                 mutant = waiting.pop()
                 end, other = FORK.Pipe(duplex=False)
-                process = FORK.Process(target=_child, args=(mutant, judges[mutant.driver], other))
+                process = FORK.Process(target=_child, args=(mutant, prepared[mutant.driver], other))
                 process.start()
                 other.close()
                 running[end] = mutant, process
@@ -71,11 +71,11 @@ def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
 
 def _judges(name: str, label: str) -> list[Judge]:
     driver = _loaded(name)
-    judges = small_frames.judges(label, small_frames.all_frames()[label], driver.precision, driver.rounding)
-    for judge in judges:
+    found = judges.judges(label, small_frames.all_frames()[label], driver.precision, driver.rounding)
+    for judge in found:
         if objection := judge.objection(driver):
             raise UserError(f"mutants: the shaders as they are fail: {objection}. See validation/test.")
-    return judges
+    return found
 
 
 def _kill(process: BaseProcess) -> None:
@@ -86,7 +86,7 @@ def _kill(process: BaseProcess) -> None:
     process.join()
 
 
-def _child(mutant: Mutant, judges: Sequence[Judge], end: connection.Connection) -> None:
+def _child(mutant: Mutant, asked: Sequence[Judge], end: connection.Connection) -> None:
     """What a mutant's process does."""
     os.setpgrp()
     # the system ends it: Python would wait for the driver
@@ -95,7 +95,7 @@ def _child(mutant: Mutant, judges: Sequence[Judge], end: connection.Connection) 
     # from here on this process has no other shaders
     shaders.text = lambda language: together(mutant.texts, language)
     try:
-        result = _judged(mutant, judges)
+        result = _judged(mutant, asked)
     except Exception as error:
         said = " ".join(f"{type(error).__name__}: {error}".split())
         result = REFUSED if COMPILER.search(said) else BROKEN, said[:300]
@@ -103,11 +103,11 @@ def _child(mutant: Mutant, judges: Sequence[Judge], end: connection.Connection) 
     end.send(result)
 
 
-def _judged(mutant: Mutant, judges: Sequence[Judge]) -> tuple[str, str]:
+def _judged(mutant: Mutant, prepared: Sequence[Judge]) -> tuple[str, str]:
     # more than a line that the edit has made too long
     if mutant.common and all(rules.TOO_LONG in difference.what for difference in parity.check(mutant.texts)):
         return ALIVE, "the parity check does not see it"
-    asked = [judge for judge in judges if _draws(judge, mutant)]
+    asked = [judge for judge in prepared if _draws(judge, mutant)]
     if mutant.argued:
         # the argument is trusted but for one judge of each entry
         asked = list({judge.item.entry: judge for judge in asked}.values())

@@ -23,8 +23,7 @@ from bokeh_validation.compilers import dxc, fxc, glslang
 from bokeh_validation.drivers.base import Image
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case
-from bokeh_validation.reference import listings
-from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference import listings, pass_images
 
 README = paths.ROOT / "README.md"
 WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer for
@@ -280,7 +279,7 @@ def test_the_chain_runs(name):
     first, *others = case.plan.passes
     passes = [replace(first, parameters={**first.parameters, **buffer}), *others]
     precision = driver.precision, driver.rounding
-    images = Reference().images(passes, case.textures(), size(), "half", *precision, given=outputs)
+    images = pass_images.images(passes, case.textures(), size(), "half", *precision, given=outputs)
     for name in NAMES:
         comparison = metrics.compare(outputs[name], images[name], driver.software and name == "result")
         assert comparison.ok, (name, comparison)

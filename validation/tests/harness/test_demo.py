@@ -20,7 +20,8 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.drivers.web import unpacked
 from bokeh_validation.engines import pages
 from bokeh_validation.frame import methods
-from bokeh_validation.probes.model import Case, compared
+from bokeh_validation.probes.judges import compared
+from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import ray_traced
 from lab.other_effects import effects
 

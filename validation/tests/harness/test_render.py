@@ -14,10 +14,10 @@ from support import called, load, refused
 from support_cases import noise_case, result
 
 from bokeh_validation import exr, options, paths, plan
+from bokeh_validation.drivers.computed import Reference
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.reference.device import Reference
 from bokeh_validation.truth import ray_traced
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(paths.VALIDATION), "XDG_RUNTIME_DIR": os.environ.get("TMPDIR", "/tmp")}

@@ -13,9 +13,9 @@ import typer
 
 from bokeh_validation import jobs, paths, probes
 from bokeh_validation.compile_matrix import Compilation
+from bokeh_validation.drivers.computed import Reference
 from bokeh_validation.probes import sections
 from bokeh_validation.probes.sections import Section, of_probe
-from bokeh_validation.reference.device import Reference
 from bokeh_validation.run import validate
 
 LEAKAGE = next(probe for probe in probes.PROBES if probe.name == "leakage")

@@ -5,13 +5,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from lines import LEAST, edge_lengths, parallelogram, polygon_edge
 from support import in_each_language
 from support_cases import CAMERA, evaluated, everything, noise_case, result
 
 from bokeh_validation import metrics
 from bokeh_validation.frame import aperture_shapes, geometry
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.reference.lines import LEAST, edge_lengths, parallelogram, polygon_edge
 
 
 @pytest.mark.parametrize("rotation, squeeze", [*product((0.0, 0.3), (1.0, 0.5))])

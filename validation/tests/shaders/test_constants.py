@@ -8,7 +8,7 @@ from support import load
 from bokeh_validation import paths, shaders
 from bokeh_validation.frame import methods
 from bokeh_validation.plan import fetches
-from bokeh_validation.probes import small_frames
+from bokeh_validation.probes import judges, small_frames
 from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes
 
@@ -48,7 +48,7 @@ def test_values():
     """
     driver, frames = load("osmesa"), small_frames.all_frames()
     for label in ("values", "values in a part"):
-        (judge,) = small_frames.judges(label, frames[label], driver.precision, driver.rounding)
+        (judge,) = judges.judges(label, frames[label], driver.precision, driver.rounding)
         assert not judge.objection(driver)
 
 

@@ -9,7 +9,7 @@ from support_cases import within
 
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import small_frames
+from bokeh_validation.probes import judges, small_frames
 from bokeh_validation.probes.model import Case, depth_of
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
@@ -33,6 +33,24 @@ def test_scenes(scene, method, aperture, all_drivers):
         assert comparison.ok, f"{driver.name}: {comparison}"
 
 
+CHAINED = ("paper pentagon", "naive", "exact octagon", "lateral", "layered hexagon", "layered, one target")
+
+
+@pytest.mark.parametrize("name", CHAINED)
+def test_passes_are_chained(name, driver):
+    """A frame drawn from end to end has in each target, to the bit, what its pass draws alone from the frame's other
+    targets. With that each pass, judged alone on the reference's inputs (probes/judges.py), stands for the frame.
+    """
+    frame = small_frames.of_settings(small_frames.ENTRY_SETTINGS[name])
+    names = [output for item in frame.passes for output in item.outputs]
+    outputs = driver.run(frame.passes, frame.textures, frame.size, keep=names)
+    for item in frame.passes:
+        read = {given: outputs.get(given, frame.textures.get(given)) for given in item.inputs.values()}
+        alone = driver.run([item], read, frame.size, keep=item.outputs)
+        for output in item.outputs:
+            np.testing.assert_array_equal(alone[output], outputs[output])
+
+
 def test_maps_depth_and_views(driver):
     """CoC maps through five lenses and of a constant, depth of every kind, the debug views, also of a part.
 
@@ -40,7 +58,7 @@ def test_maps_depth_and_views(driver):
     """
     frames = small_frames.all_frames()
     for label in (label for label in frames if label.startswith(("map", "constant", "view", "depth"))):
-        for judge in small_frames.judges(label, frames[label], driver.precision, driver.rounding):
+        for judge in judges.judges(label, frames[label], driver.precision, driver.rounding):
             assert not judge.objection(driver)
 
 

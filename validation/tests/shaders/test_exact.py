@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from formulas import noise
 from support import in_each_language, load
 from support_cases import CAMERA, float_result, noise_case, result
 
@@ -12,7 +13,6 @@ from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import exact, highlight, shapes
 from bokeh_validation.probes.model import depth_of
-from bokeh_validation.reference.formulas import noise
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
 

@@ -13,7 +13,8 @@ from support import load
 
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Camera, Settings
-from bokeh_validation.probes.model import Case, compared
+from bokeh_validation.probes.judges import compared
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference.listings import MAX_COLOR
 
 SEED = int(os.environ.get("BOKEH_FUZZ_SEED", "2012"))

@@ -19,7 +19,8 @@ from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
-from bokeh_validation.probes.model import Case, depth_of, expected, flat
+from bokeh_validation.probes.judges import expected
+from bokeh_validation.probes.model import Case, depth_of, flat
 
 PEAK = 4096.0
 COC = 0.26  # of the height; the widest bokeh fits into the narrowest image

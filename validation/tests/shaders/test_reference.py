@@ -1,5 +1,6 @@
 """The reference against closed forms, and the metrics against known distances."""
 
+import formulas
 import numpy as np
 import pytest
 from support_cases import noise_case
@@ -10,8 +11,7 @@ from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
 from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
-from bokeh_validation.reference import execution, formulas, listings
-from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference import execution, kept, listings, pass_images
 from bokeh_validation.reference.intervals import Interval
 from bokeh_validation.shaders.passes import target_size
 
@@ -89,13 +89,13 @@ def test_formulas_and_programs_agree(method):
     frames = [*ENTRY_SETTINGS.values(), *SWITCHES.values(), *(one for group in GROUPS.values() for one in group)]
     for settings in (one for one in frames if one.method == method):
         case = noise_case((61, 48), settings)
-        names = [name for item in case.plan.passes for name in item.outputs]
-        drawn = case.textures() | Reference().run(case.plan.passes, case.textures(), case.size, keep=names)
+        drawn = pass_images.alone(case.plan.passes, case.textures(), case.size, "half", precision.SOFTWARE, "nearest")
+        drawn = case.textures() | drawn.made
         given = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in drawn.items()}
         for item in case.plan.passes:
             inputs = {slot: given[name] for slot, name in item.inputs.items()}
             written = formulas.run_pass(item, {slot: image.value for slot, image in inputs.items()})
-            ran = execution.run_pass(item, inputs, case.size, precision.SOFTWARE)
+            ran = kept.run_pass(item, inputs, case.size, precision.SOFTWARE)
             for value, image in zip(written, ran, strict=True):
                 off = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
                 assert off[~image.undecided].max() <= ALIKE[method], (item.entry, settings)
@@ -122,7 +122,7 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
     camera = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
     settings = methods.Settings(**{"method": "layered", "aperture": "hexagon", "camera": camera, **changes})
     case = noise_case((41, 27), settings)
-    drawn, random = Reference().images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
+    drawn, random = pass_images.images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
     uploaded = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in case.textures().items()}
     linear, times = execution.Texture.linear, 1.0
 

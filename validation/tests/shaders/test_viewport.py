@@ -11,7 +11,7 @@ from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics import images
-from bokeh_validation.reference.device import Reference
+from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.passes import Pass, target_area
 
 SIZE = (90, 74)
@@ -92,7 +92,7 @@ def test_nothing_leaks_in(name, driver):
     outputs = driver.run([*poison, *passes], textures | {"nan": nothing}, size, keep=scales)
     by_pass = settings.method == "layered" or settings.cats_eye > 0.0 or settings.lateral > 0.0
     given = outputs if by_pass else None
-    wanted = Reference().images(passes, textures, size, "half", driver.precision, driver.rounding, given=given)
+    wanted = pass_images.images(passes, textures, size, "half", driver.precision, driver.rounding, given=given)
     for name in scales if by_pass else (plan.result,):
         x, y, width, height = area = target_area(scales[name], viewport)
         found = inside(outputs[name], area)

@@ -8,7 +8,7 @@ from support_cases import CAMERA, noise_case, within
 
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import small_frames
+from bokeh_validation.probes import judges, small_frames
 from bokeh_validation.probes.small_frames import ALL, ENTRY_SETTINGS, FOCUS
 from bokeh_validation.shaders.entries import ENTRIES
 
@@ -205,6 +205,6 @@ def test_images_of_layered(driver):
     """
     frames = small_frames.all_frames()
     for label in (label for label in frames if label.startswith(IMAGES)):
-        for judge in small_frames.judges(label, frames[label], driver.precision, driver.rounding):
+        for judge in judges.judges(label, frames[label], driver.precision, driver.rounding):
             assert not judge.objection(driver)
     within(driver, noise_case((122, 24), Settings("layered", "hexagon", 7, camera=CAMERA)))

@@ -7,10 +7,10 @@ other. Textures are (H, W, 4): linear colour, CoC in alpha.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+from lines import Line, lines
 
 from bokeh_validation.frame.methods import FOCUS, LENS
 from bokeh_validation.reference import listings, sampling
-from bokeh_validation.reference.lines import Line, lines
 from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, STEADY, TABLE, VIEW
 from bokeh_validation.shaders.passes import Pass
 

@@ -1,0 +1,30 @@
+"""The float64 reference as a driver: the same passes, computed in place of drawn."""
+
+import numpy as np
+
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.numerics.images import STORAGE
+from bokeh_validation.numerics.precision import SOFTWARE, Precision
+from bokeh_validation.reference import pass_images
+
+
+class Reference(Driver):
+    """NumPy, float64, rounded to the targets' format between passes. No language, no device."""
+
+    name = "reference"
+    adapter = "NumPy float64"
+    software = True
+    rounding = "nearest"
+
+    def __init__(self, adapter: str | None = None):
+        del adapter
+
+    @property
+    def precision(self) -> Precision:
+        """That of a device which filters in float32."""
+        return SOFTWARE
+
+    def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
+        """See Driver."""
+        images = pass_images.images(passes, textures, size, storage)
+        return {name: images[name].value.astype(STORAGE[storage]) for name in keep}
