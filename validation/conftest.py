@@ -1,7 +1,7 @@
 """Fixtures and options of all tests, and their order."""
 
 import pytest
-from support import REAL, load
+from support import DRIVERS, LANGUAGES, NIGHTLY, load
 
 from bokeh_validation import drivers
 
@@ -19,19 +19,25 @@ def pytest_addoption(parser):
     parser.addoption("--all", action="store_true", help=said)
 
 
-def pytest_collection_modifyitems(items):
-    """A process is given whole files (--dist loadfile): their tests share what takes long to make."""
+def pytest_collection_modifyitems(config, items):
+    """Without --all, what is marked `nightly` is left out.
+
+    A process is given whole files (--dist loadfile): their tests share what takes long to make."""
+    if not config.getoption("--all"):
+        left_out = [item for item in items if item.get_closest_marker("nightly")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not item.get_closest_marker("nightly")]
     order = {f"test_{name}": index for index, name in enumerate(LONGEST)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
 
 
-@pytest.fixture(params=REAL)
+@pytest.fixture(params=DRIVERS)
 def driver(request) -> drivers.Driver:
-    """Every real driver in turn."""
+    """One of each language in turn; with --all, those of NIGHTLY too."""
     return load(request.param)
 
 
 @pytest.fixture
-def all_drivers() -> list[drivers.Driver]:
-    """All real drivers at once."""
-    return [load(name) for name in REAL]
+def all_drivers(request) -> list[drivers.Driver]:
+    """Those that `driver` is in turn, at once."""
+    return [load(name) for name in (*LANGUAGES, *(NIGHTLY if request.config.getoption("--all") else ()))]

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 from lines import LEAST, edge_lengths, parallelogram, polygon_edge
-from support import in_each_language
+from support import spread
 from support_cases import CAMERA, evaluated, everything, noise_case, result
 
 from bokeh_validation import metrics
@@ -74,8 +74,7 @@ def test_made_for_a_cut(sides, uncut):
     assert area == pytest.approx(abs(geometry.signed_area(aperture_shapes.even_polygon(sides))), abs=2.0**-12)
 
 
-@pytest.mark.parametrize("method", ["exact", "layered"])
-@in_each_language
+@spread("method", ["exact", "layered"])
 def test_nothing_to_cut(method, driver):
     """An amount of 0 is the plain polygon, to the steps that two ways to compute it differ by."""
     case = noise_case((61, 48), Settings(method, "hexagon", 7, camera=CAMERA, cats_eye=0.7))

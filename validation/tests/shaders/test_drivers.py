@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import LANGUAGES, load
+from support import LANGUAGES, load, nightly
 from support_cases import within
 
 from bokeh_validation.frame import aperture_shapes, methods
@@ -92,7 +92,7 @@ def test_unknown_parameter_is_refused():
 
 
 @pytest.mark.parametrize("count", [2, 127, 128, 129, 200, 256, 300])
-@pytest.mark.parametrize("driver", [*LANGUAGES, "d3d9"], indirect=True)
+@pytest.mark.parametrize("driver", [*LANGUAGES, pytest.param("d3d9", marks=nightly)], indirect=True)
 def test_many_offsets(count, driver):
     """A table of more offsets than a loop of shader model 3 has iterations: each is read once.
 

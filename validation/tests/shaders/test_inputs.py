@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import in_each_language, load
+from support import in_each_language, load, spread
 from support_cases import CAMERA, noise_case
 
 from bokeh_validation.frame import methods
@@ -134,8 +134,7 @@ CAMERAS = {
 DEPTHS = (np.nan, -1.0, 0.0, 1e-5, 5e-4, 0.05, 0.1, 1.0, 2.0, 3.9, 4.0, 4.1, 5.0, 8.0, 100.0, 1e5, 1e9, np.inf)
 
 
-@pytest.mark.parametrize("name", CAMERAS)
-@in_each_language
+@spread("name", CAMERAS)
 def test_cameras(name, driver):
     """Every camera gives a CoC that is finite and within 0 .. MaxCoC, the one that the documents tell; signed, the same
     one, below 0 where the pixel is nearer than the focus, as depth that is none is.

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from invalid_input import COLOR, DEPTH, sprinkled
-from support import LANGUAGES, in_each_language, spread
+from support import LANGUAGES, in_each_language, nightly, spread
 from support_cases import everything, within
 
 from bokeh_validation import drivers, paths
@@ -98,8 +98,7 @@ def test_bad_pixels_count_as_documented(method, driver):
         assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
 
 
-@pytest.mark.parametrize("method", METHODS)
-@in_each_language
+@spread("method", METHODS)
 def test_damage_is_confined(method, driver):
     """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes reach.
 
@@ -140,8 +139,7 @@ def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> C
     return Case("littered", settings, sprinkled(random, color, COLOR, share), sprinkled(random, depth, DEPTH, share))
 
 
-@pytest.mark.parametrize("method", METHODS)
-@in_each_language
+@spread("method", METHODS)
 def test_in_focus_nothing_changes(method, driver):
     """CoC 0 everywhere: the safe colours come out as they are, to the bit.
 
@@ -161,7 +159,9 @@ MOST_SIDE = {"naive": 90, "naive-grid": 24}
 
 @pytest.mark.parametrize("count", ["fewest", "most"])
 @pytest.mark.parametrize("method", ["paper", "paper adaptive", "exact", "exact adaptive", "naive", "naive-grid"])
-@pytest.mark.parametrize("driver", [*LANGUAGES, *MOST_SAMPLES], indirect=True)
+@pytest.mark.parametrize(
+    "driver", [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in MOST_SAMPLES)], indirect=True
+)
 def test_sample_counts(method, count, driver):
     """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
@@ -232,8 +232,7 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize("name", MISTAKES)
-@in_each_language
+@spread("name", MISTAKES)
 def test_parameters_out_of_range(name, driver):
     """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
     readers, values = MISTAKES[name]

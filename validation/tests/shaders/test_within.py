@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from support import LANGUAGES, REAL, load, spread
+from support import LANGUAGES, NIGHTLY, load, nightly, spread
 from support_cases import CAMERA, noise_case, within
 
 from bokeh_validation.frame import methods
@@ -35,7 +35,7 @@ def test_every_entry_is_there():
     assert drawn | {"BokehLinearDepth", "BokehDebug", "BokehStableMap"} == set(ENTRIES)
 
 
-@pytest.mark.parametrize("name", [name for name in REAL if name not in LANGUAGES])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=nightly) for name in NIGHTLY])
 def test_character(name):
     """The lens's character on the drivers that the tables below leave out."""
     for settings in LENS.values():
