@@ -14,8 +14,8 @@ SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
 # What `validation/run truth --json` wrote, and how far FLIP may be from it: on one Mesa it repeats exactly, the rest is
 # for another. It sees constants that act on these scenes, changed in all three languages and with expected pictures
-# written anew (sigma .0375 to .06: market_7 .0104 off), but not the far layer's ramp (10 to 14 in place of 16: .0001 off),
-# which test_expected.py and constants.txt hold.
+# written anew (sigma .0375 to .06: market_7 .0104 off). It does not see the far layer's ramp (10 to 14 in place of 16:
+# .0001 off), which test_expected.py and constants.txt hold.
 RECORDED = {
     (row["scene"], row["label"]): row
     for row in json.loads((paths.ROOT / "docs/data/truth.json").read_text(encoding="utf-8"))["rows"]
