@@ -1,16 +1,11 @@
-"""Fixtures and options of all tests, and their order."""
+"""Fixtures and options of all tests."""
 
 import pytest
 from support import DRIVERS, LANGUAGES, NIGHTLY, load
 
 from bokeh_validation import drivers
 
-# They take longest: begun first, so that nobody waits for one alone at the end.
-LONGEST = (
-    "engines", "web", "probes", "within", "compile", "invalid_input", "truth", "demo", "pages", "godot", "drivers",
-    "steady", "fuzz", "reference", "layers", "guides", "exact", "pictures", "viewport", "validate", "browser", "peers",
-    "pack", "render", "check", "frame", "bench", "parity",
-)  # fmt: skip
+pytest_plugins = ("bokeh_validation.run.schedule", "bokeh_validation.run.unchanged")
 
 
 def pytest_addoption(parser):
@@ -20,15 +15,11 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Without --all, what is marked `nightly` is left out.
-
-    A process is given whole files (--dist loadfile): their tests share what takes long to make."""
+    """Leave out what is marked `nightly`, unless everything is asked for."""
     if not config.getoption("--all"):
         left_out = [item for item in items if item.get_closest_marker("nightly")]
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if not item.get_closest_marker("nightly")]
-    order = {f"test_{name}": index for index, name in enumerate(LONGEST)}
-    items.sort(key=lambda item: order.get(item.path.stem, len(order)))
 
 
 @pytest.fixture(params=DRIVERS)

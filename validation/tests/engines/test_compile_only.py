@@ -12,12 +12,20 @@ from pathlib import Path
 
 import pytest
 from support import needed
+from support_inputs import inputs
 
 from bokeh_validation import needs, paths
 from bokeh_validation.compilers import dxc, fxc, tool
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.generate import copies
 from bokeh_validation.shaders.entries import ENTRIES
+
+pytestmark = inputs(
+    copies.UNITY,
+    copies.UNREAL,
+    "validation/stubs",
+    *(f"validation/bokeh_validation/{name}" for name in ("compilers", "generate")),
+)
 
 STUBS = paths.VALIDATION / "stubs"
 UNITY, PLUGIN = paths.ROOT / copies.UNITY, paths.ROOT / copies.UNREAL

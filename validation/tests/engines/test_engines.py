@@ -6,6 +6,7 @@ from math import exp, radians, tan
 
 import pytest
 from support import needed
+from support_inputs import of_sample, samples
 
 from bokeh_validation import engines, paths, process
 from bokeh_validation.engines import bevy, pages, vulkan
@@ -70,13 +71,12 @@ def check_pull(folder, metres):
 
 
 # Bevy's first build takes a quarter of an hour
-@pytest.mark.sample
 @pytest.mark.timeout(4000)
-@pytest.mark.parametrize("name", engines.ENGINES)
+@pytest.mark.parametrize("name", samples(engines.ENGINES))
 def test_sample(name, request):
     """Hexagon and octagon, exact and mostly paper, the layered hexagon where it is the default, on what was drawn.
 
-    Once, until something changes (conftest.py); a slow one where it has been built, or with --all.
+    Once, until something changes (support_inputs.py); a slow one where it has been built, or with --all.
     """
     if name in engines.SLOW and not request.config.getoption("--all") and not bevy.built():
         pytest.skip(f"{name}: not built here yet; --all builds it")
@@ -106,7 +106,7 @@ bokeh-bevy = {{ {} = "{}" }}
 """
 
 
-@pytest.mark.sample("bevy")
+@of_sample("bevy")
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("way", ["path", "git"])
 def test_bevy_dependency(way, request):

@@ -5,11 +5,12 @@ from math import exp
 import numpy as np
 import pytest
 from support import needed
+from support_inputs import of_sample
 from support_pages import SIZE, assert_debug_views, pixels
 
 from bokeh_validation.engines import godot
 
-pytestmark = pytest.mark.sample("godot")
+pytestmark = of_sample("godot")
 
 
 @pytest.fixture(scope="module")

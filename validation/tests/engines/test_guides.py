@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from support import needed
+from support_inputs import samples
 from support_pages import assert_picture
 
 from bokeh_validation import generate, paths, process
@@ -245,8 +246,7 @@ def test_bevy_import():
     assert set(imported.split(", ")) < set(re.findall(r"^(?:fn|struct) (\w+)", module, flags=re.M))
 
 
-@pytest.mark.sample
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("name", samples(PROGRAMS))
 def test_program(name, tmp_path):
     """The guide's program, as printed, beside the files that the guide says: the hexagon of its picture."""
     (program,) = [text for language, text in blocks(name) if language not in COMMANDS]
@@ -275,8 +275,7 @@ def test_program(name, tmp_path):
     assert_picture(drawn, tmp_path / "hexagon.png")
 
 
-@pytest.mark.sample
-@pytest.mark.parametrize("name", ["opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"])
+@pytest.mark.parametrize("name", samples(["opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"]))
 def test_picture(name, tmp_path):
     """The sample draws the picture of the guide."""
     drawn = tmp_path / "picture.png"

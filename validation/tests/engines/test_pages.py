@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support import needed
+from support_inputs import samples
 from support_pages import SIZE, assert_debug_views, assert_pulled, pixels
 
 from bokeh_validation import browser
@@ -20,10 +21,7 @@ CAMERAS = {
 }
 
 
-pytestmark = pytest.mark.sample
-
-
-@pytest.fixture(scope="module", params=CAMERAS)
+@pytest.fixture(scope="module", params=samples(CAMERAS))
 def sample(request):
     """(name, its opened page)"""
     with needed(request.param), pages.opened(request.param) as opened:
@@ -52,14 +50,14 @@ def test_what_the_guide_says(sample):
     assert_debug_views(page.call("views", kind))
 
 
-@pytest.mark.parametrize("sample", ["threejs-webgpu"], indirect=True)
+@pytest.mark.parametrize("sample", samples(["threejs-webgpu"]), indirect=True)
 def test_logarithmic_depth(sample):
     """WebGPU: refused, and told why. WebGL reads it; the other engines have no such buffer."""
     with pytest.raises(browser.Refused, match="PolygonBokehNode cannot read logarithmicDepthBuffer"):
         sample[1].call("logarithmic", "webgpu")
 
 
-@pytest.mark.parametrize("sample", ["playcanvas-webgl", "playcanvas-webgpu"], indirect=True)
+@pytest.mark.parametrize("sample", samples(["playcanvas-webgl", "playcanvas-webgpu"]), indirect=True)
 def test_other_effects(sample):
     """With bloom, occlusion, TAA and several samples a pixel it is the same picture, but for what those change."""
     said = sample[1].call("effects", None)
@@ -77,7 +75,7 @@ def test_other_effects(sample):
 
 
 @pytest.mark.parametrize(
-    "sample", [name for name in CAMERAS if not name.startswith("threejs")], indirect=True
+    "sample", samples(name for name in CAMERAS if not name.startswith("threejs")), indirect=True
 )  # three.js: test_web.py
 def test_options(sample):
     """Extras act, and at their neutral values change nothing but by rounding; what no option can be is said."""

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from support import needed
+from support_inputs import of_sample
 from support_pages import assert_picture
 
 from bokeh_validation import paths, process
@@ -16,7 +17,7 @@ COMMIT = "git init -q && git add . && git -c user.name=x -c user.email=x commit 
 WRONG = "from bokeh_panda3d import DepthOfField as D; D.change(None, sides=5)"
 
 
-@pytest.mark.sample("panda3d")
+@of_sample("panda3d")
 @pytest.mark.parametrize("form", ["folder", "git"])
 def test_installed(form, tmp_path):
     """From a copy of the folder, and by git from a repository that has it: the sample draws its picture by it.

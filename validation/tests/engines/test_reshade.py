@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from support import load, needed
+from support_inputs import of_sample
 from support_pages import assert_picture
 
 from bokeh_validation import needs, paths
@@ -79,7 +80,7 @@ def drawn(folder: Path) -> np.ndarray:
         running.wait()
 
 
-@pytest.mark.sample("reshade")
+@of_sample("reshade")
 @pytest.mark.parametrize(
     ("technique", "cursor"), [("PolygonalBokeh", False), ("PolygonalBokehExact", False), ("PolygonalBokehExact", True)]
 )

@@ -10,10 +10,13 @@ from pathlib import Path
 
 import pytest
 from support import needed
+from support_inputs import inputs
 from support_pages import assert_picture
 
 from bokeh_validation import browser, paths, process
 from bokeh_validation.engines import pages
+
+pytestmark = inputs(*(f"integration/{name}" for name in ("web", "threejs", "babylonjs", "playcanvas")))
 
 INTEGRATION = paths.ROOT / "integration"
 WEB = INTEGRATION / "web"

@@ -14,6 +14,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 from support import called, load, needed, refused
+from support_inputs import inputs
 
 from bokeh_validation import browser, demo, pictures
 from bokeh_validation.drivers.base import Driver
@@ -24,6 +25,11 @@ from bokeh_validation.probes.judges import compared
 from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import ray_traced
 from lab.other_effects import effects
+
+pytestmark = inputs(
+    "integration/web", "validation/bokeh_validation/demo", "validation/lab/other_effects", "validation/scenes",
+    "validation/tests/harness/test_demo.py", "validation/tests/harness/demo_page.js",
+)  # fmt: skip
 
 SCRIPT = Path(__file__).with_name("demo_page.js").read_text(encoding="utf-8")
 LENS = {"stop": 0.3, "focal": 0.06, "focus": 4.0}

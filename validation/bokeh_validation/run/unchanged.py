@@ -1,0 +1,57 @@
+"""pytest: skips a test whose inputs are what they were when it last passed here. --all runs it.
+
+`@pytest.mark.inputs(path, ...)` names all that the test's outcome depends on: files and folders, relative to the
+repository's root. Several marks add up.
+"""
+
+from functools import cache
+
+import pytest
+
+from bokeh_validation import locks, paths
+
+# Neither sources nor fetched: what running leaves behind
+LEFT_BEHIND = (".pyc",)
+
+
+@cache
+def digest_of(name: str) -> str:
+    """A digest of a file, or of all files of a folder, by their paths and contents."""
+    place = paths.ROOT / name
+    if not place.exists():
+        raise ValueError(f"pytest.mark.inputs: there is no {name}")
+    files = [place] if place.is_file() else [path for path in place.rglob("*") if path.is_file()]
+    named = sorted((path.relative_to(paths.ROOT).as_posix(), path) for path in files)
+    return locks.digest(part for name, path in named if path.suffix not in LEFT_BEHIND for part in (name, path))
+
+
+def _state(item: pytest.Item) -> str | None:
+    """A digest of a test's inputs; None where it names none."""
+    names = sorted({name for mark in item.iter_markers("inputs") for name in mark.args})
+    return locks.digest(map(digest_of, names)) if names else None
+
+
+def _key(item: pytest.Item) -> str:
+    return f"unchanged/{item.nodeid}"
+
+
+def pytest_configure(config):
+    """Describe the mark."""
+    config.addinivalue_line("markers", "inputs(*paths): skipped while these are what they were when it passed")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Skip what has not changed, unless everything is asked for."""
+    for item in [] if config.getoption("--all") else items:
+        state = _state(item)
+        if state is not None and config.cache.get(_key(item), "") == state:
+            item.add_marker(pytest.mark.skip("nothing has changed since it passed; --all runs it"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Remember what a test was made of when it passed."""
+    report = yield
+    if call.when == "call" and report.passed and (state := _state(item)) is not None:
+        item.config.cache.set(_key(item), state)
+    return report

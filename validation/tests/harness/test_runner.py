@@ -1,0 +1,59 @@
+"""How tests are distributed, and which are skipped since nothing that they depend on has changed."""
+
+from bokeh_validation import paths
+from bokeh_validation.run import schedule, unchanged
+
+pytest_plugins = ("pytester",)
+CONFTEST = """
+pytest_plugins = ("bokeh_validation.run.schedule", "bokeh_validation.run.unchanged")
+def pytest_addoption(parser):
+    parser.addoption("--all", action="store_true")
+"""
+
+
+def test_units():
+    """Neighbours until 20 s are full; a shared set-up is not parted from its tests; an unknown test counts as 1 s."""
+    durations = {f"a.py::{n}": [0.0, 15.0] for n in range(4)} | {"b.py::0": [9.0, 30.0], "b.py::1": [0.0, 30.0]}
+    durations |= {"c.py::0": [9.0, 30.0], "c.py::1": [8.0, 10.0]}
+    found = schedule.units([*durations, *(f"d.py::{n}" for n in range(21))], durations)
+    starts = {name for name in found.values()}
+    assert starts == {"a.py::0", "a.py::2", "b.py::0", "c.py::0", "c.py::1", "d.py::0", "d.py::20"}
+
+
+def test_longest_first(pytester):
+    """What took longest the last time is begun first."""
+    pytester.makeconftest(CONFTEST)
+    names = ("quick", "slow", "slower")
+    for name, seconds in zip(names, (0.0, 0.3, 0.6), strict=True):
+        pytester.makepyfile(**{f"test_{name}": f"import time\ndef test(): time.sleep({seconds})"})
+    pytester.inline_run().assertoutcome(passed=3)
+    lines = [line for line in pytester.runpytest_subprocess("-n1", "-v").outlines if "PASSED" in line]
+    assert [name for line in lines for name in names if f"test_{name}.py" in line] == ["slower", "slow", "quick"]
+
+
+def test_unchanged(pytester, monkeypatch):
+    """Run once, then skipped, until a file in one of its folders changes; a failure is no reason to skip."""
+    monkeypatch.setattr(paths, "ROOT", pytester.path)
+    folder = pytester.mkdir("folder")
+    (folder / "value").write_text("1")
+    pytester.makeconftest(CONFTEST)
+    pytester.makepyfile(
+        """
+        import pathlib, pytest
+        @pytest.mark.inputs("folder")
+        def test(): assert pathlib.Path("folder/value").read_text() != "0"
+        """
+    )
+
+    for value, arguments, expected in (
+        ("1", (), "passed"),
+        ("1", (), "skipped"),
+        ("1", ("--all",), "passed"),
+        ("0", (), "failed"),
+        ("0", (), "failed"),
+        ("1", (), "skipped"),
+    ):
+        (folder / "value").write_text(value)
+        unchanged.digest_of.cache_clear()
+        passed, skipped, failed = pytester.inline_run(*arguments).listoutcomes()
+        assert {"passed": passed, "skipped": skipped, "failed": failed}[expected], (value, arguments)
