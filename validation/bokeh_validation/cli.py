@@ -27,7 +27,7 @@ COMMANDS = {
     "parity": "bokeh_validation.shaders.parity",
     "generate": "bokeh_validation.generate",
     "engines": "bokeh_validation.engines",
-    "demo": "bokeh_validation.demo",
+    "demo": "lab.demo",
     "truth": "lab.truth_command",
     "pictures": "lab.documents.pictures_command",
     "peers": "lab.other_effects",

@@ -93,7 +93,7 @@ class Session:
         flags    more of the command line
         limit    seconds that a call may take
         """
-        path = _chromium()
+        path = executable()
         self.said: list[str] = []
         self.dead = ""
         self._limit = limit
@@ -195,7 +195,7 @@ def _loop() -> asyncio.AbstractEventLoop:
     return loop
 
 
-def _chromium() -> str:
+def executable() -> str:
     """Path of Chromium. Raises Unavailable."""
     named = os.environ.get(VARIABLE)
     for name in (named,) if named else NAMES:

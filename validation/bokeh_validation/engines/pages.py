@@ -11,10 +11,12 @@ import shutil
 from pathlib import Path
 
 from bokeh_validation import browser, locks, needs, paths, process
+from bokeh_validation.errors import Unavailable
 from bokeh_validation.process import find
 
 NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcanvas") for kind in ("webgl", "webgpu"))
 INSTALL = needs.install("npm")
+OLDEST_NODE = (20, 19)
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
 RUN_LIMIT = 240.0  # it takes 10 on two cores
 
@@ -77,6 +79,13 @@ def installed(source: Path) -> Path:
         call_npm(folder, "ci")
 
     return locks.built_once(f"engines/{source.name}/npm", files, install) / "node_modules"
+
+
+def check_node() -> None:
+    """Refuse a Node.js that Vite does not run on. Raises Unavailable."""
+    said = process.run([find("node", INSTALL), "--version"], INSTALL_LIMIT).strip()
+    if tuple(map(int, said.removeprefix("v").split(".")[:2])) < OLDEST_NODE:
+        raise Unavailable(f"Node.js is {said}; Vite needs {'.'.join(map(str, OLDEST_NODE))} or later")
 
 
 def call_npm(folder: Path, *command: str | Path) -> None:

@@ -92,7 +92,7 @@ options drivers
 plan generate compile_matrix probes
 render compare check truth engines doctor
 run cli __main__
-lab demo
+lab
 """.strip().splitlines()
 ]
 

@@ -30,6 +30,7 @@ plan --size 1920 | --size 1920; 1920x1080
 plan --size 99999x9 | --size 99999x9; 2 to 16384
 plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
 demo --output /no/such/folder/x.html | /no/such/folder
+demo --data /no/such/folder | /no/such/folder
 peers --effect Unreal | --effect Unreal; BokehPass
 peers --scene x | --scene x; market_7
 peers --motion walk | --motion walk: unknown. Give one of still, pan

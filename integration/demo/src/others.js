@@ -1,8 +1,8 @@
 // Depth of field by three.js's and pmndrs' own libraries. They draw on WebGL 2, apart from the page, and what they drew is
 // handed over.
 
-import { upsideDown } from "../../../lab/other_effects/page/feed.js";
-import * as library from "../../../lab/other_effects/page/three_webgl.js";
+import { upsideDown } from "@validation/lab/other_effects/page/feed.js";
+import * as library from "@validation/lab/other_effects/page/three_webgl.js";
 
 // Circle of confusion at infinity, a diameter, over the image height
 const farCoC = ({ aperture, focal, focus, sensor }) => (aperture * focal) / ((focus - focal) * sensor);

@@ -2,16 +2,22 @@
 
 import { FloatType, HalfFloatType, RedFormat } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
-import { upsideDown } from "../../../lab/other_effects/page/feed.js";
+import { upsideDown } from "@validation/lab/other_effects/page/feed.js";
 
 const WIDEST = 1920; // a PNG is made so wide at the most
 const FAR = 100; // metres, of black in a depth picture; white is 1 metre
+// name of a scene's file -> its address: in the built page the file itself
+const FILES = import.meta.glob("../data/*.exr", { query: "?url", import: "default", eager: true });
 const TOGETHER = [4, 8, 9]; // PIZ, DWAA, DWAB
 
 // { color, depth, truth } of a scene in the page: images as in job.js.
 export async function embedded(name) {
-  const read = (kind) => readExr(Uint8Array.fromBase64(document.getElementById(`${name} ${kind}`).textContent));
-  return { ...read("pinhole"), truth: read("truth").color };
+  const read = async (kind) => {
+    const file = await fetch(FILES[`../data/${name}_${kind}.exr`]);
+    return readExr(new Uint8Array(await file.arrayBuffer()));
+  };
+  const [pinhole, truth] = await Promise.all([read("pinhole"), read("truth")]);
+  return { ...pinhole, truth: truth.color };
 }
 
 // The same of files, with a lens for what comes without: an EXR with R G B Z, or two pictures, the one whose name has

@@ -1,13 +1,11 @@
 """A page to try the methods on, live, in a browser: the work behind `validation/run demo`.
 
-One HTML file with everything in it. Its passes are those of methods.plan as data; it draws them with the code of the
-browser drivers (browser/page).
+The page is a web project, integration/demo, which Vite builds as one HTML file. Here its data is written: the passes of
+methods.plan and the scenes. The page draws them with the code of the browser drivers (browser/page).
 """
 
-import base64
-import gzip
 import json
-import re
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,7 +16,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import browser, files, paths, shaders, terminal
+from bokeh_validation import browser, files, paths, process, shaders, terminal
 from bokeh_validation.engines import pages
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
@@ -27,24 +25,10 @@ from bokeh_validation.shaders.passes import Pass, is_linear
 from bokeh_validation.truth import EXPOSURE, ray_traced
 from lab.other_effects import effects
 
-PAGE = Path(__file__).parent / "page"
-MODULES = (
-    *(browser.PAGE / name for name in ("job.js", "webgl2.js")),
-    *(effects.PAGE / name for name in ("feed.js", "three_webgl.js")),
-    *sorted(PAGE.glob("*.js")),
-)
-# What they use of npm's packages
-LIBRARIES = (
-    *(f"three/build/three.{name}.js" for name in ("core", "module")),
-    *(f"three/examples/jsm/postprocessing/{name}Pass.js" for name in ("Bokeh", "Mask", "Render", "Shader")),
-    *(f"three/examples/jsm/postprocessing/{name}.js" for name in ("EffectComposer", "Pass")),
-    *(f"three/examples/jsm/shaders/{name}Shader.js" for name in ("Bokeh", "Copy")),
-    "three/examples/jsm/loaders/EXRLoader.js",
-    "three/examples/jsm/libs/fflate.module.js",
-    "postprocessing/build/index.js",
-)
-PACKAGES = {"three": "three.module.js", "postprocessing": "index.js"}
-IMPORT = re.compile(r"""\b(from|import)\s*(['"])(three|postprocessing|[./\w-]+\.js)\2""")
+PROJECT = paths.ROOT / "integration" / "demo"
+# Folders of the repository that the build reads
+SOURCES = (PROJECT, browser.PAGE, effects.PAGE)
+BUILD_LIMIT = 300.0  # seconds; it takes 3
 OTHERS = ("BokehPass", "DepthOfFieldEffect")
 SCENES = (ray_traced.MARKET, ray_traced.STREET, ray_traced.CANOPY)
 # of the plans: the page puts in its own
@@ -63,7 +47,7 @@ def settings() -> dict[str, methods.Settings]:
 
 
 def data() -> dict:
-    """What page/main.js works on, ready for JSON."""
+    """What src/main.js works on, ready for JSON."""
     glsl = shaders.text("glsl")
     plans = {name: methods.plan(chosen, SIZE).passes for name, chosen in settings().items()}
     return {
@@ -100,34 +84,35 @@ def _scene(scene: ray_traced.SceneFile) -> dict:
     }
 
 
-def page() -> str:
-    """The whole file. Raises Unavailable where npm is missing."""
-    text = (PAGE / "index.html").read_text(encoding="utf-8")
-    # in a text of JSON "</" would end the element
-    text_of_data = json.dumps(data()).replace("</", "<\\/")
-    parts = [f'<script type="application/json" id="data">{text_of_data}</script>', _packed("modules", _modules())]
+def write_data(folder: Path) -> None:
+    """Write what the page is built with: page.json, and of each scene the input and the ray-traced truth."""
+    (folder / "page.json").write_text(json.dumps(data()), encoding="utf-8")
     for scene in SCENES:
         truth = paths.SCENES / f"{scene.name}_{ray_traced.TRUTHS['hexagon']}.exr"
-        parts += [_packed(f"{scene.name} pinhole", scene.source.read_bytes())]
-        parts += [_packed(f"{scene.name} truth", truth.read_bytes())]
-    return text.replace("<!-- data -->", "\n".join(parts))
+        shutil.copy(scene.source, folder / f"{scene.name}_pinhole.exr")
+        shutil.copy(truth, folder / f"{scene.name}_truth.exr")
 
 
-def _packed(name: str, content: bytes) -> str:
-    return f'<script type="text/plain" id="{name}">{base64.b64encode(content).decode("ascii")}</script>'
+def copied(repository: Path) -> Path:
+    """Copy the project and what it reads to where they are in a repository, and install its packages there.
+
+    Returns the project's folder. Raises Unavailable where npm is missing or Node.js is too old for Vite.
+    """
+    pages.check_node()
+    for folder in SOURCES:
+        local = shutil.ignore_patterns("node_modules", "data", "dist")
+        shutil.copytree(folder, repository / folder.relative_to(paths.ROOT), ignore=local)
+    (repository / "node_modules").symlink_to(pages.installed(PROJECT))
+    return repository / PROJECT.relative_to(paths.ROOT)
 
 
-def _modules() -> bytes:
-    """The modules as the page takes them: gzip of JSON, name -> text, each importing others as "bokeh/NAME"."""
-    installed = pages.installed(effects.FOLDERS[0])
-    files = [*MODULES, *(installed / name for name in LIBRARIES)]
-    texts = {file.name: IMPORT.sub(_imported, file.read_text(encoding="utf-8")) for file in files}
-    return gzip.compress(json.dumps(texts).encode(), mtime=0)
-
-
-def _imported(statement: re.Match) -> str:
-    name = statement[3]
-    return f'{statement[1]} "bokeh/{PACKAGES.get(name, name.rpartition("/")[2])}"'
+def page() -> str:
+    """Build the page and return the whole file. Raises Unavailable where npm is missing."""
+    with tempfile.TemporaryDirectory(prefix="bokeh-") as repository:
+        project = copied(Path(repository))
+        write_data(paths.ensured(project / "data"))
+        process.run(["npm", "run", "build"], BUILD_LIMIT, project)
+        return (project / "dist" / "index.html").read_text(encoding="utf-8")
 
 
 class _Handler(SimpleHTTPRequestHandler):
@@ -155,8 +140,15 @@ def demo(
         Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="Write the page, and do not serve it.")
     ] = None,
     port: Annotated[int, typer.Option(help="To serve it on; 0: any that is free.")] = 8015,
+    data_folder: Annotated[
+        Path | None, typer.Option("--data", metavar="FOLDER", help="Write only the data, for Vite's own server.")
+    ] = None,
 ) -> None:
     """A page to try it: methods side by side, focus by a click, lens and aperture by sliders, pictures of your own."""
+    if data_folder is not None:
+        files.check_folder("--data", data_folder)
+        write_data(data_folder)
+        return
     if output is not None:
         terminal.check_writable(output)
         text = page()

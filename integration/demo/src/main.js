@@ -4,12 +4,12 @@ import * as others from "./others.js";
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
 import * as view from "./view.js";
+import data from "../data/page.json";
 
 const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
 const SIDES = ["left", "right"];
 const byId = (id) => document.getElementById(id);
 
-const data = JSON.parse(byId("data").textContent);
 const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced", ...data.others };
 const power = (x) => 2 ** x;
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
@@ -24,7 +24,7 @@ const SLIDERS = {
   exposure: ["exposure", -4, 4, 0.1, Math.log2, power, (v) => `${Math.log2(v).toFixed(1)} EV`],
 };
 const scenes = [...data.scenes];
-export const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
+const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
 const drawn = {}; // side -> { key, name, facts }
 let work = Promise.resolve(); // what is drawn and loaded, one after the other
 let scheduled = false; // whether a picture is on its way
@@ -33,7 +33,7 @@ let pointer = null; // texel under it
 let pull = null; // where focus is pulled to, metres
 
 // Change the state; resolves when everything is drawn, a pull of focus to its end.
-export function change(changes) {
+function change(changes) {
   Object.assign(state, changes);
   if (!scheduled) after(() => new Promise(requestAnimationFrame).then(step));
   scheduled = true;
@@ -140,7 +140,7 @@ function ofTruth() {
 }
 
 // Show a scene of the list with the lens that it comes with.
-export async function choose(index) {
+async function choose(index) {
   const scene = scenes[index];
   say("");
   const pictures = scene.color ? scene : await embedded(scene.name);
@@ -174,7 +174,7 @@ function reset() {
 }
 
 // Take files that were dropped or chosen.
-export async function open(files) {
+async function open(files) {
   try {
     scenes.splice(data.scenes.length, 1, await dropped([...files]));
     listScenes();
@@ -287,5 +287,7 @@ async function begin() {
   await choose(0);
 }
 
-export const ready = begin();
+const ready = begin();
 ready.catch(say);
+// For the browser's console, and for the tests in ../test
+window.bokeh = { ready, state, change, choose, open, picture: view.picture };

@@ -1,6 +1,6 @@
 // Draws the frames of both sides and shows them beside each other: WebGL 2, by the code that the validation draws with.
 
-import { draw, linked, onto, read, start, texture } from "../../browser/page/webgl2.js";
+import { draw, linked, onto, read, start, texture } from "@validation/bokeh_validation/browser/page/webgl2.js";
 
 // Both pictures, exposed by a filmic curve (Narkowicz's fit of ACES) as in the documentation's. v = 0 is the first row
 // of a picture, and the bottom one of a canvas.

@@ -1,0 +1,169 @@
+// The built page, opened from disk in headless Chromium and worked by its controls.
+//
+// BOKEH_PAGE names a folder that validation/lab/tests/test_demo.py writes: page.html; given/, files to open, and cases.json,
+// what to draw of them; drawn/, where the pictures are left that Python compares with the reference.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+import { errorsOf, launched } from "./chromium.js";
+import * as hand from "./hand.js";
+
+const FOLDER = process.env.BOKEH_PAGE;
+const given = (name) => readFileSync(`${FOLDER}/given/${name}`);
+const SIZE = [960, 540]; // of market_7
+const FOCUS = 2.42; // metres, with which it comes
+
+let browser;
+let page;
+let errors;
+const requests = [];
+
+before(async () => {
+  assert.ok(FOLDER, "BOKEH_PAGE is not set: run validation/test validation/lab/tests/test_demo.py");
+  browser = await launched(chromium);
+  page = await browser.newPage({ hasTouch: true });
+  errors = errorsOf(page);
+  page.on("request", (request) => requests.push(request.url()));
+  await page.goto(pathToFileURL(`${FOLDER}/page.html`).href);
+  await page.evaluate(() => bokeh.ready);
+});
+
+after(() => browser?.close());
+
+const set = (values, exactly = {}) => page.evaluate(hand.set, [values, exactly]);
+const opened = (...files) => page.evaluate(hand.open, files.map(([name, data]) => [name, data.toString("base64")]));
+const choose = (index) => page.evaluate((index) => bokeh.choose(index), index);
+
+// Leave pictures of a side in drawn/, as "CASE NAME.f32"
+async function leave(label, side, names) {
+  for (const [name, image] of await page.evaluate(hand.pictures, [side, names])) {
+    assert.equal(image.format, "rgba32float");
+    writeFileSync(`${FOLDER}/drawn/${label} ${name}.f32`, Buffer.from(image.data, "base64"));
+  }
+}
+
+function between(value, least, most, what) {
+  assert.ok(least <= value && value <= most, `${what} is ${value}, not between ${least} and ${most}`);
+}
+
+test("pictures for the judge", async (t) => {
+  for (const { label, files, controls, exactly, keep } of JSON.parse(given("cases.json"))) {
+    await t.test(label, async () => {
+      assert.equal(await opened(...files.map((name) => [name, given(name)])), "");
+      await set(controls, exactly);
+      for (const [side, names] of Object.entries(keep)) await leave(label, side, names);
+    });
+  }
+});
+
+test("a scene of the page, and the canvas", async () => {
+  await choose(0);
+  await set({ left: "truth", right: "layered", preset: "medium" });
+  await leave("market_7", "right", ["result"]);
+  await leave("market_7", "left", ["truth", "color"]);
+  writeFileSync(`${FOLDER}/drawn/market_7 canvas.u8`, Buffer.from(await page.evaluate(hand.canvas), "base64"));
+  await page.screenshot({ path: `${FOLDER}/drawn/page.png` });
+});
+
+for (const name of ["BokehPass", "DepthOfFieldEffect"]) {
+  test(`another library's effect: ${name}`, async () => {
+    await choose(0);
+    const said = await set({ left: "input", right: name });
+    assert.match(said.facts, /^a disc, /);
+    assert.equal(said.said, "");
+    await leave("market_7", "right", [name]);
+  });
+}
+
+test("controls: sliders, lists, divider, a click that focuses, the readout, keys", async () => {
+  await choose(0);
+  let said = await set({ left: "input", right: "exact", preset: "low", stop: 0, rotation: 30 });
+  assert.deepEqual([said.stop, said.rotation], [1, 30]);
+  assert.match(said.facts, /^\d passes, \d+\.\d ms$/);
+  const box = await page.locator("#canvas").boundingBox();
+  const depth = new Float32Array(Uint8Array.from(given("market_7 depth.f32")).buffer);
+  // the middle of a texel, on the screen
+  const at = (x, y) => [box.x + ((x + 0.5) * box.width) / SIZE[0], box.y + ((y + 0.5) * box.height) / SIZE[1]];
+  // [least, most] depth where the pointer can be: a click is on a whole pixel of the screen
+  const near = (x, y) => {
+    const rows = [y - 1, y, y + 1].flatMap((row) => [...depth.subarray(row * SIZE[0] + x - 1, row * SIZE[0] + x + 2)]);
+    return [Math.min(...rows), Math.max(...rows)];
+  };
+
+  await page.mouse.move(...at(480, 100));
+  await page.mouse.down();
+  await page.mouse.move(...at(720, 130), { steps: 3 });
+  await page.mouse.up();
+  said = await set({});
+  between(said.split, 0.74, 0.76, "the split, by mouse,");
+  assert.equal(said.focus, FOCUS);
+  const fingers = await page.context().newCDPSession(page);
+  for (const [type, x] of [["touchStart", 720], ["touchMove", 600], ["touchMove", 240], ["touchEnd", null]]) {
+    const [left, top] = at(x ?? 0, 130);
+    const touchPoints = x === null ? [] : [{ x: left, y: top }];
+    await fingers.send("Input.dispatchTouchEvent", { type, touchPoints });
+  }
+  said = await set({});
+  between(said.split, 0.24, 0.26, "the split, by finger,");
+  assert.equal(said.focus, FOCUS);
+
+  await set({}, { focus: 60 });
+  await page.evaluate(hand.focuses);
+  await page.mouse.click(...at(700, 470));
+  const { focus, split } = await set({});
+  between(focus, ...near(700, 470), "the focus");
+  assert.ok(near(700, 470)[1] < FOCUS);
+  const passed = await page.evaluate(hand.focuses);
+  assert.ok(new Set(passed.filter((one) => one !== 60 && one !== focus)).size > 1, "the focus jumped");
+  assert.deepEqual(passed, passed.toSorted((a, b) => b - a));
+
+  await page.mouse.move(...at(300, 60));
+  const { under } = await set({});
+  const [metres, pixels] = /^\d+, \d+: (\S+) m, CoC (\S+) pixels far$/.exec(under).slice(1).map(Number);
+  const [least, most] = near(300, 60);
+  between(metres, 0.99 * least, 1.01 * most, "the depth under the pointer");
+  // a lens of 50 mm at f/1, a sensor of 24 mm, at the most 0.15 of the height
+  const coc = Math.min((0.05 * 0.05 * (metres - focus)) / (metres * (focus - 0.05)) / 0.024, 0.15) * SIZE[1];
+  between(pixels, 0.98 * coc, 1.02 * coc, "the circle of confusion");
+
+  const keys = async (focused, ...names) => {
+    await page.locator(focused).focus();
+    for (const name of names) await page.keyboard.press(name);
+    return set({});
+  };
+  // a slider keeps its arrows
+  const changed = await keys("#stop", "ArrowRight", "x", "]", "b");
+  between(changed.stop, 2 ** 0.3 - 1e-6, 2 ** 0.3 + 1e-6, "the f-stop");
+  assert.equal(changed.split, split);
+  assert.deepEqual([changed.left, changed.right, changed.blades], ["exact", "input", 8]);
+  const last = await keys("#divider", "ArrowLeft", "Shift+Digit3", "0");
+  between(last.split, split - 0.02 - 1e-6, split - 0.02 + 1e-6, "the split, by a key,");
+  assert.deepEqual([last.right, last.focus, last.rotation, last.blades], ["exact", FOCUS, 0, 6]);
+});
+
+test("a file that cannot be read is refused in one line", async (t) => {
+  const bad = Buffer.from("no picture");
+  const refusals = [
+    ["depth is 40 x 24, the picture 160 x 90", [["a.exr", given("color.exr")], ["a_depth.png", given("a depth.png")]]],
+    ["no.exr: no depth", [["no.exr", given("color.exr")]]],
+    ["piz.exr: channels of two types; save it with ZIP", [["piz.exr", given("two types.exr")]]],
+    ["bad.exr: not an EXR file", [["bad.exr", bad]]],
+    ["cut.exr: ", [["cut.exr", given("piz.EXR").subarray(0, 900)]]],
+    ["bad.png: ", [["bad.png", bad]]],
+  ];
+  for (const [words, files] of refusals) {
+    await t.test(words, async () => {
+      const said = await opened(...files);
+      assert.ok(said.includes(words) && !said.includes("\n"), said);
+    });
+  }
+});
+
+test("the page asks for nothing outside itself, and writes no error", () => {
+  const address = pathToFileURL(`${FOLDER}/page.html`).href;
+  assert.deepEqual(requests.filter((url) => url !== address && !/^(data|blob):/.test(url)), []);
+  assert.deepEqual(errors, []);
+});
