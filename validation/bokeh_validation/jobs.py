@@ -1,14 +1,17 @@
 """Work for several processes, each with drivers, a browser and a Wine of its own."""
 
 import atexit
+import json
 import multiprocessing
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 
+from bokeh_validation import files, paths
 from bokeh_validation.errors import UserError
 
 # a function of a module and its arguments; both and the result go from one process to another
@@ -16,26 +19,61 @@ Job = tuple[Callable, tuple]
 
 CORES = os.cpu_count() or 1
 PROCESSES = min(CORES, 4)
+# In the cache folder: seconds of each job
+DURATIONS = "durations.json"
 
 
 def run(jobs: Sequence[Job], step: Callable[[str], None]) -> list:
-    """Results in the order of the jobs, which begin in that order: those that take longest are best given first.
+    """Return the results in the order of the jobs. Those that took longest here the last time begin first.
 
     step  called after each job with its first argument
     """
+    known = _durations()
+    ordered = sorted(range(len(jobs)), key=lambda index: -known.get(_name(jobs[index]), 1.0))
+    results, taken = [None] * len(jobs), {}
     with ProcessPoolExecutor(PROCESSES, multiprocessing.get_context("spawn"), _begin) as pool:
         try:
-            waiting = {pool.submit(function, *arguments): arguments[0] for function, arguments in jobs}
+            waiting = {pool.submit(_timed, *jobs[index]): index for index in ordered}
             for future in as_completed(waiting):
-                future.result()
-                step(str(waiting[future]))
-            return [future.result() for future in waiting]
+                job = jobs[waiting[future]]
+                taken[_name(job)], results[waiting[future]] = future.result()
+                step(str(job[1][0]))
         except BrokenProcessPool as error:
             raise UserError("a driver or compiler took its process with it. Try validation/run probes.") from error
         except BaseException:
             for child in multiprocessing.active_children():
                 child.terminate()
             raise
+    _keep(known | taken)
+    return results
+
+
+def _name(job: Job) -> str:
+    """The name that a job's duration is kept by: its function and its first argument."""
+    function, arguments = job
+    return f"{function.__module__}.{function.__qualname__} {arguments[0]}"
+
+
+def _timed(function: Callable, arguments: tuple) -> tuple[float, object]:
+    """Seconds, and the function's result."""
+    started = time.monotonic()
+    result = function(*arguments)
+    return round(time.monotonic() - started, 2), result
+
+
+def _durations() -> dict[str, float]:
+    """Name of a job -> its seconds the last time; nothing where that cannot be read."""
+    try:
+        return json.loads((paths.cache_folder() / DURATIONS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+
+
+def _keep(durations: dict[str, float]) -> None:
+    """Keep the durations for the next run."""
+    text = json.dumps(durations, indent=0, sort_keys=True)
+    file = paths.ensured(paths.cache_folder()) / DURATIONS
+    files.whole(file, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 
 def _begin() -> None:

@@ -3,14 +3,14 @@
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import MofNCompleteColumn, Progress
 
 from bokeh_validation import files
 from bokeh_validation.errors import Unavailable, UserError
@@ -18,7 +18,7 @@ from bokeh_validation.errors import Unavailable, UserError
 if TYPE_CHECKING:
     from bokeh_validation.drivers.base import Driver
 
-OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[yellow]not run[/]"
+OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[dim]not run[/]"
 # Tried in this order when no driver is named: the fastest to start first.
 AUTO = ("egl", "osmesa", "wgpu", "dxc")
 
@@ -52,6 +52,12 @@ def tell(*lines: str) -> None:
         console.print(line, markup=False, highlight=False)
 
 
+def tell_missing(missing: Mapping[str, str]) -> None:
+    """Print, in grey, what was not run and how to get it, a line each."""
+    for name, reason in missing.items():
+        console.print(f"not run: {name}: {reason}", style="dim", markup=False, highlight=False)
+
+
 def end(ok: bool) -> None:
     """End the command by its exit code."""
     raise typer.Exit(0 if ok else 1)
@@ -60,7 +66,8 @@ def end(ok: bool) -> None:
 @contextmanager
 def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
     """A progress bar on standard error, gone when done; yields what is to be called after each step, with its name."""
-    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
+    columns = (*Progress.get_default_columns(), MofNCompleteColumn())
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
     task = bar.add_task(description, total=total)
     with bar:
         yield lambda text: bar.update(task, advance=1, description=f"{description} {text}")

@@ -53,22 +53,28 @@ class Compilation:
 
     @property
     def summary(self) -> str:
-        """One line: how many cells of each kind."""
+        """One line: how many compilations were run, and how many failed."""
         counts = self.counts
-        parts = [f"{len(self.rows)} programs", f"{counts[OK]} of {sum(counts.values())} compilations ok"]
-        return ", ".join(parts + [f"{counts[kind]} {kind}" for kind in (FAILED, MISSING) if counts[kind]])
+        text = f"{len(self.rows)} programs, {counts[OK]} of {counts[OK] + counts[FAILED]} compilations ok"
+        return text + (f", {counts[FAILED]} {FAILED}" if counts[FAILED] else "")
 
     def failures(self, lines: int = 3) -> list[str]:
-        """What failed or is missing: the compiler's own first lines, once for all programs that have them in common."""
-        names: dict[tuple[str, str, str], list[str]] = defaultdict(list)
+        """Return the first lines of each compiler that refused, once for all programs that have them in common."""
+        names: dict[tuple[str, str], list[str]] = defaultdict(list)
         for row in self.rows:
             for column, cell in row.cells.items():
-                if cell.status != OK:
-                    names[column, cell.status, cell.message].append(row.program.name)
+                if cell.status == FAILED:
+                    names[column, cell.message].append(row.program.name)
         return [
-            "\n    ".join([f"{column} {status}: {len(programs)}, {programs[0]}", *message.splitlines()[:lines]])
-            for (column, status, message), programs in names.items()
+            "\n    ".join([f"{column} {FAILED}: {len(programs)}, {programs[0]}", *message.splitlines()[:lines]])
+            for (column, message), programs in names.items()
         ]
+
+    @property
+    def missing(self) -> dict[str, str]:
+        """Compiler that is not here -> how to get it."""
+        cells = [item for row in self.rows for item in row.cells.items()]
+        return {column: cell.message for column, cell in cells if cell.status == MISSING}
 
     def table(self) -> Table:
         """A line for each variant: its compilers, how many programs each refused, and the most slots of any."""
@@ -155,5 +161,6 @@ def compile_all(json_file: terminal.JsonFile = None) -> None:
     compilation = Compilation([row for part in parts for row in part.rows])
     terminal.console.print(compilation.table())
     terminal.tell(compilation.summary, *compilation.failures())
+    terminal.tell_missing(compilation.missing)
     terminal.write_json(json_file, compilation.as_json())
     terminal.end(compilation.passed)

@@ -35,7 +35,6 @@ ENGINES: dict[str, Callable[[str, Path], None]] = {
 }
 # Left out unless they are asked for: the first build takes many minutes
 SLOW = ("bevy",)
-SLOWEST = ("bevy", "godot")
 
 
 def run(name: str) -> Capture:
@@ -80,10 +79,8 @@ def engines(
         if name not in ENGINES:
             raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
     chosen = names or [name for name in ENGINES if everything or name not in SLOW]
-    # what takes longest is begun first
-    ordered = sorted(chosen, key=lambda name: name not in SLOWEST)
     with terminal.progress("engine", len(chosen)) as step:
-        sections = dict(zip(ordered, jobs.run([(section, (name,)) for name in ordered], step), strict=True))
+        sections = dict(zip(chosen, jobs.run([(section, (name,)) for name in chosen], step), strict=True))
     passed = True
     for name in chosen:
         terminal.console.print(

@@ -53,5 +53,6 @@ PROBES = (
             _case("with", GUARD, 0),
         ),
         _judge,
+        brief=False,
     ),
 )

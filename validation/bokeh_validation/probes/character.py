@@ -92,6 +92,7 @@ CUT = Probe(
     "The narrow side points to the middle of the image; edges are straight, and the brightness is even.",
     tuple(lit(aperture, aperture, cats_eye=CATS_EYE) for aperture in APERTURES),
     _judge_cut,
+    brief=False,
 )
 
 # --------------------------------------------------------------------------------------------------------------- colour
@@ -137,5 +138,6 @@ LATERAL_COLOR = Probe(
     "A red rim on one side of the bokeh and a blue one on the other, both on the line to the image's middle.",
     tuple(lit(label, lateral=amount) for label, amount in LATERAL.items()),
     _judge_lateral,
+    brief=False,
 )
 PROBES = (CUT, LATERAL_COLOR)

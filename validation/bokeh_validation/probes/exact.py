@@ -55,7 +55,12 @@ def probe(aperture: str) -> Probe:
     title = f"One bright pixel becomes a {aperture} of the same light"
     shows = f"A {aperture} of CoC {COC} pixels, of the right brightness, and flat without a seam."
     return Probe(
-        f"exact-{aperture}", title, shows, (bokeh(aperture).case("one pixel", chosen), wide), partial(_judge, aperture)
+        f"exact-{aperture}",
+        title,
+        shows,
+        (bokeh(aperture).case("one pixel", chosen), wide),
+        partial(_judge, aperture),
+        aperture not in ("octagon", "decagon"),
     )
 
 

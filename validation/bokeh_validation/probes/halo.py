@@ -61,7 +61,7 @@ def probe(aperture: str) -> Probe:
     cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())
     title = f"A sharp object leaks no more than by a gather in two dimensions, {aperture}"
     shows = "A red object, nearly in focus, with no red around it but what its own small CoC spreads."
-    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, covered))
+    return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, covered), aperture != "octagon")
 
 
 PROBES = tuple(probe(aperture) for aperture in ("hexagon", "octagon"))

@@ -109,7 +109,8 @@ def probe(aperture: str) -> Probe:
     )
     shows = f"A {aperture} of CoC {COC} pixels, upright and turned by {ROTATION:g} degrees, with straight, sharp sides."
     title = f"One bright pixel becomes a {aperture} (Figure {FIGURES[aperture]})"
-    return Probe(f"impulse-{aperture}", title, shows, (upright, turned), partial(_judge, aperture))
+    judge, brief = partial(_judge, aperture), aperture != "octagon"
+    return Probe(f"impulse-{aperture}", title, shows, (upright, turned), judge, brief)
 
 
 PROBES = tuple(probe(aperture) for aperture in aperture_shapes.APERTURES)

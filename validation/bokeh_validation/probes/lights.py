@@ -82,7 +82,7 @@ def light_probe(pixels: int) -> Probe:
     cases = tuple(light_case(coc, pixels, preset) for coc, preset in LIGHTS)
     title = f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far"
     shows = "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots."
-    return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels))
+    return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels), pixels not in (3, 9))
 
 
 # ---------------------------------------------------------------------------- far lights and what is in front of them

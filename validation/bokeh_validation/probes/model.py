@@ -75,6 +75,7 @@ class Probe:
     """A test image with what it must show.
 
     judge  takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
+    brief  False: left to the full run, because another probe shows the same on another polygon, or it is of an option
     """
 
     name: str
@@ -82,6 +83,7 @@ class Probe:
     shows: str
     cases: tuple[Case, ...]
     judge: Callable[[Mapping[str, Outputs]], list[Check]]
+    brief: bool = True
 
 
 def drawn(driver: Driver, case: Case) -> np.ndarray:

@@ -105,7 +105,8 @@ def edge_probe(aperture: str, rotation: float) -> Probe:
     title = f"A near edge spreads over what is in focus, {aperture}"
     shows = "A soft edge as a lens makes it; the checker is sharp up to the edge, and goes on behind it."
     cases = tuple(edge_case(coc, aperture, rotation) for coc in EDGE_COCS)
-    return Probe(f"near-edge-{aperture}", title, shows, cases, partial(_judge_edges, aperture, rotation))
+    judge, brief = partial(_judge_edges, aperture, rotation), aperture != "octagon"
+    return Probe(f"near-edge-{aperture}", title, shows, cases, judge, brief)
 
 
 PROBES = (edge_probe("hexagon", 0.0), edge_probe("octagon", 17.0))

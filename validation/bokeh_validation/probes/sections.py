@@ -16,7 +16,7 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.metrics import Comparison
 from bokeh_validation.probes.judges import CaseResult, compared
 from bokeh_validation.probes.model import Check, Probe
-from bokeh_validation.terminal import FAILED, NOT_RUN, OK, console
+from bokeh_validation.terminal import FAILED, OK, console, tell_missing
 
 DIFFERENCE_STEPS = 8
 
@@ -146,12 +146,16 @@ def print_grid(sections: Sequence[Section]) -> None:
     console.print(table)
 
 
+def print_runs(section: Section, every: bool) -> None:
+    """Print what was measured; `every`: that too which is as it should be."""
+    for run in section.runs:
+        who = " ".join(dict.fromkeys((run.driver, section.name)))
+        for line in run.lines(every):
+            console.print(f"{who}: {line}", highlight=False)
+
+
 def print_details(sections: Sequence[Section], every: bool) -> None:
-    """What was measured; `every`: that too which is as it should be. Then what was not run, each once."""
+    """Print what was measured, and what was not run, each once."""
     for section in sections:
-        for run in section.runs:
-            who = " ".join(dict.fromkeys((run.driver, section.name)))
-            for line in run.lines(every):
-                console.print(f"{who}: {line}", highlight=False)
-    for name, reason in {name: reason for section in sections for name, reason in section.missing.items()}.items():
-        console.print(f"{NOT_RUN} {name}: {reason}", highlight=False)
+        print_runs(section, every)
+    tell_missing({name: reason for section in sections for name, reason in section.missing.items()})

@@ -60,5 +60,6 @@ SWEEP = Probe(
         for coc in np.unique(np.concatenate(SWEEP_COCS))
     ),
     _judge_sweep,
+    brief=False,
 )
 PROBES = (SWEEP,)

@@ -97,7 +97,8 @@ def _boundary_pixels(image: np.ndarray) -> float:
 def _paper_probe(aperture: str, name: str, figure: str, title: str, shows: str) -> Probe:
     case = impulse.point_case("two points", impulse.constant_coc(aperture, 0.0, SIZE), points(aperture), SIZE)
     judge = _judge_max if aperture in aperture_shapes.USES_MAX else _judge_min
-    return Probe(f"two-points-{name}", f"{title} (Figure {figure})", shows, (case,), partial(judge, aperture))
+    title, brief = f"{title} (Figure {figure})", name != "octagon"
+    return Probe(f"two-points-{name}", title, shows, (case,), partial(judge, aperture), brief)
 
 
 FALSE = (

@@ -2,8 +2,8 @@
 
 import os
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
@@ -12,7 +12,7 @@ import numpy as np
 from rich.text import Text
 
 from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
-from bokeh_validation.compile_matrix import Compilation, compile_variant
+from bokeh_validation.compile_matrix import OK, Compilation, compile_variant
 from bokeh_validation.probes import REAL, sections
 from bokeh_validation.probes.model import drawn
 from bokeh_validation.probes.sections import Panel, Section, loaded
@@ -23,17 +23,6 @@ from bokeh_validation.truth import ray_traced
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
 # Compiled by their main compilers
 BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
-# Probes for --full only: another one shows the same on another polygon or in another place, or they are of an option
-FULL_PROBES = (
-    "impulse-octagon", "two-points-octagon", "exact-octagon", "exact-decagon", "halo-octagon", "near-edge-octagon",
-    "layered-light-3", "layered-light-9", "layered-sweep", "cats-eye-exact", "lateral-color", "border",
-)  # fmt: skip
-BRIEF_PROBES = tuple(probe.name for probe in probes.PROBES if probe.name not in FULL_PROBES)
-# What takes longest is begun first
-SLOWEST = (
-    "layered-flatness", "halo-hexagon", "cats-eye-exact", "layered-light-1", "border", "lateral-color",
-    "exact-decagon", "exact-octagon", "layered-sweep", *engines.SLOWEST,
-)  # fmt: skip
 MINUTES = {False: 2, True: 12}
 
 
@@ -58,28 +47,53 @@ def _exposed(image: np.ndarray) -> str:
 
 @dataclass(frozen=True)
 class Everything:
-    """All results of a run."""
+    """All results of a run.
+
+    left_out  what the brief run leaves to the full one: name -> how to get it
+    """
 
     full: bool
     compilation: Compilation
     probes: Sequence[Section]
     market: Section
     engines: Sequence[Section]
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def missing(self) -> dict[str, str]:
-        """Driver or sample -> why it was not run."""
-        return {k: v for section in (*self.probes, *self.engines) for k, v in section.missing.items()}
+    def absent(self) -> dict[str, str]:
+        """Driver, compiler or sample that was asked for and is not here -> the reason."""
+        sections = {k: v for section in (*self.probes, *self.engines) for k, v in section.missing.items()}
+        return {**sections, **self.compilation.missing}
+
+    @property
+    def not_run(self) -> dict[str, str]:
+        """All that was not run, for whichever reason -> how to get it."""
+        return {**self.absent, **self.left_out}
+
+    @property
+    def failed(self) -> list[str]:
+        """Names of what failed; under CI, what is absent failed too."""
+        names = [section.name for section in (*self.probes, *self.engines) if not section.ok]
+        names += ["compilation"] * (not self.compilation.passed)
+        return names + [name for name in self.absent if os.environ.get("CI")]
 
     @property
     def ok(self) -> bool:
-        """Nothing failed; under CI nothing is missing either."""
-        passed = self.compilation.passed and all(section.ok for section in (*self.probes, *self.engines))
-        return passed and not (os.environ.get("CI") and self.missing)
+        """Nothing failed."""
+        return not self.failed
+
+    @property
+    def verdict(self) -> str:
+        """One line: whether the shaders are right, and what says so."""
+        counts, drivers = self.compilation.counts, sections.drivers_of(self.probes)
+        seen = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
+        seen += f", {counts[OK]} compilations"
+        seen += f", {len(self.engines)} engines' samples" if self.engines else ""
+        return f"FAILED: {', '.join(self.failed)} ({seen})" if self.failed else f"All ok: {seen}"
 
 
 def write_report(path: Path, found: Everything) -> None:
-    """One page that needs no other file: a grid of probes by drivers, and the pictures."""
+    """Write one page that needs no other file: the verdict, the picture beside the truth, the tables, the pictures."""
     loader = jinja2.PackageLoader("bokeh_validation.run", ".")
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters["plain"] = lambda line: Text.from_markup(line).plain
@@ -94,31 +108,38 @@ def write_report(path: Path, found: Everything) -> None:
 
 
 def validate(full: bool, adapter: str | None, output: Path | None) -> None:
-    """The shaders through compilers, on drivers, beside the truth; and the report."""
+    """Put the shaders through compilers, on drivers and beside the truth, and write the report."""
     terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
     terminal.tell(f"About {MINUTES[full]} minutes on two cores; this machine has {jobs.CORES}.")
     results = everything(full, adapter)
     write_report(path, results)
-    terminal.tell(results.compilation.summary, *results.compilation.failures())
     sections.print_grid(results.probes)
-    sections.print_details([*results.probes, *results.engines], False)
+    for section in (*results.probes, *results.engines):
+        sections.print_runs(section, False)
+    terminal.tell(results.compilation.summary, *results.compilation.failures())
     for panel in results.market.strips[""][1:-1]:
         terminal.tell(f"market_7, {panel.caption}: {panel.numbers} against the truth")
-    terminal.tell(f"Report: {path}   ({time.monotonic() - started:.0f} s)")
-    if not full:
-        more = ", ".join(name for name in REAL if name not in BRIEF_DRIVERS)
-        rest = f"{len(FULL_PROBES)} probes; the other compilers and sample counts; the engines' samples"
-        terminal.tell(f"Not run: {more}; {rest}. validation/run --full has them, in {MINUTES[True]} minutes.")
+    terminal.tell_missing(results.not_run)
+    terminal.tell(f"{results.verdict}, in {time.monotonic() - started:.0f} s", f"Report: {path}")
+    terminal.tell(f"Next: {_next(results)}")
     terminal.end(results.ok)
 
 
+def _next(results: Everything) -> str:
+    if not results.ok:
+        return "open the report: what failed is red. docs/troubleshooting.md has common causes."
+    if results.full:
+        return "validation/test runs the test suite."
+    return "docs/start.md leads to a first blur in your engine; validation/run --full draws on everything."
+
+
 def everything(full: bool, adapter: str | None) -> Everything:
-    """All jobs, side by side."""
+    """Run all jobs, side by side."""
     names = REAL if full else BRIEF_DRIVERS
     samples = [(engines.section, (name,)) for name in engines.ENGINES if name not in engines.SLOW]
-    chosen = [probe.name for probe in probes.PROBES] if full else BRIEF_PROBES
+    chosen = [probe.name for probe in probes.PROBES if full or probe.brief]
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     parts = {
         "probes": [(probes.section, (name, names, adapter)) for name in chosen],
@@ -126,9 +147,18 @@ def everything(full: bool, adapter: str | None) -> Everything:
         "compilation": [(compile_variant, (variant, not full)) for variant in variants],
         "market": [(market, (BRIEF_DRIVERS[0], adapter))],
     }
-    ordered = sorted((job for some in parts.values() for job in some), key=lambda job: job[1][0] not in SLOWEST)
-    with terminal.progress("validate", len(ordered)) as step:
-        results = dict(zip(ordered, jobs.run(ordered, step), strict=True))
+    every = [job for some in parts.values() for job in some]
+    with terminal.progress("validate", len(every)) as step:
+        results = dict(zip(every, jobs.run(every, step), strict=True))
     done = {part: [results[job] for job in some] for part, some in parts.items()}
     compilation = Compilation([row for part in done["compilation"] for row in part.rows])
-    return Everything(full, compilation, done["probes"], done["market"][0], done["engines"])
+    left_out = {} if full else _left_out(len(probes.PROBES) - len(chosen))
+    return Everything(full, compilation, done["probes"], done["market"][0], done["engines"], left_out)
+
+
+def _left_out(count: int) -> dict[str, str]:
+    """What only the full run has."""
+    command = f"validation/run --full, {MINUTES[True]} minutes"
+    others = ", ".join(name for name in REAL if name not in BRIEF_DRIVERS)
+    names = (f"drivers {others}", f"{count} probes of other polygons and of options")
+    return dict.fromkeys((*names, "other compilers and sample counts", "the engines' samples"), command)

@@ -41,13 +41,16 @@ def page_of(tmp_path, shown: list[Section]) -> str:
 def test_brief(tmp_path, monkeypatch, capsys):
     """One probe, language and compiler's variant: it says how long it takes, what it leaves out, and how it went."""
     monkeypatch.setattr(validate, "BRIEF_DRIVERS", ("osmesa",))
-    monkeypatch.setattr(validate, "BRIEF_PROBES", ("leakage",))
+    monkeypatch.setattr(probes, "PROBES", (LEAKAGE,))
     monkeypatch.setattr(validate, "BRIEF_VARIANTS", ("glsl-330",))
     with pytest.raises(typer.Exit) as end:
         validate.validate(False, None, tmp_path / "page.html")
     lines = capsys.readouterr().out.splitlines()
     assert end.value.exit_code == 0, lines
-    assert "2 minutes" in lines[0] and "--full" in lines[-1] and "d3d11" in lines[-1]
+    assert "2 minutes" in lines[0] and "--full" in lines[-1]
+    assert lines[-3].startswith("All ok: 1 probes on osmesa, ") and lines[-2].endswith("page.html")
+    assert [line for line in lines if "not run: drivers" in line and "webgl2" in line and "--full" in line]
+    assert not any("missing" in line for line in lines)
     assert len([line for line in lines if re.fullmatch(r"market_7, .*: \d+\.\d dB against the truth", line)]) == 4
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert '<a href="#leakage">' in page and '<h3 id="leakage" class="ok">' in page and len(page) < 2e6
@@ -62,7 +65,8 @@ def test_report_shows_what_differs(tmp_path):
         assert (expected.caption, other.caption) == ("reference", "dark") and not expected.difference
         assert other.picture.startswith("data:image/png") and other.difference
     page = page_of(tmp_path, [section, replace(section, name="other", runs=[good])])
-    assert '<td class="bad">FAILED' in page and '<td class="">not run' in page
+    assert '<td class="bad">FAILED' in page and '<td class="missing">not run' in page
+    assert '<p class="verdict bad">FAILED: leakage' in page
     assert re.search('<p class="bad">dark: .* FAILED', page)
 
 
@@ -71,7 +75,7 @@ def test_missing_driver(tmp_path, monkeypatch):
     monkeypatch.setattr(sections, "_load", lambda name, _: f"no {name} here")
     section = probes.section("leakage", ("egl",), None)
     assert section.missing == {"egl": "no egl here"} and not section.runs
-    assert "egl was not run: no egl here" in page_of(tmp_path, [section])
+    assert '<p class="missing">egl: no egl here</p>' in page_of(tmp_path, [section])
     results = validate.Everything(False, Compilation([]), [section], section, [])
     monkeypatch.delenv("CI", raising=False)
     assert results.ok
