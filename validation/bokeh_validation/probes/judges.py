@@ -119,7 +119,7 @@ class CaseResult:
     comparisons: Mapping[str, Comparison]
 
 
-@lru_cache(maxsize=16)  # scenes are 20 MB each
+@lru_cache(maxsize=2)  # of a large scene, with all of its targets in float64, one is some 500 MB
 def of_case(case: Case, precision: Precision, rounding: str) -> tuple[Judge, ...]:
     """Those of a case; kept, since drivers share them."""
     frame = Frame(case.plan.passes, case.textures(), case.size)

@@ -101,6 +101,9 @@ class _Frame:
         """Put what a pass wrote into its target, and return all of that."""
         if item.viewport:
             before = self.live.get(name) or Image(np.zeros((*target_size(item.scale, self.size)[::-1], 4)))
+            if image.error is None:
+                # what is drawn is exact: an interval of what was there before would widen those of the next pass
+                before = Image(before.value)
             image = before.drawn_over(image, *_slices(item.scale, item.viewport))
         self.live[name], self.scales[name] = image, item.scale
         return image
