@@ -49,7 +49,7 @@ def images(
     frame, results = _Frame(textures, size), {}
     for item in passes:
         for name, image in frame.drawn(item, precision).items():
-            results[name] = frame.kept(item, name, stored(image, STORAGE[storage], rounding))
+            results[name] = frame.keep(item, name, stored(image, STORAGE[storage], rounding))
             if given is not None and name in given:
                 frame.live[name] = Image(given[name].astype(np.float64))
     return results
@@ -69,8 +69,9 @@ def alone(
     for item in passes:
         for name, image in frame.drawn(item, precision).items():
             nearest = stored(Image(image.value), STORAGE[storage])
-            allowed[name] = frame.kept(item, name, stored(image, STORAGE[storage], rounding))
-            made[name] = frame.kept(item, name, nearest).value.astype(STORAGE[storage])
+            allowed[name] = frame.placed(item, name, stored(image, STORAGE[storage], rounding))
+            # without an interval: the next pass's is its own
+            made[name] = frame.keep(item, name, nearest).value.astype(STORAGE[storage])
     return Alone(made, allowed)
 
 
@@ -97,16 +98,17 @@ class _Frame:
         drawn = kept.run_pass(item, inputs, area[2:], precision, self.text)
         return dict(zip(item.outputs, drawn, strict=True))
 
-    def kept(self, item: Pass, name: str, image: Image) -> Image:
-        """Put what a pass wrote into its target, and return all of that."""
-        if item.viewport:
-            before = self.live.get(name) or Image(np.zeros((*target_size(item.scale, self.size)[::-1], 4)))
-            if image.error is None:
-                # what is drawn is exact: an interval of what was there before would widen those of the next pass
-                before = Image(before.value)
-            image = before.drawn_over(image, *_slices(item.scale, item.viewport))
-        self.live[name], self.scales[name] = image, item.scale
-        return image
+    def placed(self, item: Pass, name: str, image: Image) -> Image:
+        """A whole target with what a pass wrote to it."""
+        if not item.viewport:
+            return image
+        before = self.live.get(name) or Image(np.zeros((*target_size(item.scale, self.size)[::-1], 4)))
+        return before.drawn_over(image, *_slices(item.scale, item.viewport))
+
+    def keep(self, item: Pass, name: str, image: Image) -> Image:
+        """Put what a pass wrote into its target, which later passes read, and return all of that."""
+        self.live[name], self.scales[name] = self.placed(item, name, image), item.scale
+        return self.live[name]
 
 
 def _slices(scale: int, viewport: tuple[int, int, int, int]) -> tuple[slice, slice]:

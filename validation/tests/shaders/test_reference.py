@@ -10,6 +10,7 @@ from bokeh_validation import metrics
 from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
+from bokeh_validation.probes import small_frames
 from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
 from bokeh_validation.reference import execution, kept, listings, pass_images
 from bokeh_validation.reference.intervals import Interval
@@ -100,6 +101,18 @@ def test_formulas_and_programs_agree(method):
                 off = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
                 assert off[~image.undecided].max() <= ALIKE[method], (item.entry, settings)
                 assert image.undecided.mean() <= 0.04, (item.entry, settings)
+
+
+@pytest.mark.parametrize("is_part", [False, True], ids=["whole", "part"])
+def test_alone(is_part):
+    """Each interval is that of one pass, from inputs without an interval, also where a viewport is drawn over."""
+    frame = small_frames.of_settings(small_frames.PAPER, small_frames.PART_SIZE)
+    frame = small_frames.in_part(frame) if is_part else frame
+    given = frame.passes, frame.textures, frame.size, "half", precision.SOFTWARE, "zero"
+    made, allowed = pass_images.alone(*given)
+    for name, wanted in pass_images.images(*given, given=made).items():
+        for found, value in zip(vars(allowed[name]).values(), vars(wanted).values(), strict=True):
+            np.testing.assert_array_equal(found, value)
 
 
 CHANGES = [
