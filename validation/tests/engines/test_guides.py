@@ -19,8 +19,8 @@ from bokeh_validation.engines import desktop, direct3d, vulkan
 from bokeh_validation.frame import methods
 
 INTEGRATION = paths.ROOT / "integration"
-# but those without code of their own
-NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web", "reshade"})
+# but those without code of their own, and the live page, which is no engine
+NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web", "reshade", "demo"})
 # Languages of fenced blocks that are commands and their output, not code
 COMMANDS = ("sh", "console")
 # Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture
