@@ -66,7 +66,7 @@ def default(
         Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="The report; else in the cache folder.")
     ] = None,
 ) -> None:
-    """Validate the polygonal bokeh shaders. Without a command: all languages in brief, in two minutes, and a report."""
+    """Validate the polygonal bokeh shaders. Without a command: all languages in brief, in a minute, and a report."""
     if version:
         print(__version__)
     elif context.invoked_subcommand is None:

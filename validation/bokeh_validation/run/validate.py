@@ -23,7 +23,7 @@ from bokeh_validation.truth import ray_traced
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
 # Compiled by their main compilers
 BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
-MINUTES = {False: 2, True: 12}
+MINUTES = {False: "a minute", True: "12 minutes"}
 
 
 def market(name: str, adapter: str | None) -> Section:
@@ -112,7 +112,7 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
-    terminal.tell(f"About {MINUTES[full]} minutes on two cores; this machine has {jobs.CORES}.")
+    terminal.tell(f"About {MINUTES[full]} on two cores; this machine has {jobs.CORES}.")
     results = everything(full, adapter)
     write_report(path, results)
     sections.print_grid(results.probes)
@@ -157,8 +157,8 @@ def everything(full: bool, adapter: str | None) -> Everything:
 
 
 def _left_out(count: int) -> dict[str, str]:
-    """What only the full run has."""
-    command = f"validation/run --full, {MINUTES[True]} minutes"
+    """Return what only the full run has, and the command for it."""
+    command = f"validation/run --full, {MINUTES[True]}"
     others = ", ".join(name for name in REAL if name not in BRIEF_DRIVERS)
     names = (f"drivers {others}", f"{count} probes of other polygons and of options")
     return dict.fromkeys((*names, "other compilers and sample counts", "the engines' samples"), command)
