@@ -19,8 +19,14 @@ FOLDERS = {
     "direct3d11": ("direct3d9",),
     **dict.fromkeys(("threejs", "babylonjs", "playcanvas"), ("web",)),
 }
-# Samples that are quick: run each time
-ALWAYS = ("opengl", "threejs-webgl", "direct3d11")
+# What a compiler says of the shaders depends on
+COMPILED = (
+    *paths.LANGUAGES,
+    *(f"validation/bokeh_validation/{name}" for name in ("browser", "compile_matrix", "compilers", "shaders", "windows")),
+    "validation/bokeh_validation/needs.py",
+    "validation/requirements.txt",
+    "validation/tests/harness/test_compile.py",
+)
 
 
 def inputs(*names: str) -> pytest.MarkDecorator:
@@ -36,5 +42,5 @@ def of_sample(name: str) -> pytest.MarkDecorator:
 
 
 def samples(names) -> list:
-    """Parameters of a test: samples, each with its inputs, and some that are run each time."""
-    return [pytest.param(name, marks=() if name in ALWAYS else of_sample(name)) for name in names]
+    """Parameters of a test: samples, each with its inputs."""
+    return [pytest.param(name, marks=of_sample(name)) for name in names]

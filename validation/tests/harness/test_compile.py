@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from support import compiled, disassembled, needed
+from support_inputs import COMPILED
 
 from bokeh_validation import shaders
 from bokeh_validation.compile_matrix import (
@@ -37,12 +38,6 @@ SPIRV = {
 }
 
 
-@pytest.fixture(scope="module")
-def whole(request) -> Compilation:
-    """All programs as they are."""
-    return compile_programs(load(main=not request.config.getoption("--all")))
-
-
 def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell]]:
     """(program, compiler, what it said) of a variant, or the end of the test where a compiler is missing."""
     rows = [row for row in result.rows if row.program.variant == variant]
@@ -54,9 +49,12 @@ def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell
     return cells
 
 
+@pytest.mark.inputs(*COMPILED)
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_accepted(whole, variant):
-    cells = cells_of(whole, variant)
+def test_accepted(variant, request):
+    """All programs of a variant."""
+    programs = [one for one in load(main=not request.config.getoption("--all")) if one.variant == variant]
+    cells = cells_of(compile_programs(programs), variant)
     assert cells and [(program.name, name, cell) for program, name, cell in cells if cell.status != OK] == []
 
 
