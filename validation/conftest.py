@@ -5,7 +5,7 @@ from support import DRIVERS, LANGUAGES, NIGHTLY, load
 
 from bokeh_validation import drivers
 
-pytest_plugins = ("bokeh_validation.run.schedule", "bokeh_validation.run.unchanged")
+pytest_plugins = tuple(f"bokeh_validation.run.{name}" for name in ("schedule", "session", "unchanged"))
 
 
 def pytest_addoption(parser):
@@ -15,11 +15,13 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Leave out what is marked `nightly`, unless everything is asked for."""
-    if not config.getoption("--all"):
-        left_out = [item for item in items if item.get_closest_marker("nightly")]
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not item.get_closest_marker("nightly")]
+    """Leave out what is marked `nightly` unless everything is asked for, and what is for validation/run alone."""
+    if config.getoption("--report"):
+        return
+    marks = ("report",) if config.getoption("--all") else ("report", "nightly")
+    left_out = [item for item in items if any(map(item.get_closest_marker, marks))]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
 
 
 @pytest.fixture(params=DRIVERS)

@@ -2,6 +2,6 @@
 
 from bokeh_validation.cli import main
 
-# a process of jobs.py imports this module too
+# a process of lab/jobs.py imports this module too
 if __name__ == "__main__":
     main()

@@ -12,21 +12,21 @@ from typer.exceptions import TyperException
 
 from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.jobs import end_programs
+from bokeh_validation.process import end_programs
 
 # Name of a command -> its module. Those of the lab are named here and nowhere imported: the core runs without them.
 COMMANDS = {
     "doctor": "bokeh_validation.doctor",
-    "compile": "bokeh_validation.compile_matrix",
+    "compile": "bokeh_validation.run.commands",
     "check": "bokeh_validation.check",
     "render": "bokeh_validation.render",
     "compare": "bokeh_validation.compare",
     "plan": "bokeh_validation.plan",
     "aperture": "bokeh_validation.frame.decomposition",
-    "probes": "bokeh_validation.probes",
+    "probes": "bokeh_validation.run.commands",
     "parity": "bokeh_validation.shaders.parity",
     "generate": "bokeh_validation.generate",
-    "engines": "bokeh_validation.engines",
+    "engines": "bokeh_validation.run.commands",
     "demo": "lab.demo",
     "truth": "lab.truth_command",
     "pictures": "lab.documents.pictures_command",

@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
@@ -80,3 +81,13 @@ def once(make: Callable) -> Callable:
         return made[0]
 
     return remembered
+
+
+def end_programs() -> None:
+    """To be called before os._exit(), which runs no exit handlers: end Wine and its display, if they were used at all.
+
+    Mesa's and wgpu's libraries tear down in an order of their own, so nothing here ends in another way.
+    """
+    windows = sys.modules.get("bokeh_validation.windows.wine")
+    if windows:
+        windows.stop()

@@ -14,6 +14,7 @@ from bokeh_validation import cli, drivers, needs
 from bokeh_validation.compilers import tool
 from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.probes.outcomes import driver_or_reason
 
 # One of each language. OSMesa is EGL's device, and on 237 targets their pictures are the same
 LANGUAGES = ("egl", "wgpu", "dxc")
@@ -22,7 +23,6 @@ NIGHTLY = ("d3d9", "webgl2")
 nightly = pytest.mark.nightly
 DRIVERS = [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in NIGHTLY)]
 in_each_language = pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
-_loaded: dict[str, object] = {}
 
 
 @contextmanager
@@ -38,15 +38,10 @@ def needed(what: str) -> Iterator[None]:
 
 def load(name: str) -> drivers.Driver:
     """A driver, or the end of the test."""
-    if name not in _loaded:
-        try:
-            _loaded[name] = drivers.load(name)
-        except Unavailable as error:
-            _loaded[name] = error
-    found = _loaded[name]
+    found = driver_or_reason(name)
     with needed(f"driver {name}"):
-        if isinstance(found, Unavailable):
-            raise found
+        if isinstance(found, str):
+            raise Unavailable(found)
     return found
 
 

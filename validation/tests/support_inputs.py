@@ -20,10 +20,10 @@ FOLDERS = {
     **dict.fromkeys(("threejs", "babylonjs", "playcanvas"), ("web",)),
 }
 # What a compiler says of the shaders depends on
+COMPILERS = ("browser", "compile_matrix", "compilers", "shaders", "windows", "needs.py")
 COMPILED = (
     *paths.LANGUAGES,
-    *(f"validation/bokeh_validation/{name}" for name in ("browser", "compile_matrix", "compilers", "shaders", "windows")),
-    "validation/bokeh_validation/needs.py",
+    *(f"validation/bokeh_validation/{name}" for name in COMPILERS),
     "validation/requirements.txt",
     "validation/tests/harness/test_compile.py",
 )

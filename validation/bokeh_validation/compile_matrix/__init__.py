@@ -1,4 +1,4 @@
-"""The command `validation/run compile`: every program of variants.py through every compiler that takes it."""
+"""Every program of variants.py through every compiler that takes it: what tests/harness/test_compile.py compiles."""
 
 import os
 import re
@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass, field
 
 from rich.table import Table
 
-from bokeh_validation import jobs, paths, shaders, terminal
+from bokeh_validation import paths, shaders
 from bokeh_validation.compile_matrix.registry import COMPILERS
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.shaders.variants import Program, load
+from bokeh_validation.shaders.variants import Program
 
 OK, FAILED, MISSING = "ok", "failed", "missing"
 STYLES = {FAILED: "bold red", MISSING: "yellow", OK: "green"}
@@ -47,9 +47,14 @@ class Compilation:
         return {status: statuses.count(status) for status in (OK, FAILED, MISSING)}
 
     @property
+    def ok(self) -> bool:
+        """Nothing failed."""
+        return not self.counts[FAILED]
+
+    @property
     def passed(self) -> bool:
         """Nothing failed; under CI nothing is missing either."""
-        return not self.counts[FAILED] and not (os.environ.get("CI") and self.counts[MISSING])
+        return self.ok and not (os.environ.get("CI") and self.counts[MISSING])
 
     @property
     def summary(self) -> str:
@@ -145,22 +150,3 @@ def located(message: str, source: str, language: str) -> str:
         return names[line - 1] if 1 <= line <= len(names) else match[0]
 
     return _PLACE.sub(place, message) if head >= 0 else message
-
-
-def compile_variant(variant: str, quick: bool = False) -> Compilation:
-    """The programs of a variant, through all of its compilers; quick: fewer, through the main ones."""
-    return compile_programs(program for program in load(quick=quick, main=quick) if program.variant == variant)
-
-
-def compile_all(json_file: terminal.JsonFile = None) -> None:
-    """Every shader program through every compiler."""
-    terminal.check_writable(json_file)
-    variants = list(dict.fromkeys(program.variant for program in load()))
-    with terminal.progress("compile", len(variants)) as step:
-        parts = jobs.run([(compile_variant, (variant,)) for variant in variants], step)
-    compilation = Compilation([row for part in parts for row in part.rows])
-    terminal.console.print(compilation.table())
-    terminal.tell(compilation.summary, *compilation.failures())
-    terminal.tell_missing(compilation.missing)
-    terminal.write_json(json_file, compilation.as_json())
-    terminal.end(compilation.passed)

@@ -12,6 +12,8 @@ from xdist.scheduler import LoadScopeScheduling
 Durations = Mapping[str, list[float]]
 
 KEY = "bokeh/durations"
+# In brief a test takes less: validation/run
+BRIEF_KEY = "bokeh/durations of a brief run"
 # A unit is ended once it takes so many seconds
 UNIT = 20.0
 # A fixture that takes longer to set up is shared by the tests that follow: they are not parted from it
@@ -66,7 +68,11 @@ class LongestFirst(LoadScopeScheduling):
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Distribute by recorded durations, whatever --dist says."""
-    return LongestFirst(config, log, config.cache.get(KEY, {}))
+    return LongestFirst(config, log, config.cache.get(_key(config), {}))
+
+
+def _key(config: pytest.Config) -> str:
+    return BRIEF_KEY if config.getoption("--report", None) == "brief" else KEY
 
 
 class Recorder:
@@ -88,7 +94,8 @@ class Recorder:
         """Replace what is known of the tests that ran; one that was skipped keeps what it took when it ran."""
         ran = {nodeid: seconds for nodeid, seconds in self.found.items() if nodeid not in self.skipped}
         if ran:
-            session.config.cache.set(KEY, {**session.config.cache.get(KEY, {}), **ran})
+            key, cache = _key(session.config), session.config.cache
+            cache.set(key, {**cache.get(key, {}), **ran})
 
 
 @pytest.hookimpl(trylast=True)

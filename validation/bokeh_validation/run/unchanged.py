@@ -35,6 +35,11 @@ def _key(item: pytest.Item) -> str:
     return f"unchanged/{item.nodeid}"
 
 
+def _of_report(config: pytest.Config) -> bool:
+    """Whether validation/run asks: it wants the results themselves, and in brief a test shows less than it can."""
+    return bool(config.getoption("--report", None))
+
+
 def pytest_configure(config):
     """Describe the mark."""
     config.addinivalue_line("markers", "inputs(*paths): skipped while these are what they were when it passed")
@@ -42,7 +47,7 @@ def pytest_configure(config):
 
 def pytest_collection_modifyitems(config, items):
     """Skip what has not changed, unless everything is asked for."""
-    for item in [] if config.getoption("--all") else items:
+    for item in [] if config.getoption("--all") or _of_report(config) else items:
         state = _state(item)
         if state is not None and config.cache.get(_key(item), "") == state:
             item.add_marker(pytest.mark.skip("nothing has changed since it passed; --all runs it"))
@@ -52,6 +57,6 @@ def pytest_collection_modifyitems(config, items):
 def pytest_runtest_makereport(item, call):
     """Remember what a test was made of when it passed."""
     report = yield
-    if call.when == "call" and report.passed and (state := _state(item)) is not None:
+    if call.when == "call" and report.passed and not _of_report(item.config) and (state := _state(item)) is not None:
         item.config.cache.set(_key(item), state)
     return report

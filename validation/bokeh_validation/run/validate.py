@@ -11,11 +11,14 @@ import jinja2
 import numpy as np
 from rich.text import Text
 
-from bokeh_validation import __version__, engines, files, jobs, metrics, paths, pictures, probes, terminal, truth
-from bokeh_validation.compile_matrix import OK, Compilation, compile_variant
-from bokeh_validation.probes import REAL, sections
+from bokeh_validation import __version__, engines, files, metrics, paths, pictures, probes, terminal, truth
+from bokeh_validation.compile_matrix import OK, Compilation
+from bokeh_validation.drivers.base import Driver
+from bokeh_validation.probes import REAL, outcomes
 from bokeh_validation.probes.model import drawn
-from bokeh_validation.probes.sections import Panel, Section, loaded
+from bokeh_validation.probes.outcomes import Outcome, Panel
+from bokeh_validation.run import session
+from bokeh_validation.run.session import BRIEF, CORES, FULL
 from bokeh_validation.shaders.variants import load
 from bokeh_validation.truth import ray_traced
 
@@ -26,19 +29,22 @@ BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
 MINUTES = {False: "a minute", True: "12 minutes"}
 
 
-def market(name: str, adapter: str | None) -> Section:
-    """Every method on market_7 beside the truth, by one driver."""
-    present, devices = loaded([name], adapter)
+def market(driver: Driver) -> tuple[Outcome, dict[str, float]]:
+    """Draw market_7 by every method.
+
+    Returns the pictures beside the truth, and method -> PSNR of tone-mapped colour against the truth, dB
+    """
     lens = ray_traced.truth(ray_traced.MARKET, "hexagon")
     images = {"input": ray_traced.picture(ray_traced.MARKET).color}
-    for driver in present:
-        images["naive, 127 samples"] = drawn(driver, ray_traced.scene_case(ray_traced.MARKET, "naive", "hexagon"))
-        for label in ("paper", "exact", "layered medium"):
-            images[label] = truth.picture(driver, ray_traced.MARKET, label)
-    panels = [Panel(k, _exposed(image), f"{metrics.psnr(image, lens):.1f} dB") for k, image in images.items()]
+    images["naive, 127 samples"] = drawn(driver, ray_traced.scene_case(ray_traced.MARKET, "naive", "hexagon"))
+    for label in ("paper", "exact", "layered medium"):
+        images[label] = truth.picture(driver, ray_traced.MARKET, label)
+    measured = {name: metrics.psnr(image, lens) for name, image in images.items()}
+    panels = [Panel(name, _exposed(image), f"{measured[name]:.1f} dB") for name, image in images.items()]
     panels.append(Panel("truth: ray traced through a lens", _exposed(lens)))
-    text = f"Hexagon, on {name}. PSNR of tone-mapped colour against the truth; validation/run truth has more."
-    return Section("market_7", "What each method makes of a scene", text, [], {"": panels}, **devices)
+    text = f"Hexagon, on {driver.name}. PSNR of tone-mapped colour against the truth; validation/run truth has more."
+    title, devices = "What each method makes of a scene", {driver.name: driver.adapter}
+    return Outcome("market_7", title, text, strips={"": panels}, adapters=devices), measured
 
 
 def _exposed(image: np.ndarray) -> str:
@@ -49,21 +55,24 @@ def _exposed(image: np.ndarray) -> str:
 class Everything:
     """All results of a run.
 
+    market    market_7 by every method; None where its driver is missing
+    errors    test that failed without a result that says so -> why
     left_out  what the brief run leaves to the full one: name -> how to get it
     """
 
     full: bool
     compilation: Compilation
-    probes: Sequence[Section]
-    market: Section
-    engines: Sequence[Section]
+    probes: Sequence[Outcome]
+    market: Outcome | None
+    engines: Sequence[Outcome]
+    errors: Mapping[str, str] = field(default_factory=dict)
     left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def absent(self) -> dict[str, str]:
         """Driver, compiler or sample that was asked for and is not here -> the reason."""
-        sections = {k: v for section in (*self.probes, *self.engines) for k, v in section.missing.items()}
-        return {**sections, **self.compilation.missing}
+        missing = {k: v for outcome in (*self.probes, *self.engines) for k, v in outcome.missing.items()}
+        return {**missing, **self.compilation.missing}
 
     @property
     def not_run(self) -> dict[str, str]:
@@ -73,8 +82,8 @@ class Everything:
     @property
     def failed(self) -> list[str]:
         """Names of what failed; under CI, what is absent failed too."""
-        names = [section.name for section in (*self.probes, *self.engines) if not section.ok]
-        names += ["compilation"] * (not self.compilation.passed)
+        names = [outcome.name for outcome in (*self.probes, *self.engines) if not outcome.ok]
+        names += [*["compilation"] * (not self.compilation.passed), *self.errors]
         return names + [name for name in self.absent if os.environ.get("CI")]
 
     @property
@@ -85,7 +94,7 @@ class Everything:
     @property
     def verdict(self) -> str:
         """One line: whether the shaders are right, and what says so."""
-        counts, drivers = self.compilation.counts, sections.drivers_of(self.probes)
+        counts, drivers = self.compilation.counts, outcomes.drivers_of(self.probes)
         seen = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
         seen += f", {counts[OK]} compilations"
         seen += f", {len(self.engines)} engines' samples" if self.engines else ""
@@ -101,8 +110,8 @@ def write_report(path: Path, found: Everything) -> None:
         version=__version__,
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
         found=found,
-        drivers=sections.drivers_of(found.probes),
-        difference_steps=sections.DIFFERENCE_STEPS,
+        drivers=outcomes.drivers_of(found.probes),
+        difference_steps=outcomes.DIFFERENCE_STEPS,
     )
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
 
@@ -112,14 +121,15 @@ def validate(full: bool, adapter: str | None, output: Path | None) -> None:
     terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
-    terminal.tell(f"About {MINUTES[full]} on two cores; this machine has {jobs.CORES}.")
+    terminal.tell(f"About {MINUTES[full]} on two cores; this machine has {CORES}.")
     results = everything(full, adapter)
     write_report(path, results)
-    sections.print_grid(results.probes)
-    for section in (*results.probes, *results.engines):
-        sections.print_runs(section, False)
+    outcomes.print_grid(results.probes)
+    for outcome in (*results.probes, *results.engines):
+        outcomes.print_runs(outcome, False)
+    terminal.tell(*(f"{name}: {error}" for name, error in results.errors.items()))
     terminal.tell(results.compilation.summary, *results.compilation.failures())
-    for panel in results.market.strips[""][1:-1]:
+    for panel in results.market.strips[""][1:-1] if results.market else ():
         terminal.tell(f"market_7, {panel.caption}: {panel.numbers} against the truth")
     terminal.tell_missing(results.not_run)
     terminal.tell(f"{results.verdict}, in {time.monotonic() - started:.0f} s", f"Report: {path}")
@@ -136,24 +146,25 @@ def _next(results: Everything) -> str:
 
 
 def everything(full: bool, adapter: str | None) -> Everything:
-    """Run all jobs, side by side."""
+    """Run the tests of the suite that the report is made of."""
     names = REAL if full else BRIEF_DRIVERS
-    samples = [(engines.section, (name,)) for name in engines.ENGINES if name not in engines.SLOW]
-    chosen = [probe.name for probe in probes.PROBES if full or probe.brief]
+    chosen = [probe for probe in probes.PROBES if full or probe.brief]
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
-    parts = {
-        "probes": [(probes.section, (name, names, adapter)) for name in chosen],
-        "engines": samples if full else [],
-        "compilation": [(compile_variant, (variant, not full)) for variant in variants],
-        "market": [(market, (BRIEF_DRIVERS[0], adapter))],
+    tests = {
+        "probes": [session.probe(probe.name, name) for probe in chosen for name in names],
+        "engines": [session.sample(name) for name in engines.ENGINES if name not in engines.SLOW] if full else [],
+        "compilation": [session.variant(name) for name in variants],
+        "market": [session.MARKET],
     }
-    every = [job for some in parts.values() for job in some]
+    every = [test for some in tests.values() for test in some]
     with terminal.progress("validate", len(every)) as step:
-        results = dict(zip(every, jobs.run(every, step), strict=True))
-    done = {part: [results[job] for job in some] for part, some in parts.items()}
+        found, errors = session.run(every, step, FULL if full else BRIEF, adapter)
+    done = {part: [found[test] for test in some if test in found] for part, some in tests.items()}
     compilation = Compilation([row for part in done["compilation"] for row in part.rows])
     left_out = {} if full else _left_out(len(probes.PROBES) - len(chosen))
-    return Everything(full, compilation, done["probes"], done["market"][0], done["engines"], left_out)
+    market = next(iter(done["market"]), None)
+    merged = outcomes.merged(done["probes"])
+    return Everything(full, compilation, merged, market, done["engines"], session.unexplained(found, errors), left_out)
 
 
 def _left_out(count: int) -> dict[str, str]:

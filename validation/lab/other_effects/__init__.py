@@ -8,7 +8,7 @@ import numpy as np
 import typer
 from PIL import Image
 
-from bokeh_validation import drivers, jobs, metrics, pictures, terminal, truth
+from bokeh_validation import drivers, metrics, pictures, terminal, truth
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import geometry
 from bokeh_validation.frame.methods import Camera
@@ -16,6 +16,7 @@ from bokeh_validation.probes.highlight import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
+from lab import jobs
 from lab.other_effects.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
 from lab.rasterised import faults, motion
 from lab.rasterised.rasteriser import Rasteriser

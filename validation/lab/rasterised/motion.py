@@ -5,13 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import drivers, jobs, metrics, pictures, terminal
+from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame.methods import plan, steadied
 from bokeh_validation.pictures import Panel
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import labels
+from lab import jobs
 from lab.rasterised import faults
 from lab.rasterised.rasteriser import Pinhole, Rasteriser, places_in_pixel
 from lab.rasterised.sequences import MODERATE, MOTIONS, moment, street

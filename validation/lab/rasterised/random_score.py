@@ -7,22 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bokeh_validation import drivers, jobs, metrics, pictures, terminal
+from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.pictures import Panel
-from bokeh_validation.probes.model import Case, Check
-from bokeh_validation.probes.sections import Panel as SectionPanel
-from bokeh_validation.probes.sections import Run, Section
+from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import labels
+from lab import jobs
 from lab.rasterised import faults
 from lab.rasterised.random_scenes import random_scene
 from lab.rasterised.rasteriser import Rasteriser
 
 SIZE, POINTS = (320, 180), 320
 APERTURES = {6: "hexagon", 8: "octagon"}
-# What --full has of layered medium, at most: means of a hundred scenes from seed 0
-BOUNDS = {"flip": 0.104, "bright": 14, "dark": 40, "rough": 8}
 # Scenes of a job, whose driver is made once
 PORTION = 5
 # On the sheet: pixels of a place, how much larger they are shown, places of a scene and of all, what error is white
@@ -106,15 +103,6 @@ def table(rows: Sequence[Mapping]) -> list[str]:
             line += form.format(values.mean(), np.percentile(values, 95), values.max())
         lines.append(f"{line} | {np.mean([row['light'] for row in rows if row['label'] == label]):.3f} |")
     return lines
-
-
-def section(found: Sequence[Score], devices: Mapping) -> Section:
-    """layered medium within BOUNDS, for the report; none of it where the driver is missing."""
-    means = {name: np.mean([score.row[name] for score in found]) for name in BOUNDS if found}
-    checks = [Check(f"{k}, mean", float(v), 0.0, BOUNDS[k], "docs/results.md: what it was") for k, v in means.items()]
-    shown = [SectionPanel("input, ours, truth, error", pictures.jpeg_uri(sheet(found)))] if found else []
-    runs = [Run(name, {}, checks) for name in devices["adapters"]]
-    return Section("random-scenes", "Layered on random scenes", "The worst places.", runs, {"": shown}, **devices)
 
 
 def by_processes(methods: Sequence[str], driver: str, adapter: str | None, seeds: Sequence[int]) -> list[Score]:

@@ -54,8 +54,7 @@ def test_dozen():
     means = {name: np.mean([row[name] for row in rows]) for name in BOUNDS}
     assert all(means[name] <= bound for name, bound in BOUNDS.items()), means
     assert max(row["flip"] for row in rows) <= WORST
-    section = random_score.section(scores, {"adapters": {"egl": ""}, "missing": {}})
-    assert section.ok and len(section.runs[0].checks) == len(BOUNDS) and section.strips[""][0].picture
+    assert random_score.sheet(scores).ndim == 3
 
 
 def test_command():

@@ -10,6 +10,7 @@ from support_inputs import of_sample, samples
 
 from bokeh_validation import engines, paths, process
 from bokeh_validation.engines import bevy, pages, vulkan
+from bokeh_validation.errors import Unavailable
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
@@ -73,15 +74,20 @@ def check_pull(folder, metres):
 # Bevy's first build takes a quarter of an hour
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("name", samples(engines.ENGINES))
-def test_sample(name, request):
+def test_sample(name, request, hand_over):
     """Hexagon and octagon, exact and mostly paper, the layered hexagon where it is the default, on what was drawn.
 
     Once, until something changes (support_inputs.py); a slow one where it has been built, or with --all.
     """
-    if name in engines.SLOW and not request.config.getoption("--all") and not bevy.built():
+    asked = request.config.getoption("--all") or request.config.getoption("--report")
+    if name in engines.SLOW and not asked and not bevy.built():
         pytest.skip(f"{name}: not built here yet; --all builds it")
+    outcome, capture = engines.judged(name)
+    hand_over(outcome)
     with needed(name):
-        capture = engines.run(name)
+        for reason in outcome.missing.values():
+            raise Unavailable(reason)
+    assert capture, [line for run in outcome.runs for line in run.lines(False)]
     if name not in WITHOUT_PULL:
         check_pull(paths.cache_folder() / "engines" / name / "capture", capture.shots[-1].case.depth)
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]

@@ -75,7 +75,7 @@ def test_no_cycle():
 LEVELS = [
     line.split()
     for line in """
-errors paths needs setup files locks process packages terminal jobs shaders numerics
+errors paths needs setup files locks process packages terminal shaders numerics
 exr metrics pictures frame reference windows browser compilers
 options drivers
 plan generate compile_matrix probes

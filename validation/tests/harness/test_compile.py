@@ -24,6 +24,7 @@ from bokeh_validation.compile_matrix import (
 )
 from bokeh_validation.compilers import dxc, glslang, spirv, tool
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.run.session import BRIEF
 from bokeh_validation.shaders.variants import Program, load
 
 PROGRAMS = load()
@@ -51,10 +52,14 @@ def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell
 
 @pytest.mark.inputs(*COMPILED)
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_accepted(variant, request):
-    """All programs of a variant."""
-    programs = [one for one in load(main=not request.config.getoption("--all")) if one.variant == variant]
-    cells = cells_of(compile_programs(programs), variant)
+def test_accepted(variant, request, hand_over):
+    """All programs of a variant; few of them for a brief report."""
+    report = request.config.getoption("--report")
+    brief = report == BRIEF
+    programs = load(quick=brief, main=brief or not (report or request.config.getoption("--all")))
+    result = compile_programs(one for one in programs if one.variant == variant)
+    hand_over(result)
+    cells = cells_of(result, variant)
     assert cells and [(program.name, name, cell) for program, name, cell in cells if cell.status != OK] == []
 
 

@@ -11,14 +11,15 @@ from dataclasses import replace
 import pytest
 import typer
 
-from bokeh_validation import jobs, paths, probes
+from bokeh_validation import paths, probes
 from bokeh_validation.compile_matrix import Compilation
 from bokeh_validation.drivers.computed import Reference
-from bokeh_validation.probes import sections
-from bokeh_validation.probes.sections import Section, of_probe
-from bokeh_validation.run import validate
+from bokeh_validation.probes import outcomes
+from bokeh_validation.probes.outcomes import Outcome, Run, of_driver
+from bokeh_validation.run import session, validate
 
 LEAKAGE = next(probe for probe in probes.PROBES if probe.name == "leakage")
+LEAKAGE_OK = Outcome("leakage", "", runs=[Run("egl", {})])
 
 
 class Dark(Reference):
@@ -31,9 +32,9 @@ class Dark(Reference):
         return {name: (image * 0.5).astype(image.dtype) for name, image in outputs.items()}
 
 
-def page_of(tmp_path, shown: list[Section]) -> str:
+def page_of(tmp_path, shown: list[Outcome]) -> str:
     """The report of some sections."""
-    market = Section("market_7", "", strips={"": []})
+    market = Outcome("market_7", "", strips={"": []})
     validate.write_report(tmp_path / "page.html", validate.Everything(True, Compilation([]), shown, market, []))
     return (tmp_path / "page.html").read_text(encoding="utf-8")
 
@@ -58,7 +59,7 @@ def test_brief(tmp_path, monkeypatch, capsys):
 
 def test_report_shows_what_differs(tmp_path):
     """A picture that is wrong beside the reference's, with its distance; a cell for each driver."""
-    section = of_probe(LEAKAGE, [Reference(), Dark()])
+    (section,) = outcomes.merged(of_driver(LEAKAGE, driver) for driver in (Reference(), Dark()))
     good, bad = section.runs
     assert good.ok and not bad.ok and any("FAILED" in line for line in bad.lines(False)) and not section.ok
     for expected, other in section.strips.values():
@@ -72,8 +73,8 @@ def test_report_shows_what_differs(tmp_path):
 
 def test_missing_driver(tmp_path, monkeypatch):
     """A driver that is not there is told with its reason; under CI that is a failure."""
-    monkeypatch.setattr(sections, "_load", lambda name, _: f"no {name} here")
-    section = probes.section("leakage", ("egl",), None)
+    monkeypatch.setattr(outcomes, "driver_or_reason", lambda name, _: f"no {name} here")
+    section = outcomes.of_probe(LEAKAGE, "egl")
     assert section.missing == {"egl": "no egl here"} and not section.runs
     assert '<p class="missing">egl: no egl here</p>' in page_of(tmp_path, [section])
     results = validate.Everything(False, Compilation([]), [section], section, [])
@@ -83,11 +84,14 @@ def test_missing_driver(tmp_path, monkeypatch):
     assert not results.ok
 
 
-def test_jobs_keep_their_order():
-    """Results come in the order of the jobs, whichever ends first; an error ends all."""
-    assert jobs.run([(time.sleep, (0.5,)), (abs, (-2,)), (abs, (-3,))], lambda _: None) == [None, 2, 3]
-    with pytest.raises(TypeError):
-        jobs.run([(abs, ("text",)), (time.sleep, (60,))], lambda _: None)
+def test_an_error_is_no_success(tmp_path):
+    """A test that failed, though what it handed over is as it should be: the name and the reason are told."""
+    errors = session.unexplained({"a[b]": LEAKAGE_OK}, {"a[b]": "no lens", "c[d]": "no driver"})
+    assert errors == {"b": "no lens", "d": "no driver"}
+    found = validate.Everything(True, Compilation([]), [LEAKAGE_OK], None, [], errors)
+    assert not found.ok and found.verdict.startswith("FAILED: b, d")
+    validate.write_report(tmp_path / "page.html", found)
+    assert '<p class="bad">b: no lens</p>' in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_interrupted():

@@ -4,23 +4,34 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import LANGUAGES, load
+from support import LANGUAGES, load, needed, nightly
 from support_cases import judged, result
 
 from bokeh_validation import probes as patterns
-from bokeh_validation.probes import impulse, near_edges, sections, sweep
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.probes import impulse, near_edges, outcomes, sweep
 
 PROBES = {probe.name: probe for probe in patterns.PROBES}
 
 
-@pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
-@pytest.mark.parametrize("name", PROBES)
-def test_probe(name, driver, request):
+def on_drivers():
+    """Each probe in one of the languages; in the others with --all; on all drivers for validation/run."""
+    for index, name in enumerate(PROBES):
+        for driver in patterns.REAL:
+            others = nightly if driver in LANGUAGES else pytest.mark.report
+            by_default = driver == LANGUAGES[index % len(LANGUAGES)]
+            yield pytest.param(name, driver, marks=() if by_default else others, id=f"{name}-{driver}")
+
+
+@pytest.mark.parametrize(("name", "driver_name"), on_drivers())
+def test_probe(name, driver_name, request, hand_over):
     """Within the interval of the reference, and showing what it must."""
-    its_language = LANGUAGES[list(PROBES).index(name) % len(LANGUAGES)]
-    if driver.name != its_language and not request.config.getoption("--all"):
-        pytest.skip(f"in {its_language}; --all runs it in every language")
-    (run,) = sections.of_probe(PROBES[name], [driver]).runs
+    outcome = outcomes.of_probe(PROBES[name], driver_name, request.config.getoption("--adapter"))
+    hand_over(outcome)
+    with needed(f"driver {driver_name}"):
+        for reason in outcome.missing.values():
+            raise Unavailable(reason)
+    (run,) = outcome.runs
     assert not list(run.lines(False))
 
 

@@ -4,9 +4,12 @@ import json
 from functools import cache
 
 import pytest
-from support import called, load
+from support import called, load, needed
 
 from bokeh_validation import paths, truth
+from bokeh_validation.errors import Unavailable
+from bokeh_validation.probes import outcomes
+from bokeh_validation.run.validate import market
 from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
@@ -42,6 +45,18 @@ def test_layered(name, request):
     assert flip(name, "layered medium") == pytest.approx(RECORDED[name, "layered medium"]["flip"], abs=SAME)
     if name == "canopy_12x3" or request.config.getoption("--all"):
         assert flip(name, "layered low") < flip(name, "exact")
+
+
+@pytest.mark.report
+def test_market(request, hand_over):
+    """For the report of validation/run: what each method makes of market_7, layered nearest to the truth."""
+    driver = outcomes.driver_or_reason("osmesa", request.config.getoption("--adapter"))
+    with needed("driver osmesa"):
+        if isinstance(driver, str):
+            raise Unavailable(driver)
+    outcome, measured = market(driver)
+    hand_over(outcome)
+    assert max(measured, key=measured.__getitem__) == "layered medium"
 
 
 def test_octagon():

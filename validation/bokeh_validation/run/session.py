@@ -1,0 +1,128 @@
+"""pytest for the commands that draw and compile everything: tests hand what they measured to a command.
+
+A test with the fixture `hand_over` gives the command an object. run() calls pytest with such tests, in several
+processes, each with drivers, a browser and a Wine of its own, and returns the objects.
+"""
+
+import io
+import os
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import pytest
+
+from bokeh_validation import paths
+from bokeh_validation.errors import UserError
+
+# The name in a test report's properties
+HANDED_OVER = "handed over"
+BRIEF, FULL = "brief", "full"
+CORES = os.cpu_count() or 1
+PROCESSES = min(CORES, 4)
+
+
+class Handed(Protocol):
+    """What a test hands over."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether it is as it should be; what is missing does not count."""
+
+
+@dataclass
+class Collector:
+    """Keeps what the tests of a session handed over, in the process that their reports arrive in.
+
+    step    called after each test with its name
+    found   node id -> what it handed over
+    errors  node id -> the last line of what failed
+    """
+
+    step: Callable[[str], None]
+    found: dict[str, Handed] = field(default_factory=dict)
+    errors: dict[str, str] = field(default_factory=dict)
+
+    def pytest_runtest_logreport(self, report):
+        """Add a phase of a test."""
+        for key, data in report.user_properties:
+            if key == HANDED_OVER:
+                self.found[report.nodeid] = pickle.loads(data)
+        if report.failed:
+            text = report.longreprtext.strip() or "failed"
+            self.errors[report.nodeid] = text.splitlines()[-1]
+        if report.when == "teardown" or report.failed:
+            self.step(name_of(report.nodeid))
+
+
+def pytest_addoption(parser):
+    """Describe the options that run() sets."""
+    parser.addoption("--report", choices=(BRIEF, FULL), help="set by validation/run: the named tests, all of them")
+    parser.addoption("--adapter", help="set by validation/run --adapter: a part of a device's name")
+
+
+def pytest_configure(config):
+    """Describe the mark."""
+    config.addinivalue_line("markers", "report: run for validation/run only, on a driver that the suite leaves out")
+
+
+@pytest.fixture
+def hand_over(request) -> Callable[[Handed], None]:
+    """Hand an object to the command that started the tests; it arrives whether the test passes or fails."""
+    return lambda thing: request.node.user_properties.append((HANDED_OVER, pickle.dumps(thing)))
+
+
+def probe(name: str, driver: str) -> str:
+    """Return the node id of the test of a probe on a driver, which hands over an Outcome."""
+    return f"tests/shaders/test_probes.py::test_probe[{name}-{driver}]"
+
+
+def variant(name: str) -> str:
+    """Return the node id of the test of a variant of the programs, which hands over a Compilation."""
+    return f"tests/harness/test_compile.py::test_accepted[{name}]"
+
+
+def sample(name: str) -> str:
+    """Return the node id of the test of an engine's sample, which hands over an Outcome."""
+    return f"tests/engines/test_engines.py::test_sample[{name}]"
+
+
+# Hands over an Outcome: market_7 by every method
+MARKET = "tests/shaders/test_truth.py::test_market"
+
+
+def name_of(nodeid: str) -> str:
+    """What stands in the brackets of a node id, or else its function."""
+    function, _, parameters = nodeid.rpartition("::")[2].partition("[")
+    return parameters.removesuffix("]") or function
+
+
+def run(
+    tests: Sequence[str], step: Callable[[str], None], depth: str = FULL, adapter: str | None = None
+) -> tuple[dict[str, Handed], dict[str, str]]:
+    """Run tests of the suite, those that took longest first.
+
+    tests  node ids
+    step   called after each test with its name
+    depth  BRIEF: as little as a test can show something with
+    Returns node id -> what the test handed over, in the order of `tests`, and node id -> why it failed.
+    Raises KeyboardInterrupt where the tests were stopped, UserError where they could not be run
+    """
+    collector, said = Collector(step), io.StringIO()
+    options = ["-c", str(paths.VALIDATION / "pytest.ini"), "--rootdir", str(paths.VALIDATION)]
+    options += ["-o", f"cache_dir={paths.cache_folder() / 'pytest'}", "--report", depth, "-n", str(PROCESSES)]
+    options += ["--adapter", adapter] if adapter else []
+    with redirect_stdout(said):
+        code = pytest.main([*options, *(str(paths.VALIDATION / test) for test in tests)], plugins=[collector])
+    if code == pytest.ExitCode.INTERRUPTED:
+        raise KeyboardInterrupt
+    if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
+        raise UserError(f"the tests could not be run: {' '.join(said.getvalue().split())[-300:]}")
+    return {test: collector.found[test] for test in tests if test in collector.found}, collector.errors
+
+
+def unexplained(found: Mapping[str, Handed], errors: Mapping[str, str]) -> dict[str, str]:
+    """Name of a test -> why it failed, where what it handed over does not say that it failed."""
+    return {name_of(test): error for test, error in errors.items() if test not in found or found[test].ok}
