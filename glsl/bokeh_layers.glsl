@@ -1034,6 +1034,11 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTUR
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         float inner = BokehRingBorder(0, radius, spacing, narrowing);
+        // Samples within half a pixel are this pixel again: no ring.
+        if (radius < 0.5)
+        {
+            inner = radius;
+        }
         // what spreads less than the inner radius of the first ring reaches no other pixel
         float most = 1.0 / (inner * inner);
         float least = 1.0 / (radius * radius);
@@ -1120,10 +1125,13 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTUR
 
         vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
         vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        BokehGrid halves = BokehReducedGrid(layers, 2.0);
+        if (tile.r > 6.0)
         {
-            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
+        }
+        if (tile.g > 10.0)
+        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
         }
         // at a pixel of a layer, that layer itself is added below

@@ -1036,6 +1036,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
+        // Samples within half a pixel are this pixel again: no ring.
+        if (radius < 0.5)
+        {
+            inner = radius;
+        }
         // what spreads less than the inner radius of the first ring reaches no other pixel
         let most: f32 = 1.0 / (inner * inner);
         let least: f32 = 1.0 / (radius * radius);
@@ -1125,10 +1130,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
 
         var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+        if (tile.r > 6.0)
         {
-            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+        }
+        if (tile.g > 10.0)
+        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at a pixel of a layer, that layer itself is added below

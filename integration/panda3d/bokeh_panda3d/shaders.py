@@ -1413,6 +1413,10 @@ rings += 1.0;
 }
 float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 float inner = BokehRingBorder(0, radius, spacing, narrowing);
+if (radius < 0.5)
+{
+inner = radius;
+}
 float most = 1.0 / (inner * inner);
 float least = 1.0 / (radius * radius);
 float weight = (1.0 - nearShare) * min(ownInverse / most, 1.0);
@@ -1484,10 +1488,13 @@ inner = outer;
 }
 vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
-{
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
+if (tile.r > 6.0)
+{
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
+}
+if (tile.g > 10.0)
+{
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));

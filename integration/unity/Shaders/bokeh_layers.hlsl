@@ -1055,6 +1055,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         float inner = BokehRingBorder(0, radius, spacing, narrowing);
+        // Samples within half a pixel are this pixel again: no ring.
+        if (radius < 0.5)
+        {
+            inner = radius;
+        }
         // what spreads less than the inner radius of the first ring reaches no other pixel
         float most = 1.0 / (inner * inner);
         float least = 1.0 / (radius * radius);
@@ -1141,10 +1146,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
 
         float4 near = float4(0.0, 0.0, 0.0, 0.0);
         float4 far = float4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        BokehGrid halves = BokehReducedGrid(layers, 2.0);
+        if (tile.r > 6.0)
         {
-            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+        }
+        if (tile.g > 10.0)
+        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at a pixel of a layer, that layer itself is added below
