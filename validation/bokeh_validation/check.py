@@ -13,7 +13,7 @@ from bokeh_validation.compile_matrix import naga
 from bokeh_validation.compilers import dxc, glslang
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
-from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes import coverage_frames, judges
 from bokeh_validation.probes.judges import Frame
 from bokeh_validation.shaders import calls, parity
 from bokeh_validation.shaders.entries import ENTRIES
@@ -63,7 +63,7 @@ def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) ->
     meant to change pictures has to change them alike in all languages.
     """
     drawn = set()
-    for label, frame in small_frames.all_frames().items():
+    for label, frame in coverage_frames.all_frames().items():
         for language, driver in used.items() if not frame.main else ():
             codes = [edited(texts[language], item.entry, item.constants) for item in frame.passes]
             keys = [(language, item.entry, code) for item, code in zip(frame.passes, codes, strict=True)]

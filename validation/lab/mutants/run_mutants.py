@@ -14,7 +14,7 @@ from multiprocessing.process import BaseProcess
 from bokeh_validation import drivers, shaders
 from bokeh_validation.drivers import gl  # noqa: F401  loaded once, not in the process of every mutant
 from bokeh_validation.errors import UserError
-from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes import coverage_frames, judges
 from bokeh_validation.probes.judges import Judge
 from bokeh_validation.shaders import calls, parity, rules
 from bokeh_validation.windows import wine
@@ -60,7 +60,7 @@ def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[st
 
 def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
     """Driver -> the judges of every frame that one of its mutants may ask."""
-    everything, result = list(small_frames.all_frames()), {}
+    everything, result = list(coverage_frames.all_frames()), {}
     with ProcessPoolExecutor(WORKERS, FORK) as pool:
         for driver in dict.fromkeys(mutant.driver for mutant in mutants):
             asked = {label for mutant in mutants if mutant.driver == driver for label in mutant.frames or everything}
@@ -71,7 +71,7 @@ def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
 
 def _judges(name: str, label: str) -> list[Judge]:
     driver = _loaded(name)
-    found = judges.judges(label, small_frames.all_frames()[label], driver.precision, driver.rounding)
+    found = judges.judges(label, coverage_frames.all_frames()[label], driver.precision, driver.rounding)
     for judge in found:
         if objection := judge.objection(driver):
             raise UserError(f"mutants: the shaders as they are fail: {objection}. See validation/test.")

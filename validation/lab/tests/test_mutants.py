@@ -22,7 +22,7 @@ import os, signal, sys, time
 from dataclasses import replace
 from bokeh_validation import cli
 from lab.mutants import run_mutants, mutants_command, operators
-from bokeh_validation.probes import small_frames
+from bokeh_validation.probes import cases, coverage_frames
 
 def judged(mutant, judges, judged=run_mutants._judged):
     if mutant.name in ("broken", "endless"):
@@ -39,7 +39,7 @@ for name in sys.argv.pop(1).split():
     texts = {key: text.replace(some.change, statement) for key, text in some.texts.items()}
     mutants.append(replace(some, name=name, texts=texts, argued="so" if name == "equivalent" else ""))
 run_mutants._judged, mutants_command.all_mutants = judged, lambda: mutants
-small_frames.all_frames = lambda: {"paper": small_frames.of_settings(small_frames.PAPER)}
+coverage_frames.all_frames = lambda: {"paper": coverage_frames.of_settings(cases.PAPER)}
 sys.argv[1:] = ["mutants", *sys.argv[1:]]
 cli.main()
 """

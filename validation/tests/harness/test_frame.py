@@ -13,22 +13,15 @@ from bokeh_validation import plan as frame
 from bokeh_validation.compilers import dxc, spirv
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import aperture_shapes, methods
+from bokeh_validation.probes import cases
 from bokeh_validation.shaders.passes import target_size
 
 # The lens blurs the near and the far depths of `picture` by most of the height, so that every pass has work to do.
 CAMERA = methods.Camera(aperture_diameter=0.4, focal_length=0.05, focus_distance=2.0, max_coc=0.8)
 SIZE, WINDOW = (101, 77), (8, 16, 71, 53)
-EVERY = {
-    "paper star": ({"method": "paper", "aperture": "star", "spacing": 1.0, "jitter": 0.5, "frame": 3}, None),
-    "naive": ({"method": "naive"}, None),
-    "exact, a lens": (
-        {"aperture": "octagon", "cats_eye": 0.4, "roundness": 0.7, "spacing": 1.5}, None
-    ),
-    "exact, one target": ({"targets": False, "lateral": 0.02, "spacing": 2.0}, WINDOW),
-    "layered": ({"method": "layered", "cats_eye": 0.3}, None),
-    "layered low": ({"method": "layered", "aperture": "octagon", "targets": False, "preset": "low"}, WINDOW),
-    "layered decagon": ({"method": "layered", "aperture": "decagon", "coc": 0.1}, None),
-}  # fmt: skip
+SETTINGS = cases.tagged(cases.JSON, CAMERA)
+# Drawn into a part of the textures
+IN_WINDOW = ("exact decagon, one target", "layered, one target")
 
 
 def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
@@ -87,11 +80,10 @@ def given(context: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
     return context.texture(size, channels, pixels.tobytes(), alignment=1, dtype={2: "f2", 4: "f4"}[pixels.itemsize])
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", SETTINGS)
 def test_an_engine_runs_from_the_json(name):
     """Bit for bit what the harness draws: every method, and every option of render."""
-    options, window = EVERY[name]
-    settings = methods.Settings(**{"method": "exact", "rotation": 10.0, "squeeze": 0.8, "camera": CAMERA, **options})
+    settings, window = SETTINGS[name], WINDOW if name in IN_WINDOW else None
     planned = json.loads(json.dumps(frame.frame(settings, SIZE, window), allow_nan=False))
     plan = methods.plan(settings, window[2:] if window else SIZE)
     plan = methods.in_viewport(plan, window, SIZE) if window else plan

@@ -8,7 +8,7 @@ from support import load
 from bokeh_validation import paths, shaders
 from bokeh_validation.frame import methods
 from bokeh_validation.plan import fetches
-from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes import coverage_frames, judges
 from bokeh_validation.reference import listings
 from bokeh_validation.shaders import passes
 
@@ -46,7 +46,7 @@ def test_values():
     """To the bit or nearly: what section [1] configures, what functions return that no entry calls, or for numbers that
     no device can be given.
     """
-    driver, frames = load("osmesa"), small_frames.all_frames()
+    driver, frames = load("osmesa"), coverage_frames.all_frames()
     for label in ("values", "values in a part"):
         (judge,) = judges.judges(label, frames[label], driver.precision, driver.rounding)
         assert not judge.objection(driver)

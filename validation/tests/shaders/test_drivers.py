@@ -9,7 +9,7 @@ from support_cases import within
 
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import judges, small_frames
+from bokeh_validation.probes import cases, coverage_frames, judges
 from bokeh_validation.probes.model import Case, depth_of
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
@@ -41,7 +41,7 @@ def test_passes_are_chained(name, driver):
     """A frame drawn from end to end has in each target, to the bit, what its pass draws alone from the frame's other
     targets. With that each pass, judged alone on the reference's inputs (probes/judges.py), stands for the frame.
     """
-    frame = small_frames.of_settings(small_frames.ENTRY_SETTINGS[name])
+    frame = coverage_frames.of_settings(cases.tagged(cases.ENTRIES)[name])
     names = [output for item in frame.passes for output in item.outputs]
     outputs = driver.run(frame.passes, frame.textures, frame.size, keep=names)
     for item in frame.passes:
@@ -56,7 +56,7 @@ def test_maps_depth_and_views(driver):
 
     With hostile numbers in each, and at the ends, where a MaxCoC of 0 must not divide by 0.
     """
-    frames = small_frames.all_frames()
+    frames = coverage_frames.all_frames()
     for label in (label for label in frames if label.startswith(("map", "constant", "view", "depth"))):
         for judge in judges.judges(label, frames[label], driver.precision, driver.rounding):
             assert not judge.objection(driver)

@@ -13,41 +13,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support_cases import CAMERA, noise_case
+from support_cases import noise_case
 
 from bokeh_validation import paths
-from bokeh_validation.frame import methods
-from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics import images
-from bokeh_validation.probes import near_edges
+from bokeh_validation.probes import cases, near_edges
 from bokeh_validation.probes.model import Case, depth_of
 from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.entries import ENTRIES
 
 FILE = paths.VALIDATION / "tests/shaders/expected_layered.npz"
 SIZE = (37, 27)
-# both layers full: near CoC of up to 25 pixels, far ones of up to 17
-FULL = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
-# a CoC that is in part in a layer, or spreads a little, pixels: a near layer sets in from 6 to 12, its share is between
-# none and all from 8.4 to 9.6; a far one sets in from 10 to 16, its share from 12.4 to 13.6. One in the middle of each.
-PLANES = (-11.0, -9.0, 3.0, 11.0, 13.0, 14.0)
 # so wide that lines of a layer take samples farther apart than a texel, and read its level
 WIDE_SIZE = (16, 120)
-WIDE_PLANES = (-90.0, 60.0, 90.0)
-SETTINGS = {
-    "hexagon": Settings("layered", "hexagon", camera=FULL, jitter=1.0, squeeze=0.7, rotation=10.0),
-    "less": Settings("layered", "hexagon", camera=replace(FULL, aperture_diameter=1.8)),
-    "little": Settings("layered", "hexagon", camera=CAMERA),
-    "square": Settings("layered", "square", camera=FULL, preset="low", jitter=1.0),
-    "octagon cut": Settings("layered", "octagon", camera=FULL, cats_eye=0.7, roundness=0.5, preset="high"),
-    "decagon": Settings("layered", "decagon", camera=FULL, preset="low", rotation=20.0, frame=3, jitter=0.5),
-    "decagon, one target": Settings("layered", "decagon", camera=FULL, preset="ultra", targets=False),
-    "octagon, cut, one target": Settings("layered", "octagon", camera=FULL, targets=False, cats_eye=0.9),
-    "slope": near_edges.settings(rotation=10.0),
-    **{f"plane {coc}": near_edges.settings(rotation=10.0) for coc in PLANES},
-    **{f"wide {coc}": near_edges.settings() for coc in WIDE_PLANES},
-    "wide square": near_edges.settings("square", jitter=1.0),
-}
+SETTINGS = cases.tagged(cases.EXPECTED)
 
 
 def case(name: str) -> Case:

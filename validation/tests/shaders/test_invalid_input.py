@@ -10,29 +10,15 @@ from support_cases import everything, within
 
 from bokeh_validation import drivers, paths
 from bokeh_validation.frame.methods import Camera, Settings
+from bokeh_validation.probes import cases
 from bokeh_validation.probes.model import Case
-from bokeh_validation.probes.small_frames import FOCUS
 from bokeh_validation.reference.listings import MAX_DEPTH, safe_color
 
 SIZE = (96, 64)
 CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
-ADAPTIVE = {"spacing": 1.0, "jitter": 1.0, "samples": 5}
-METHODS = {
-    "paper": Settings("paper", "hexagon", camera=CAMERA),
-    "paper star, CoC kept": Settings("paper", "star", camera=CAMERA, blur_coc=False, rotation=10.0),
-    "paper triangle": Settings("paper", "triangle", camera=CAMERA),
-    "paper adaptive": Settings("paper", "octagon", camera=CAMERA, **ADAPTIVE),
-    "exact": Settings("exact", "hexagon", camera=CAMERA, squeeze=0.7),
-    "exact decagon": Settings("exact", "decagon", camera=CAMERA),
-    "exact, one target": Settings("exact", "octagon", camera=CAMERA, targets=False),
-    "exact adaptive": Settings("exact", "hexagon", camera=CAMERA, **ADAPTIVE),
-    "naive": Settings("naive", "hexagon", camera=CAMERA),
-    "naive-grid": Settings("naive-grid", "square", 5, camera=CAMERA, rotation=20.0),
-    "layered": Settings("layered", "hexagon", camera=CAMERA, squeeze=0.7),
-    "layered, one target": Settings("layered", "octagon", 7, camera=CAMERA, preset="low", jitter=1.0, targets=False),
-}
+METHODS = cases.tagged(cases.BAD_INPUT, CAMERA)
 # One hostile case on every driver
-EVERYWHERE = ("exact", "layered")
+EVERYWHERE = ("exact hexagon", "layered hexagon")
 # Methods whose CoC is signed
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue
@@ -154,11 +140,13 @@ def test_in_focus_nothing_changes(method, driver):
 # More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
 MOST_SAMPLES = {"d3d9": 254}
 # Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
-MOST_SIDE = {"naive": 90, "naive-grid": 24}
+MOST_SIDE = {"naive": 90, "naive grid": 24}
 
 
 @pytest.mark.parametrize("count", ["fewest", "most"])
-@pytest.mark.parametrize("method", ["paper", "paper adaptive", "exact", "exact adaptive", "naive", "naive-grid"])
+@pytest.mark.parametrize(
+    "method", ["paper hexagon", "paper pentagon", "exact, preset", "exact hexagon", "naive", "naive grid"]
+)
 @pytest.mark.parametrize(
     "driver", [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in MOST_SAMPLES)], indirect=True
 )
@@ -190,16 +178,12 @@ def test_clipped_highlights_do_not_overflow(aperture, driver):
 # parameters out of range
 # ----------------------------------------------------------------------------------------------------------------------
 
-CAMERA_ONLY = ("paper", "exact")
-LINES = ("paper adaptive",)
-COUNTED = ("paper adaptive", "exact adaptive", "layered")
-ALL = ("paper", "exact adaptive", "exact, one target", "naive", "layered", "layered, one target")
-READERS = {
-    **METHODS,
-    "constant CoC": Settings("exact", "square", coc=0.05, camera=CAMERA),
-    "character": Settings("exact", "octagon", camera=CAMERA, cats_eye=0.5, lateral=0.05, **ADAPTIVE),
-    "focus": Settings("exact", "hexagon", camera=CAMERA, focus=FOCUS),
-}
+CAMERA_ONLY = ("paper hexagon", "exact, preset")
+LINES = ("paper pentagon",)
+COUNTED = ("paper pentagon", "exact hexagon", "layered hexagon")
+ALL = ("paper hexagon", "exact hexagon", "exact decagon, one target", "naive", "layered hexagon", "layered, one target")
+CHARACTER = ("exact octagon, cut",)
+READERS = cases.tagged(cases.COVERAGE, CAMERA)
 # Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
 MISTAKES = {
     "BokehApertureDiameter": (CAMERA_ONLY, (-1.0, 1e30)),
@@ -220,15 +204,15 @@ MISTAKES = {
     "BokehJitter": (COUNTED, (-5.0, 5.0, 1e30)),
     "BokehFrame": (COUNTED, (-1.0, 1e9)),
     "BokehPassIndex": (LINES, (-1.0, 1e9)),
-    "BokehCatsEye": (("character",), (-1.0, 1e30)),
-    "BokehRoundness": (("character",), (-1.0, 1e30)),
-    "BokehLateral": (("character",), (1.0, -1.0, 1e30)),
-    **{f"Bokeh{side}Range": (("focus",), (-1.0, 1e30)) for side in ("Front", "Back")},
-    **{f"Bokeh{side}Scale": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
-    **{f"Bokeh{side}MaxCoC": (("focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
-    **{f"BokehDepth{part}": (("focus",), (-1.0, 0.0, 1e30)) for part in ("X", "Y", "Width", "Height")},
+    "BokehCatsEye": (CHARACTER, (-1.0, 1e30)),
+    "BokehRoundness": (CHARACTER, (-1.0, 1e30)),
+    "BokehLateral": (("lateral",), (1.0, -1.0, 1e30)),
+    **{f"Bokeh{side}Range": (("exact, focus",), (-1.0, 1e30)) for side in ("Front", "Back")},
+    **{f"Bokeh{side}Scale": (("exact, focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"Bokeh{side}MaxCoC": (("exact, focus",), (-1.0, 1e30)) for side in ("Near", "Far")},
+    **{f"BokehDepth{part}": (("exact, focus",), (-1.0, 0.0, 1e30)) for part in ("X", "Y", "Width", "Height")},
     "BokehConstantCoC": (("constant CoC",), (-1.0, 5.0, 1e30)),
-    "BokehSides": (("exact, one target", "layered, one target"), (1.0, 2.0, -6.0, 5.0, 1e30)),
+    "BokehSides": (("exact decagon, one target", "layered, one target"), (1.0, 2.0, -6.0, 5.0, 1e30)),
 }
 
 
@@ -247,16 +231,16 @@ def test_parameters_out_of_range(name, driver):
 
 # method, a parameter out of range, what docs/inputs.md says it counts as
 EQUIVALENTS = [
-    ("exact adaptive", "BokehSpacing", 0.0, 1.5),
-    ("exact adaptive", "BokehSpacing", -1.0, 1e30),
-    ("exact adaptive", "BokehImageHeight", -64.0, 0.0),
-    ("paper", "BokehBleedingMult", -30.0, 0.0),
-    ("paper", "BokehFocusDistance", -1.0, 0.0),
-    ("paper", "BokehFocusDistance", float("inf"), 1e9),
-    ("paper", "BokehFocusDistance", 3.4e38, 1e9),
-    ("paper", "BokehApertureDiameter", -1.0, 0.0),
-    ("paper", "BokehSensorHeight", -1.0, 0.0),
-    ("exact, one target", "BokehSides", 0.0, 6.0),
+    ("exact hexagon", "BokehSpacing", 0.0, 1.5),
+    ("exact hexagon", "BokehSpacing", -1.0, 1e30),
+    ("exact hexagon", "BokehImageHeight", -64.0, 0.0),
+    ("paper hexagon", "BokehBleedingMult", -30.0, 0.0),
+    ("paper hexagon", "BokehFocusDistance", -1.0, 0.0),
+    ("paper hexagon", "BokehFocusDistance", float("inf"), 1e9),
+    ("paper hexagon", "BokehFocusDistance", 3.4e38, 1e9),
+    ("paper hexagon", "BokehApertureDiameter", -1.0, 0.0),
+    ("paper hexagon", "BokehSensorHeight", -1.0, 0.0),
+    ("exact decagon, one target", "BokehSides", 0.0, 6.0),
     ("layered, one target", "BokehSides", 0.0, 6.0),
 ]
 

@@ -4,14 +4,13 @@ import formulas
 import numpy as np
 import pytest
 from support_cases import noise_case
-from test_within import GROUPS
 
 from bokeh_validation import metrics
 from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
-from bokeh_validation.probes import small_frames
-from bokeh_validation.probes.small_frames import ENTRY_SETTINGS, SWITCHES
+from bokeh_validation.probes import cases, coverage_frames
+from bokeh_validation.probes.cases import SWEEPS
 from bokeh_validation.reference import execution, kept, listings, pass_images
 from bokeh_validation.reference.intervals import Interval
 from bokeh_validation.shaders.passes import target_size
@@ -87,7 +86,7 @@ def test_formulas_and_programs_agree(method):
     Left out are pixels where a comparison of Listing 3 or the jitter's side is within float32's error, so that it may
     be within float64's as well: at most one in twenty-five.
     """
-    frames = [*ENTRY_SETTINGS.values(), *SWITCHES.values(), *(one for group in GROUPS.values() for one in group)]
+    frames = [*cases.tagged(cases.COVERAGE).values(), *(one for group in SWEEPS.values() for one in group)]
     for settings in (one for one in frames if one.method == method):
         case = noise_case((61, 48), settings)
         drawn = pass_images.alone(case.plan.passes, case.textures(), case.size, "half", precision.SOFTWARE, "nearest")
@@ -106,8 +105,8 @@ def test_formulas_and_programs_agree(method):
 @pytest.mark.parametrize("is_part", [False, True], ids=["whole", "part"])
 def test_alone(is_part):
     """Each interval is that of one pass, from inputs without an interval, also where a viewport is drawn over."""
-    frame = small_frames.of_settings(small_frames.PAPER, small_frames.PART_SIZE)
-    frame = small_frames.in_part(frame) if is_part else frame
+    frame = coverage_frames.of_settings(cases.PAPER, coverage_frames.PART_SIZE)
+    frame = coverage_frames.in_part(frame) if is_part else frame
     given = frame.passes, frame.textures, frame.size, "half", precision.SOFTWARE, "zero"
     made, allowed = pass_images.alone(*given)
     for name, wanted in pass_images.images(*given, given=made).items():

@@ -11,6 +11,7 @@ from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics import images
+from bokeh_validation.probes import cases
 from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.passes import Pass, target_area
 
@@ -18,32 +19,18 @@ SIZE = (90, 74)
 # not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows
 VIEWPORT = (24, 8, 48, 37)
 CAMERA = methods.Camera(0.12, 0.05, 4.0, max_coc=0.3)
-LAYERED = Settings("layered", "hexagon", 7, rotation=11.0, camera=methods.Camera(0.1, 0.05, 4.0, max_coc=0.3))
+SETTINGS = cases.tagged(cases.VIEWPORT, CAMERA)
 WIDE = Settings("exact", "hexagon", camera=replace(CAMERA, max_coc=1.0))
-SETTINGS = {
-    "paper": Settings("paper", "octagon", camera=CAMERA),
-    "paper, a sample a pixel": Settings("paper", "hexagon", spacing=1.0, jitter=1.0, camera=CAMERA),
-    "exact": Settings("exact", "decagon", rotation=11.0, camera=CAMERA),
-    "exact, a sample a pixel": Settings("exact", "hexagon", spacing=1.5, jitter=1.0, frame=3, camera=CAMERA),
-    "exact, three targets": Settings("exact", "octagon", rotation=5.0, camera=CAMERA),
-    "exact, one target": Settings("exact", "octagon", targets=False, squeeze=0.6, camera=CAMERA),
-    "cat's eye": Settings("exact", "hexagon", camera=CAMERA, cats_eye=0.7),
-    "cat's eye, layered": replace(LAYERED, cats_eye=0.7),
-    "naive": Settings("naive", "hexagon", 7, camera=CAMERA),
-    "naive grid": Settings("naive-grid", "square", 5, camera=CAMERA),
-    "constant CoC": Settings("exact", "square", coc=0.4, camera=replace(CAMERA, max_coc=0.5)),
-    "lateral colour": Settings("exact", "hexagon", camera=CAMERA, lateral=0.02),
-    "layered": LAYERED,
-}
+LAYERED = SETTINGS["layered hexagon"]
 # Name -> settings, size of the textures, and where the image is in them
 CASES = {
     **{name: (settings, SIZE, VIEWPORT) for name, settings in SETTINGS.items()},
     # The whole texture, a corner, and each polygon, so that every entry of layered draws into one. The smallest is more
     # than 8 pixels wide and high: a target of an eighth that is one texel wide has no room for the inset
     "layered, whole": (LAYERED, SIZE, (0, 0, 90, 74)),
-    "layered, square": (replace(LAYERED, aperture="square"), SIZE, (8, 24, 40, 30)),
-    "layered, octagon": (replace(LAYERED, aperture="octagon", targets=False), SIZE, (40, 16, 50, 58)),
-    "layered, decagon": (replace(LAYERED, aperture="decagon"), SIZE, (72, 56, 11, 9)),
+    "layered square, a corner": (replace(LAYERED, aperture="square"), SIZE, (8, 24, 40, 30)),
+    "layered octagon, last corner": (replace(LAYERED, aperture="octagon", targets=False), SIZE, (40, 16, 50, 58)),
+    "layered decagon, smallest": (replace(LAYERED, aperture="decagon"), SIZE, (72, 56, 11, 9)),
     # The smallest image, the whole texture, its last corner, and far from uv 0, where float32 is coarsest
     "smallest": (WIDE, (9, 7), (3, 2, 2, 2)),
     "whole": (WIDE, (9, 7), (0, 0, 9, 7)),
@@ -52,7 +39,7 @@ CASES = {
     "far down": (WIDE, (5, 4096), (1, 4096 - 40, 3, 33)),
     "farthest": (WIDE, (8192, 4), (8192 - 33, 0, 33, 3)),
 }
-EVERYWHERE = ("paper", "exact", "naive", "constant CoC", "layered", "smallest")
+EVERYWHERE = ("paper hexagon", "exact, preset", "naive", "constant CoC", "layered hexagon", "smallest")
 
 
 def inside(pixels: np.ndarray, area: tuple[int, int, int, int]) -> np.ndarray:
@@ -155,7 +142,7 @@ def test_parameters_out_of_range(name, driver):
     """Finite and not negative where all that there is to read is, from colour that is not."""
     image = noise_case(SIZE, Settings())
     image.color[::3, ::5] = np.nan
-    plan = methods.in_viewport(methods.plan(SETTINGS["exact"], VIEWPORT[2:]), VIEWPORT, SIZE)
+    plan = methods.in_viewport(methods.plan(SETTINGS["exact, preset"], VIEWPORT[2:]), VIEWPORT, SIZE)
     for value in (-500.0, 0.0, 1e30):
         passes = [replace(item, parameters={**item.parameters, f"Bokeh{name}": value}) for item in plan.passes]
         output = driver.run(passes, image.textures(), SIZE)["result"]

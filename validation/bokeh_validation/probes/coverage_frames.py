@@ -1,4 +1,4 @@
-"""Small frames that reach every entry and every switch.
+"""Small frames that reach every entry, every switch and every branch of the shaders.
 
 `check` draws those that an edit can have broken; `mutants` shows that a mistake is seen.
 """
@@ -10,7 +10,8 @@ import numpy as np
 
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Camera, Settings
-from bokeh_validation.probes import near_edges
+from bokeh_validation.probes import cases, near_edges
+from bokeh_validation.probes.cases import EXACT, FOCUS, LAYERED, WIDE, WIDEST
 from bokeh_validation.probes.judges import Frame
 from bokeh_validation.probes.model import flat
 from bokeh_validation.reference import listings
@@ -21,66 +22,12 @@ SIZE, LAYERED_SIZE = (45, 29), (75, 50)
 PART_SIZE, TEXTURES, CORNER = (48, 37), (89, 73), (24, 8)
 HOSTILE_DEPTH = (np.nan, np.inf, -np.inf, -1e30, -2.0, 1e30, 1e9, 0.0, 1.0)
 
-ALL = {
-    "rotation": 17.0,
-    "squeeze": 0.7,
-    "bleeding_bias": 0.03,
-    "bleeding_mult": 30.0,
-    "camera": Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
-}
-# The spacing is no preset's: with one of those it would not show that nobody reads the parameter
-ADAPTIVE = {"spacing": 1.25, "jitter": 1.0, "frame": 61}
-CUT = {"cats_eye": 0.7, "roundness": 0.5}
-FOCUS = methods.Focus((0.5, 1.0), (0.75, 0.5), (0.0625, 0.03125))
-WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels of 50
-WIDEST = {"camera": Camera(1.8, 0.05, 8.0, max_coc=1.0)}
-PAPER, EXACT = Settings("paper", "hexagon", 5, **ALL), Settings("exact", "hexagon", 5, **ALL)
-LAYERED = Settings("layered", "hexagon", 5, jitter=0.5, frame=3, **ALL)
-# Every entry but BokehLinearDepth and BokehDebug, with the parameters away from their defaults
-ENTRY_SETTINGS = {
-    "paper hexagon": PAPER,
-    "paper star": replace(PAPER, aperture="star", blur_coc=False),
-    "paper pentagon": replace(PAPER, aperture="pentagon", **ADAPTIVE),
-    "constant CoC": replace(PAPER, coc=0.2),
-    "naive": replace(PAPER, method="naive", aperture="triangle", samples=6),
-    "naive grid": replace(PAPER, method="naive-grid", aperture="square"),
-    **{f"exact {name}": replace(EXACT, aperture=name, **ADAPTIVE) for name in methods.EXACT},
-    "exact decagon, one target": replace(EXACT, aperture="decagon", targets=False, **ADAPTIVE),
-    "exact, preset": replace(EXACT, samples=None),
-    "lateral": replace(EXACT, lateral=0.02),
-    # wide first: what blurs a layer runs only where there is one
-    **{f"layered {name}": replace(LAYERED, aperture=name, **WIDE) for name in methods.EXACT},
-    "layered, one target": replace(LAYERED, aperture="octagon", preset="ultra", targets=False, **WIDE),
-}
-SWITCHES = {
-    "naive, many": replace(PAPER, method="naive", aperture="square", samples=12),
-    **{f"exact {name}, cut": replace(EXACT, aperture=name, **CUT, **ADAPTIVE) for name in methods.EXACT},
-    "exact, focus": replace(EXACT, focus=FOCUS),
-    "exact octagon, cut too far": replace(EXACT, aperture="octagon", cats_eye=5.0, roundness=-1.0),
-    "exact decagon, cut, one target": replace(EXACT, aperture="decagon", targets=False, **CUT, **ADAPTIVE),
-    "lateral, too much": replace(EXACT, lateral=5.0),
-    "lateral, too little": replace(EXACT, lateral=-5.0),
-    "constant CoC, too large": replace(PAPER, coc=0.4),
-    "constant CoC, negative": replace(EXACT, coc=-0.1),
-    **{f"layered {name}, narrow": replace(LAYERED, aperture=name) for name in methods.EXACT},
-    "layered, wide": replace(LAYERED, jitter=1.0, **WIDE),
-    "layered, far": replace(LAYERED, focus=methods.Focus(scale=(0.0, 1.0)), **WIDE),
-    "layered, low": replace(LAYERED, aperture="decagon", preset="low", **WIDE),
-    "layered, widest": replace(LAYERED, aperture="square", preset="low", **WIDEST),
-    "layered, cut": replace(LAYERED, aperture="octagon", **CUT, **WIDE),
-    "layered decagon, cut": replace(LAYERED, aperture="decagon", cats_eye=0.9, **WIDE),
-    "layered, cut, one target": replace(LAYERED, aperture="octagon", targets=False, **CUT, **WIDE),
-}
-IN_PART = ("paper pentagon", "paper hexagon", "naive", "naive grid", "exact decagon", "exact decagon, one target")
-IN_PART += ("lateral", "constant CoC", "layered hexagon", "layered, cut")
-
 
 def all_frames() -> dict[str, Frame]:
     """Label -> frame, those of the plain settings first."""
-    plain = {label: of_settings(settings) for label, settings in (ENTRY_SETTINGS | SWITCHES).items()}
-    parts = {
-        f"{label}, part": in_part(of_settings({**ENTRY_SETTINGS, **SWITCHES}[label], PART_SIZE)) for label in IN_PART
-    }
+    plain = {label: of_settings(settings) for label, settings in cases.tagged(cases.COVERAGE).items()}
+    in_parts = cases.tagged(cases.PART)
+    parts = {f"{label}, part": in_part(of_settings(settings, PART_SIZE)) for label, settings in in_parts.items()}
     return {**dict(_inputs()), **dict(_steady()), **plain, **parts, **dict(_layers()), **dict(_values())}
 
 
