@@ -26,7 +26,8 @@ Texts = tuple[str, str]
 
 def _committed(key: str) -> str:
     """A file of the shaders as it is in the last commit, '' where it is new. Raises UserError outside of git."""
-    git = ["git", "-C", str(paths.shaders())]
+    # the checkout may be another user's
+    git = ["git", "-c", "safe.directory=*", "-C", str(paths.shaders())]
     if subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True).returncode:
         raise UserError(f"{paths.shaders()}: no git checkout. check looks at what has changed: clone the repository.")
     return subprocess.run([*git, "show", f"HEAD:./{key}"], capture_output=True, text=True).stdout

@@ -35,6 +35,8 @@ COMMANDS = {
     "isa": "lab.isa.isa_command",
     "mutants": "lab.mutants.mutants_command",
 }
+# The exit code of a shell's command that was stopped, which typer uses too
+INTERRUPTED = 130
 # Where a command's function has another name than the command
 FUNCTIONS = {"compile": "compile_all", "pictures": "draw_pictures"}
 
@@ -86,10 +88,12 @@ def main() -> None:
         text = error.format_message() if hasattr(error, "format_message") else str(error)
         code = _refuse(f"{' '.join(text.split())} See validation/run --help.")
     except (KeyboardInterrupt, typer.Abort):
-        code = _refuse("stopped")
+        code = INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
+    if code == INTERRUPTED:
+        _refuse("stopped")
     end_programs()
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:  # closed by the caller

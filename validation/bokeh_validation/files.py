@@ -1,6 +1,7 @@
 """Files that appear complete or not at all."""
 
 import os
+import secrets
 import shutil
 import tempfile
 from collections.abc import Callable
@@ -10,29 +11,42 @@ from bokeh_validation.errors import UserError
 
 
 def whole(path: Path, save: Callable[[Path], object]) -> None:
-    """Call `save` with a temporary path beside `path`, then put it in its place."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    """Call `save` with a temporary path, then put the file in the place of `path`, or of what `path` links to.
+
+    Raises UserError where it cannot be written.
+    """
+    partial = None
     try:
         check_writable(path)
+        target = path.resolve()
+        # a short name, which nobody can foresee and put a link in the place of
+        partial = target.with_name(f".{secrets.token_hex(8)}.partial")
         save(partial)
-        os.replace(partial, path)
+        os.replace(partial, target)
     except UserError:
         raise
     except Exception as error:
         raise UserError(f"{path}: cannot be written ({' '.join(str(error).split())}). Name another place.") from error
     finally:
-        partial.unlink(missing_ok=True)
+        if partial is not None:
+            partial.unlink(missing_ok=True)
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a place that cannot be written before any work is done."""
+    """Refuse a place that cannot be written before any work is done. Raises UserError."""
     folder = path.parent
-    if path.is_dir():
-        raise UserError(f"{path}: is a folder. Name a file in it.")
-    if not folder.is_dir():
-        raise UserError(f"{path}: there is no folder {folder}. Make it first.")
-    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise UserError(f"{path}: may not be written. Check the permissions, or name another place.")
+    try:
+        if path.is_dir():
+            raise UserError(f"{path}: is a folder. Name a file in it.")
+        if not folder.is_dir():
+            raise UserError(f"{path}: there is no folder {folder}. Make it first.")
+        # a device or a pipe, which a file would replace
+        if path.exists() and not path.is_file():
+            raise UserError(f"{path}: is no plain file. Name another place.")
+        if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+            raise UserError(f"{path}: may not be written. Check the permissions, or name another place.")
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written ({error.strerror}). Name another place.") from error
 
 
 def new_folder(option: str, folder: Path, fill: Callable[[Path], object]) -> None:

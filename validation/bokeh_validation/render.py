@@ -16,6 +16,8 @@ Layer = Annotated[str | None, Option(help="Layer or part that has R, G and B: Vi
 
 def read(source: Path, settings: methods.Settings, depth_channel: str | None, layer: str | None) -> exr.Scene:
     """Colour and depth of a file; without a depth channel where the CoC is constant. Raises UserError."""
+    if depth_channel == "":
+        raise UserError("--depth-channel: is empty. Name a channel of the file, such as Z, or leave it out.")
     if settings.coc is None:
         return exr.read(source, depth_channel or "Z", layer)
     if depth_channel is not None:

@@ -75,7 +75,7 @@ def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
 
 def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
     """(width, height) of --size '1920x1080'. Raises UserError."""
-    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    match = re.fullmatch(r"([0-9]{1,6})x([0-9]{1,6})", text)
     size = (int(match[1]), int(match[2])) if match else (0, 0)
     if not all(least <= side <= most for side in size):
         raise UserError(f"--size {text}: not allowed. Give {least} to {most} pixels a side, such as 1920x1080.")
@@ -117,7 +117,7 @@ def pick_driver(name: str | None, adapter: str | None) -> "Driver":
             return drivers.load(candidate, adapter)
         except Unavailable:
             continue
-    (found,), _ = pick_drivers([name or AUTO[0]], adapter)
+    (found,), _ = pick_drivers([AUTO[0] if name is None else name], adapter)
     return found
 
 

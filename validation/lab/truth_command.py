@@ -6,7 +6,7 @@ import typer
 
 from bokeh_validation import terminal
 from bokeh_validation.errors import UserError
-from bokeh_validation.truth import DEFAULT, METHODS, ray_traced, ray_traced_report
+from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced, ray_traced_report
 from lab.rasterised import motion, random_score
 
 # Above it, the memory of places to look at
@@ -44,6 +44,7 @@ def truth(
     if count is not None and not 1 <= count <= MOST_RANDOM:
         raise UserError(f"--random {count}: not allowed. Give 1 to {MOST_RANDOM}.")
     known, default = (METHODS, DEFAULT) if sequence is None else (motion.KNOWN, motion.DEFAULT)
+    method = [labels.complete(name) for name in method] if method else method
     chosen = terminal.chosen("--method", method, known, default if count is None else DEFAULT[-1:])
     names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
     terminal.check_writable(json_file)

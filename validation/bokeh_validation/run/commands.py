@@ -11,6 +11,7 @@ from bokeh_validation.engines import ENGINES, SLOW
 from bokeh_validation.errors import UserError
 from bokeh_validation.probes import PROBES, REAL, outcomes
 from bokeh_validation.run import session
+from bokeh_validation.run.session import check_adapter
 from bokeh_validation.shaders.variants import load
 
 
@@ -19,6 +20,7 @@ def probes(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = N
     names = tuple(driver or REAL)
     for name in names:
         terminal.check_driver(name)
+    check_adapter(names, adapter)
     tests = [session.probe(probe.name, name) for probe in PROBES for name in names]
     with terminal.progress("probe", len(tests)) as step:
         found, errors = session.run(tests, step, adapter=adapter)

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import pytest
 
-from bokeh_validation import paths
+from bokeh_validation import paths, terminal
 from bokeh_validation.errors import UserError
 
 # The name in a test report's properties
@@ -121,6 +121,12 @@ def run(
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
         raise UserError(f"the tests could not be run: {' '.join(said.getvalue().split())[-300:]}")
     return {test: collector.found[test] for test in tests if test in collector.found}, collector.errors
+
+
+def check_adapter(names: Sequence[str], adapter: str | None) -> None:
+    """Refuse a device's name that no driver of `names` has one like, before anything is run. Raises UserError."""
+    if adapter is not None:
+        terminal.pick_drivers(names, adapter)
 
 
 def unexplained(found: Mapping[str, Handed], errors: Mapping[str, str]) -> dict[str, str]:

@@ -148,6 +148,7 @@ def _next(results: Everything) -> str:
 def everything(full: bool, adapter: str | None) -> Everything:
     """Run the tests of the suite that the report is made of."""
     names = REAL if full else BRIEF_DRIVERS
+    session.check_adapter(names, adapter)
     chosen = [probe for probe in probes.PROBES if full or probe.brief]
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     tests = {

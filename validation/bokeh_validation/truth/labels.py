@@ -13,6 +13,12 @@ METHODS = ("pinhole", "paper", "exact", "gather", *(f"layered {preset}" for pres
 JITTERED = tuple(f"{label}, jitter" for label in METHODS if label.startswith(("exact", "layered")))
 
 
+def complete(label: str) -> str:
+    """Return the label with the default preset where it names a method with presets and none of them."""
+    method, comma, jitter = label.partition(", ")
+    return f"layered medium{comma}{jitter}" if method == "layered" else label
+
+
 def settings(label: str, camera: Camera, aperture: str = "hexagon", **changes) -> Settings:
     """Those of one of METHODS or JITTERED; `changes` to them."""
     (method, _, preset), jitter = label.removesuffix(", jitter").partition(" "), float(label in JITTERED)

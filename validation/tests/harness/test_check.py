@@ -68,3 +68,9 @@ def test_a_compiler_refuses(edit, tmp_path):
     shutil.rmtree(tmp_path / ".git")
     done = called("check")
     assert done.returncode == 2 and "no git checkout" in done.stderr and not done.stdout
+
+
+def test_a_checkout_of_somebody_else(monkeypatch):
+    """git refuses to read a checkout that another user owns, unless it is told that it may."""
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
+    assert "BokehComposite" in check._committed("glsl/bokeh_layers.glsl")

@@ -22,10 +22,13 @@ render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give 
 render --samples 5 --method layered | --samples 5: no effect on layered; --preset
 render --coc 0.1 --depth-channel Z | --depth-channel Z: no effect with --coc
 render --rotation inf | --rotation inf
+render --depth-channel '' | --depth-channel; empty
+render --driver '' | --driver ; osmesa
 render --driver d3d12 | --driver d3d12; osmesa
 render --driver egl --adapter 'no such card' | no such card
 render --png /no/such/folder/x.png | /no/such/folder
 plan --method layered --aperture star | --aperture star; octagon
+plan --size ١٩٢٠x1080 | --size; 1920x1080
 plan --size 1920 | --size 1920; 1920x1080
 plan --size 99999x9 | --size 99999x9; 2 to 16384
 plan --jitter 1 --method paper | --jitter 1: no effect; --spacing
@@ -40,6 +43,7 @@ pictures --driver d3d12 | --driver d3d12; osmesa
 pictures figure_99 | figure_99; figure_13
 pictures --output /no/such/folder/x | /no/such/folder
 pictures --output /dev/null | --output /dev/null; no such folder
+probes --driver egl --adapter 'no such card' | no such card; llvmpipe
 bench --size 800 | --size 800; 1920x1080
 bench --rounds 0 | --rounds; 3
 bench --driver nvidia | --driver nvidia; wgpu

@@ -102,4 +102,4 @@ def test_interrupted():
     process = subprocess.Popen(command, env=environment, start_new_session=True, **streams)
     time.sleep(6)
     process.send_signal(signal.SIGTERM)
-    assert process.communicate(timeout=20)[1] == "" and process.returncode == 130
+    assert process.communicate(timeout=20)[1] == "error: stopped\n" and process.returncode == 130
