@@ -21,12 +21,13 @@ def held(name: str) -> Iterator[None]:
         yield
 
 
-def digest(ingredients: Iterable[str | Path]) -> str:
-    """A hash of texts, and of files by their names and contents."""
+def digest(ingredients: Iterable[str | bytes | Path]) -> str:
+    """Return a hash of texts and bytes, and of files by their names and contents."""
     hashed = hashlib.sha256()
     for ingredient in ingredients:
-        is_file = isinstance(ingredient, Path)
-        label, content = (ingredient.name, ingredient.read_bytes()) if is_file else ("", ingredient.encode())
+        label, content = "", ingredient.encode() if isinstance(ingredient, str) else ingredient
+        if isinstance(ingredient, Path):
+            label, content = ingredient.name, ingredient.read_bytes()
         hashed.update(f"{label} {len(content)} ".encode() + content)
     return hashed.hexdigest()
 
@@ -48,7 +49,7 @@ def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Pa
     return folder
 
 
-def kept(folder: str, suffix: str, ingredients: Iterable[str | Path], make: Callable[[], bytes]) -> Path:
+def kept(folder: str, suffix: str, ingredients: Iterable[str | bytes | Path], make: Callable[[], bytes]) -> Path:
     """The file of the cache folder that holds what is made from these ingredients: made on first use.
 
     folder       in the cache folder, such as 'bytecode'

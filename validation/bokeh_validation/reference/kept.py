@@ -6,17 +6,17 @@ afterwards (numerics.images.stored), so that drivers which round differently sha
 is found again; what it leaves behind is the oldest soon, and goes when the folder is full.
 """
 
+import io
 import os
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
-from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
 
-from bokeh_validation import files, paths, shaders
+from bokeh_validation import locks, paths, shaders
 from bokeh_validation.numerics.images import Image
 from bokeh_validation.numerics.precision import Precision
 from bokeh_validation.process import once
@@ -24,7 +24,9 @@ from bokeh_validation.reference import execution, glsl
 from bokeh_validation.shaders import calls
 from bokeh_validation.shaders.passes import Pass
 
-# Of the folder, bytes: the passes of the whole test suite are a third of it
+# In the cache folder
+FOLDER = "reference"
+# Of that, bytes: the passes of the whole test suite are a third of it
 MOST = 1_500_000_000
 # Larger passes are not kept: a picture of a scene takes seconds, which its other costs exceed
 MOST_PIXELS = 1 << 16
@@ -41,17 +43,16 @@ def run_pass(
     """execution.run_pass(), or what it gave before."""
     if size[0] * size[1] > MOST_PIXELS or os.environ.get("BOKEH_REFERENCE_ANEW"):
         return execution.run_pass(item, inputs, size, precision, text)
-    text = text or shaders.text("glsl")
-    name = blake2b(digest_size=16)
-    for ingredient in _ingredients(item, inputs, size, precision, text):
-        name.update(f"{len(ingredient)} ".encode() + ingredient)
-    file = _folder() / f"{name.hexdigest()}.npz"
-    with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return _read(file, item.spec.targets)
-    images = execution.run_pass(item, inputs, size, precision, text)
-    _make_room()
-    files.whole(file, lambda partial: _write(partial, images))
-    return images
+    given = item, inputs, size, precision, text or shaders.text("glsl")
+    made = list(_ingredients(*given))
+    for _ in range(2):
+        file = locks.kept(FOLDER, ".npz", made, lambda: _written(execution.run_pass(*given)))
+        try:
+            return _read(file, item.spec.targets)
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            # not whole, or deleted by another process that makes room: made anew
+            file.unlink(missing_ok=True)
+    raise RuntimeError(f"{file}: was deleted twice while it was read")
 
 
 def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text: str) -> Iterator[bytes]:
@@ -70,15 +71,10 @@ def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text:
 @cache
 def _code() -> bytes:
     """That of the reference, and of what computes for it."""
-    here, text = Path(__file__).parents[1], [np.__version__.encode()]
-    for name in CODE:
-        place = here / name
-        text += [file.read_bytes() for file in (sorted(place.glob("*.py")) if place.is_dir() else [place])]
-    return blake2b(b"\0".join(text)).digest()
-
-
-def _folder() -> Path:
-    return paths.ensured(paths.cache_folder() / "reference")
+    here = Path(__file__).parents[1]
+    places = [here / name for name in CODE]
+    texts = [file for place in places for file in (sorted(place.glob("*.py")) if place.is_dir() else [place])]
+    return locks.digest([np.__version__, *texts]).encode()
 
 
 def _read(file: Path, targets: int) -> list[Image]:
@@ -92,21 +88,23 @@ def _read(file: Path, targets: int) -> list[Image]:
     return images
 
 
-def _write(partial: Path, images: list[Image]) -> None:
+def _written(images: list[Image]) -> bytes:
+    _make_room()
     fields = {f"value{k}": image.value for k, image in enumerate(images)}
     if images[0].undecided is not None:
         fields |= {f"error{k}": image.error for k, image in enumerate(images)}
         # one program decides for all its targets
         fields["undecided"] = images[0].undecided
-    with partial.open("wb") as file:
-        np.savez(file, **fields)
+    file = io.BytesIO()
+    np.savez(file, **fields)
+    return file.getvalue()
 
 
 @once
 def _make_room() -> None:
     """Delete what was not read for longest, once in a process that writes; another process may do the same."""
     found = []
-    for entry in os.scandir(_folder()):
+    for entry in os.scandir(paths.ensured(paths.cache_folder() / FOLDER)):
         with suppress(FileNotFoundError):
             found.append((entry.stat().st_mtime, entry.stat().st_size, entry.path))
     total = sum(size for _, size, _ in found)
