@@ -1,11 +1,14 @@
 """What commands need is one table; set-up installs by it, and says in one line what failed."""
 
 import ast
+import hashlib
 import os
 import re
 import subprocess
 import sys
 import tomllib
+import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -136,3 +139,27 @@ def test_folder_that_cannot_be_written():
     assert done.returncode == 2 and done.stderr.splitlines() == [
         "error: cannot write to the cache folder /dev/null/x; set BOKEH_CACHE"
     ]
+
+
+def test_what_is_not_as_pinned_is_refused(tmp_path, monkeypatch):
+    """A package whose hash is another's or is not told: set-up fails and installs nothing, without asking an index."""
+    wheel = tmp_path / "bokeh_trial-1.0-py3-none-any.whl"
+    with zipfile.ZipFile(wheel, "w") as file:
+        info = "bokeh_trial-1.0.dist-info"
+        file.writestr(f"{info}/METADATA", "Metadata-Version: 2.1\nName: bokeh-trial\nVersion: 1.0\n")
+        file.writestr(f"{info}/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        file.writestr(f"{info}/RECORD", "")
+    right = hashlib.sha256(wheel.read_bytes()).hexdigest()
+    python, lock = Path(sys.executable), tmp_path / "lock.txt"
+    monkeypatch.setattr(paths, "cache_folder", lambda: tmp_path)
+    monkeypatch.setenv("PIP_TARGET", str(tmp_path / "target"))
+    for variable, value in NO_INDEX.items():
+        monkeypatch.setenv(variable, value)
+    for line in (f"{wheel.as_uri()} --hash=sha256:{'0' * 64}", wheel.as_uri()):
+        lock.write_text(f"bokeh-trial @ {line}\n")
+        with pytest.raises(setup.SetUpFailed, match="could not be installed"):
+            setup._pip(python, lock)
+        assert not (tmp_path / "target").exists()
+    lock.write_text(f"bokeh-trial @ {wheel.as_uri()} --hash=sha256:{right}\n")
+    setup._pip(python, lock)
+    assert (tmp_path / "target").is_dir()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from support_cases import noise_case
 
-from bokeh_validation import metrics
+from bokeh_validation import metrics, paths
 from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
@@ -159,3 +159,17 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
                 assert times > 1.0 or not outside.any(), item.entry
                 left += outside.sum()
     assert left > 0 or share > 2.0**-10
+
+
+def test_a_kept_pass_that_is_not_whole(tmp_path, monkeypatch):
+    """A file that was cut short is made anew: the same numbers."""
+    monkeypatch.setattr(paths, "cache_folder", lambda: tmp_path)
+    case = noise_case((9, 7), cases.PAPER)
+    item = case.plan.passes[0]
+    inputs = {"ColorSamp": Image(case.color.astype(float)), "DepthSamp": Image(case.depth[..., None].astype(float))}
+    first = kept.run_pass(item, inputs, case.size, precision.SOFTWARE)
+    (file,) = (tmp_path / kept.FOLDER).iterdir()
+    file.write_bytes(file.read_bytes()[:400])
+    again = kept.run_pass(item, inputs, case.size, precision.SOFTWARE)
+    np.testing.assert_array_equal(first[0].value, again[0].value)
+    assert len(file.read_bytes()) > 400
