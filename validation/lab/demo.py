@@ -26,8 +26,8 @@ from bokeh_validation.truth import EXPOSURE, ray_traced
 from lab.other_effects import effects
 
 PROJECT = paths.ROOT / "integration" / "demo"
-# Folders of the repository that the build reads
-SOURCES = (PROJECT, browser.PAGE, effects.PAGE)
+# Folders of the repository that the build reads, and its tests
+READ = (browser.PAGE, effects.PAGE, paths.ROOT / "integration/web/test")
 BUILD_LIMIT = 300.0  # seconds; it takes 3
 OTHERS = ("BokehPass", "DepthOfFieldEffect")
 SCENES = (ray_traced.MARKET, ray_traced.STREET, ray_traced.CANOPY)
@@ -99,11 +99,7 @@ def copied(repository: Path) -> Path:
     Returns the project's folder. Raises Unavailable where npm is missing or Node.js is too old for Vite.
     """
     pages.check_node()
-    for folder in SOURCES:
-        local = shutil.ignore_patterns("node_modules", "data", "dist")
-        shutil.copytree(folder, repository / folder.relative_to(paths.ROOT), ignore=local)
-    (repository / "node_modules").symlink_to(pages.installed(PROJECT))
-    return repository / PROJECT.relative_to(paths.ROOT)
+    return pages.copied(PROJECT, repository, READ)
 
 
 def page() -> str:

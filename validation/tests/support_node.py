@@ -1,8 +1,9 @@
 """Tests of a web project, which Node.js runs: their results, taken into those of pytest."""
 
+import json
 import os
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,26 +15,43 @@ from bokeh_validation import browser, paths
 LIMIT = 1500.0  # seconds
 
 
-def assert_npm_test(project: Path, extra: Mapping[str, str] | None = None) -> None:
-    """Run `npm test` in a copy of a project; fail with what Node.js says of each test that failed.
+def files(project: Path) -> list[str]:
+    """Return the files that `npm test` runs in a project."""
+    script = json.loads((project / "package.json").read_bytes())["scripts"]["test"]
+    pattern = script.removeprefix("node --test ")
+    return sorted(file.relative_to(project).as_posix() for file in project.glob(pattern))
+
+
+def assert_passes(project: Path, file: str, extra: Mapping[str, str] | None = None) -> None:
+    """Run one of these files in a copy of the project; fail with what Node.js says of each test that failed.
 
     extra   more environment
     """
     with needed("Chromium"):
         chromium = browser.executable()
-    report = project / "report.xml"
+    report = project / f"{file}.xml"
     environment = {
         **os.environ,
-        "NODE_OPTIONS": f"--test-reporter=junit --test-reporter-destination={report}",
         "BOKEH_CHROMIUM": chromium,
         "npm_config_cache": str(paths.cache_folder() / "npm"),
         **(extra or {}),
     }
     done = subprocess.run(
-        ["npm", "test"], cwd=project, env=environment, timeout=LIMIT, text=True,
+        ["node", "--test", "--test-reporter=junit", f"--test-reporter-destination={report}", file],
+        cwd=project, env=environment, timeout=LIMIT, text=True,
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
-    tests = list(ElementTree.parse(report).iter("testcase")) if report.exists() else []
-    failed = [f"{case.get('name')}: {failure.text}" for case in tests if (failure := case.find("failure")) is not None]
+    tests = list(_tests(ElementTree.parse(report).getroot())) if report.exists() else []
+    failed = [f"{name}: {failure.text}" for name, case in tests if (failure := case.find("failure")) is not None]
     if failed or done.returncode or not tests:
-        pytest.fail("\n".join(failed) or f"npm test: exit code {done.returncode}\n{done.stdout}", pytrace=False)
+        pytest.fail("\n".join(failed) or f"node --test: exit code {done.returncode}\n{done.stdout}", pytrace=False)
+
+
+def _tests(element: ElementTree.Element, above: str = "") -> Iterator[tuple[str, ElementTree.Element]]:
+    """Each test of a report: its name behind those of the tests around it, and its element."""
+    for child in element:
+        name = f"{above}{child.get('name')}"
+        if child.tag == "testcase":
+            yield name, child
+        elif child.tag == "testsuite":
+            yield from _tests(child, f"{name} > ")

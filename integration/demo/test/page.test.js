@@ -8,7 +8,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { errorsOf, launched } from "./chromium.js";
+import { errorsOf, launched } from "../../web/test/chromium.js";
 import * as hand from "./hand.js";
 
 const FOLDER = process.env.BOKEH_PAGE;

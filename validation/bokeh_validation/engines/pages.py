@@ -8,6 +8,7 @@ answered from here.
 import base64
 import json
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 
 from bokeh_validation import browser, locks, needs, paths, process
@@ -79,6 +80,18 @@ def installed(source: Path) -> Path:
         call_npm(folder, "ci")
 
     return locks.built_once(f"engines/{source.name}/npm", files, install) / "node_modules"
+
+
+def copied(project: Path, repository: Path, beside: Iterable[Path] = ()) -> Path:
+    """Copy a web project, and what it reads beside it, to where they are in a repository; install its packages there.
+
+    Returns the project's folder. Raises Unavailable where npm is missing.
+    """
+    for folder in (project, *beside):
+        local = shutil.ignore_patterns("node_modules", "data", "dist")
+        shutil.copytree(folder, repository / folder.relative_to(paths.ROOT), ignore=local)
+    (repository / "node_modules").symlink_to(installed(project))
+    return repository / project.relative_to(paths.ROOT)
 
 
 def check_node() -> None:

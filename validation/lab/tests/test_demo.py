@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 from support import called, load, needed, refused
 from support_inputs import inputs
-from support_node import assert_npm_test
+from support_node import assert_passes, files
 
 from bokeh_validation import metrics, pictures
 from bokeh_validation.drivers.base import STORAGE, Driver
@@ -42,7 +42,7 @@ pytestmark = [
     inputs(
         *(f"integration/demo/{name}" for name in ("index.html", "package-lock.json", "src", "test", "vite.config.js")),
         "validation/lab/demo.py", "validation/lab/other_effects", "validation/scenes",
-        "validation/lab/tests/test_demo.py", "validation/tests/support_node.py",
+        "validation/lab/tests/test_demo.py", "validation/tests/support_node.py", "integration/web/test/chromium.js",
     ),
 ]  # fmt: skip
 
@@ -112,7 +112,8 @@ def folder(tmp_path_factory) -> Path:
 def worked(folder, tmp_path_factory) -> Path:
     """It, after Node.js has worked the page."""
     project = demo.copied(tmp_path_factory.mktemp("repository") / "copy")
-    assert_npm_test(project, {"BOKEH_PAGE": str(folder)})
+    (tests,) = files(demo.PROJECT)
+    assert_passes(project, tests, {"BOKEH_PAGE": str(folder)})
     return folder
 
 

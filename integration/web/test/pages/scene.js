@@ -1,5 +1,4 @@
-// What web_page.js and web_page_webgpu.js share: a scene of planes that face the camera, and calls of test_web.py that
-// mean the same for both classes.
+// What webgl.js and webgpu.js share: a scene of planes that face the camera, and calls that mean the same for both classes.
 
 import * as THREE from 'three';
 

@@ -1,4 +1,4 @@
-// What test_web.py asks of the classes for WebGLRenderer, in the scene of web_scene.js.
+// What three.test.js asks of the classes for WebGLRenderer, in the scene of scene.js.
 
 import * as THREE from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
@@ -6,7 +6,7 @@ import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { ShaderPass } from 'three/addons/postprocessing/ShaderPass.js';
 import { CopyShader } from 'three/addons/shaders/CopyShader.js';
 import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
-import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './web_scene.js';
+import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './scene.js';
 
 const renderer = new THREE.WebGLRenderer();
 renderer.setSize(...SIZE);

@@ -1,9 +1,9 @@
-// What test_web.py asks of the class for WebGPURenderer, in the scene of web_scene.js.
+// What three-webgpu.test.js asks of the class for WebGPURenderer, in the scene of scene.js.
 
 import * as THREE from 'three/webgpu';
 import { pass } from 'three/tsl';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
-import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './web_scene.js';
+import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './scene.js';
 
 // How many pipelines were made while the caller waited
 let pipelines = 0;

@@ -1,4 +1,5 @@
-// Chromium as the tests start it: on its own software devices, and asking nothing of any network.
+// Headless Chromium as the tests of this folder and of the live page (../../demo/test) start it: on its own software
+// devices, and asking nothing of any network.
 
 // As in validation/bokeh_validation/browser/__init__.py
 const FLAGS = [

@@ -1,4 +1,4 @@
-// What test_web.py has tsc --strict compile: each class as a guide has it, and what no type may let through.
+// What install.test.js has tsc --strict compile: each class as a guide has it, and what no type may let through.
 
 import { FreeCamera } from '@babylonjs/core/Cameras/freeCamera.js';
 import { AppBase, CameraComponent, Vec3 } from 'playcanvas';

@@ -1,0 +1,44 @@
+// What the class for WebGPURenderer promises, with the newest and the oldest three.js: pages/webgpu.js does it.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { CHANGES, VERSIONS, assertNear, openedWith, shared } from './three.js';
+
+for (const version of VERSIONS) {
+  test(version, async (t) => {
+    const { call, close } = await openedWith(version, 'webgpu');
+    t.after(close);
+
+    await t.test('errors are told to the caller, which three.js only logs', async () => {
+      assert.ok((await call('refused', { preset: 'high' })).includes('PolygonBokehNode: preset is "high"'));
+      const [withoutWebGPU, logarithmic] = await call('errors');
+      assert.match(withoutWebGPU, /needs WebGPU/);
+      assert.match(logarithmic, /cannot read logarithmicDepthBuffer/);
+    });
+
+    for (const change of CHANGES) {
+      await t.test(`${JSON.stringify(change)}: as from the beginning, and the next frame makes no pipeline`, async () => {
+        const { off, added, acts } = await call('changed', change);
+        assert.deepEqual([off, added], [0, 0]);
+        assert.ok(acts > 0);
+      });
+    }
+
+    await t.test('it follows the camera of its scene\'s pass', async () => {
+      assert.deepEqual(await call('camera'), { off: 0, kind: 5, far: 40 });
+    });
+
+    await t.test('memory of exact: map, two targets and the result', async () => {
+      assert.deepEqual(await call('memory'), { bytes: 4 * 8 * 96 * 64, passes: 3 });
+    });
+
+    // a scene without highlights, whose light edges do not change
+    await t.test('four samples a pixel: the subject as sharp, and as much light', async () => {
+      const { middle, light } = await call('samples');
+      assert.ok(middle < 0.002, `${middle}`);
+      assertNear(light, 1, 0.02, 'light');
+    });
+
+    await shared(t, call);
+  });
+}

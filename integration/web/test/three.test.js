@@ -1,0 +1,92 @@
+// What the classes for WebGLRenderer promise, with the newest and the oldest three.js: pages/webgl.js does it.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { CHANGES, VERSIONS, assertNear, openedWith, shared } from './three.js';
+
+const REFUSED = [
+  [{ preset: 'high' }, 'preset is "high". Give "MEDIUM", "LOW", "HIGH", "ULTRA"'],
+  [{ sides: 5 }, 'sides is 5. Give 6, 4, 8, 10'],
+  [{ sides: 12 }, 'sides is 12. Give 6, 4, 8, 10'],
+  [{ method: 'foo' }, 'method is "foo". Give "layered", "exact", "paper"'],
+  [{ method: 'paper', sides: 4 }, 'paper has no 4 sides. Give 6, 8'],
+  [{ side: 6 }, 'there is no option side. Give "method", "sides"'],
+  [{ opaque: 1 }, 'opaque is 1. Give true, false'],
+  [{ extras: 'jitter' }, 'extras is "jitter", not a list. Give "jitter", "catsEye"'],
+  [{ extras: ['cats'] }, 'extras is "cats". Give "jitter", "catsEye"'],
+];
+// Focus distance from, dt, depths
+const PULLS = [
+  [NaN, 0.1, [4]],
+  [0, 0.1, [4]],
+  [-1, 0.1, [4]],
+  [Infinity, Infinity, [4]],
+  [2, Infinity, [NaN, 3, 0, -1]],
+  [2, 0.1, []],
+  [2, NaN, [4]],
+];
+
+for (const version of VERSIONS) {
+  test(version, async (t) => {
+    const { call, close } = await openedWith(version, 'webgl');
+    t.after(close);
+
+    await t.test('what no option can be is told in one line, with what it can be', async () => {
+      for (const [options, said] of REFUSED) {
+        const found = await call('refused', options);
+        assert.ok(found?.includes(`polygonal-bokeh, PolygonBokehPass: ${said}`), `${said}: ${found}`);
+      }
+      assert.match(await call('stops'), /f-stop of 0/);
+    });
+
+    await t.test('depth: none is said once and nothing blurs; empty is said; right: not a word; depthOf', async () => {
+      const { none, empty, right } = await call('warned');
+      assert.deepEqual([none, empty, right].map(({ said }) => said.length), [1, 1, 0]);
+      assert.match(none.said[0], /no depth/);
+      assert.match(empty.said[0], /depth is empty/);
+      assert.equal(none.off, 0);
+      assert.ok(right.off > 0);
+      assert.deepEqual(await call('between'), [0, 0]); // a pass between
+    });
+
+    await t.test('focus on a nested object, from a camera in a scaled rig: the depth that is drawn', async () => {
+      const { focus, drawn, place } = await call('focus');
+      for (const other of [focus, place]) assertNear(other, drawn, 1e-4 * drawn, 'focus');
+      const wanted = Number(await call('revision')) < 180 ? 50 : 5;
+      assertNear(focus, wanted, 1e-4 * wanted, 'focus');
+    });
+
+    await t.test('pullFocus recovers from a NaN and a 0, and takes no step to what is no depth', async () => {
+      assert.deepEqual(await call('pulls', PULLS), [4, 4, 4, 4, 3, 2, 2]);
+      assert.deepEqual(await call('pulls', [[2, Infinity, [Infinity]]]), [Infinity]);
+    });
+
+    for (const change of CHANGES) {
+      await t.test(`${JSON.stringify(change)}: as from the beginning, compiled before, nothing left behind`, async () => {
+        assert.deepEqual(await call('changed', change), { off: 0, added: 0, leaked: 0 });
+      });
+    }
+
+    await t.test('of changes at once the last counts; a refused one rejects, and changes nothing', async () => {
+      const { sides, preset, error } = await call('raced');
+      assert.deepEqual([sides, preset], [4, 'MEDIUM']);
+      assert.ok(error.includes('preset is "low"'), error);
+    });
+
+    await t.test('another camera, of another kind', async () => {
+      assert.equal(await call('camera'), 0);
+    });
+
+    await t.test('memory of exact: map and two targets, RGBA16F; the result is the composer\'s', async () => {
+      assert.deepEqual(await call('memory'), { bytes: 3 * 8 * 96 * 64, passes: 3 });
+    });
+
+    await t.test('four samples a pixel: the subject as sharp, and as much light', async () => {
+      const { middle, kept } = await call('samples');
+      assert.ok(middle < 0.002, `${middle}`);
+      assertNear(kept[0], kept[1], 0.01, 'light');
+    });
+
+    await shared(t, call);
+  });
+}
