@@ -87,7 +87,7 @@ COMMANDS = {
 }
 # Words of a command line that need more than its command does, by their beginnings
 WORDS = {
-    **dict.fromkeys(("d3d9", "d3d11", "--driver=d3d"), ("wine", "fxc")),
+    **dict.fromkeys(("d3d9", "--driver=d3d"), ("wine", "fxc")),
     **dict.fromkeys(("webgl2", "webgpu", "--driver=web"), BROWSER),
     "--full": EVERYTHING,
 }

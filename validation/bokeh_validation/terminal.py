@@ -22,7 +22,7 @@ OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[dim]not run[/]"
 # Tried in this order when no driver is named: the fastest to start first.
 AUTO = ("egl", "osmesa", "wgpu", "dxc")
 
-DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, d3d11, webgl2, webgpu or reference."
+DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, webgl2, webgpu or reference."
 OneDriver = Annotated[str | None, typer.Option("--driver", help=DRIVER_HELP)]
 SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVER_HELP)]
 Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")]

@@ -48,10 +48,11 @@ UNSIGNED = "warning: DXIL.dll not found.  Resulting DXIL will not be signed for 
 def spirv_options(source: str) -> list[str]:
     """Options that put HLSL's registers on the bindings of the WGSL file, where the text names them; all in set 0.
 
-    DXC refuses to bind registers of a text that leaves one to it.
+    DXC refuses to bind registers of a text that leaves one to it. There textures have the bindings of their registers,
+    and samplers come behind them.
     """
     if "register(b0)" not in source:
-        return ["-spirv"]
+        return ["-spirv", "-fvk-s-shift", str(spirv.REGISTERS["s0"]), "0"]
     bound = (("-fvk-bind-register", name, "0", str(binding), "0") for name, binding in spirv.REGISTERS.items())
     return ["-spirv", *(word for words in bound for word in words)]
 

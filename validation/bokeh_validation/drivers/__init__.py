@@ -13,8 +13,7 @@ DRIVERS = {
     "dxc": ("drivers.webgpu", "DXC"),
     "webgl2": ("drivers.web", "WebGL2"),
     "webgpu": ("drivers.web", "WebGPU"),
-    "d3d9": ("drivers.d3d", "D3D9"),
-    "d3d11": ("drivers.d3d", "D3D11"),
+    "d3d9": ("drivers.d3d9", "D3D9"),
     "reference": ("drivers.computed", "Reference"),
 }
 NAMES = tuple(DRIVERS)

@@ -10,10 +10,8 @@ from bokeh_validation.shaders.passes import PARAMETERS
 from bokeh_validation.windows import wine
 
 SOURCES = Path(__file__).resolve().parent
-# a constant buffer has a multiple of 16 bytes
-NUM_VALUES = -(-len(PARAMETERS) // 4) * 4
 COMMAND = (
-    "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-static", f"-DNUM_VALUES={NUM_VALUES}",
+    "x86_64-w64-mingw32-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-static", f"-DNUM_VALUES={len(PARAMETERS)}",
 )  # fmt: skip
 BUILD_S = 120.0
 

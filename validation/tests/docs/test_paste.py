@@ -6,7 +6,7 @@ chain starts from a depth buffer of 0 .. 1, and its result is held against the f
 
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cache
@@ -19,7 +19,7 @@ from support import load
 from test_inputs import FAR, NEAR
 
 from bokeh_validation import exr, metrics, paths, shaders
-from bokeh_validation.compilers import dxc, fxc, glslang
+from bokeh_validation.compilers import dxc, fxc, glslang, spirv
 from bokeh_validation.drivers.base import Image
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case
@@ -47,6 +47,7 @@ class Block:
         pattern = {
             "t": r"Texture2D (\w+) : register\(t(\d)\)",
             "s": r"sampler2D (\w+?)(?:Samp)? : register\(s(\d)\)",
+            "sampler": r"SamplerState (\w+) : register\(s(\d)\)",
             "wgsl": r"(?=@binding\(\d\) var(?:<uniform>)? (\w+):)@binding\((\d)\)",
         }[kind]
         return {name: int(number) for name, number in re.findall(pattern, self.code)}
@@ -159,32 +160,32 @@ def on_opengl(vertex: Block, *blocks: Block) -> dict[str, bytes]:
     return {name: live[name].read(alignment=1) for name in NAMES}
 
 
-def on_webgpu(vertex: Block, *blocks: Block) -> dict[str, bytes]:
-    """WGSL with the layout 'auto', on a device that cannot filter 32-bit textures."""
-    driver = copy(load("wgpu"))
+def on_webgpu(name: str, build: Callable, vertex: Block, *blocks: Block) -> dict[str, bytes]:
+    """A driver of WebGPU with the layout 'auto', on a device that cannot filter 32-bit textures.
+
+    build   (driver, linear sampler, vertex shader, block) -> its two stages, and binding -> what is bound there:
+            the name of a texture, or what WebGPU takes
+    """
+    driver = copy(load(name))
     device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
     assert "float32-filterable" not in device.features
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
     linear = device.create_sampler(min_filter="linear", mag_filter="linear")  # clamp is the default
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
         live |= targets(driver, writes)
-        formats = [{"format": live[name].format} for name in writes]
-        module = device.create_shader_module(code=program("wgsl", Block("", vertex.code + block.code)))
+        vertex_stage, stage, bound = build(driver, linear, vertex, block)
+        assert {name for name in bound.values() if isinstance(name, str)} == set(reads)
         pipeline = device.create_render_pipeline(
             layout="auto",
-            vertex={"module": module, "entry_point": vertex.entry},
-            fragment={"module": module, "entry_point": block.entry, "targets": formats},
+            vertex=vertex_stage,
+            fragment={**stage, "targets": [{"format": live[name].format} for name in writes]},
             primitive={"topology": "triangle-list"},
         )
-        struct = re.search(r"struct (?:Camera|Aperture) ([^}]*)", block.code)[1]
-        fields = (values()[name] for name in re.findall(r"(\w+): (?:f32|vec2f)\b", struct))
-        members = np.float32([*(number for field in fields for number in field), 0, 0, 0, 0, 0])[:8]
-        buffer = device.create_buffer_with_data(data=members.tobytes(), usage=driver.wgpu.BufferUsage.UNIFORM)
-        entries = []
-        for name, binding in block.named("wgsl").items():
-            resource = linear if name == "Linear" else {"buffer": buffer, "offset": 0, "size": members.nbytes}
-            resource = live[reads[name]].create_view() if name in reads else resource
-            entries.append({"binding": binding, "resource": resource})
+        views = {name: live[texture].create_view() for name, texture in reads.items()}
+        entries = [
+            {"binding": binding, "resource": views[found] if isinstance(found, str) else found}
+            for binding, found in bound.items()
+        ]
         encoder = device.create_command_encoder()
         written = [{"view": live[name].create_view(), "load_op": "clear", "store_op": "store"} for name in writes]
         render = encoder.begin_render_pass(color_attachments=written)
@@ -199,8 +200,39 @@ def on_webgpu(vertex: Block, *blocks: Block) -> dict[str, bytes]:
     return {name: device.queue.read_texture({"texture": live[name]}, layout, (width, height, 1)) for name in NAMES}
 
 
+def wgsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict, dict[int, object]]:
+    """See on_webgpu: one module with both, variables in a buffer."""
+    device = driver.device
+    module = device.create_shader_module(code=program("wgsl", Block("", vertex.code + block.code)))
+    struct = re.search(r"struct (?:Camera|Aperture) ([^}]*)", block.code)[1]
+    fields = (values()[name] for name in re.findall(r"(\w+): (?:f32|vec2f)\b", struct))
+    members = np.float32([*(number for field in fields for number in field), 0, 0, 0, 0, 0])[:8]
+    buffer = device.create_buffer_with_data(data=members.tobytes(), usage=driver.wgpu.BufferUsage.UNIFORM)
+    variables = {"buffer": buffer, "offset": 0, "size": members.nbytes}
+    inputs = [name for names in READS for name in names]
+    bound = {
+        binding: name if name in inputs else linear if name == "Linear" else variables
+        for name, binding in block.named("wgsl").items()
+    }
+    vertex_stage, stage = ({"module": module, "entry_point": one.entry} for one in (vertex, block))
+    return vertex_stage, stage, bound
+
+
+def hlsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict, dict[int, object]]:
+    """See on_webgpu: the text for shader model 5 as DXC compiles it; fxc compiles it in test_hlsl_compiles."""
+
+    def stage(kind: str, one: Block) -> dict:
+        text = with_values(program("hlsl", one, "#define BOKEH_HLSL_SM 5"))
+        module = driver.device.create_shader_module(code=dxc.kept_spirv(text, kind, one.entry))
+        return {"module": module, "entry_point": one.entry}
+
+    samplers = {spirv.REGISTERS["s0"] + register: linear for register in block.named("sampler").values()}
+    textures = {register: name for name, register in block.named("t").items()}
+    return stage("vert", vertex), stage("frag", block), textures | samplers
+
+
 def with_values(code: str) -> str:
-    """HLSL with its variables as constants: the jobs of the harness set parameters of its own alone."""
+    """HLSL with its variables as constants: no driver sets others than the parameters of the library."""
 
     def constant(found: re.Match) -> str:
         kind, names = found.groups()
@@ -210,21 +242,11 @@ def with_values(code: str) -> str:
     return re.sub(r"^(float2?) (\w[\w, ]*);$", constant, code, flags=re.MULTILINE)
 
 
-def on_direct3d(model: int, vertex: Block | None, *blocks: Block) -> dict[str, bytes]:
-    """HLSL of shader model 3 on Direct3D 9 or 5 on Direct3D 11."""
-    driver = load({3: "d3d9", 5: "d3d11"}[model])
+def on_direct3d_9(*blocks: Block) -> dict[str, bytes]:
+    """HLSL of shader model 3, compiled by fxc, with the vertex shader of the library."""
+    driver = load("d3d9")
     driver.ask("clear")
-    head = f"#define BOKEH_HLSL_SM {model}"
-
-    def compiled(kind: str, block: Block, stage: str) -> None:
-        code = fxc.bytecode(with_values(program("hlsl", block, head)), f"{stage}_{model}_0", block.entry)
-        shutil.copy(code, driver.server.folder)
-        driver.ask(kind, code.name)
-
-    if vertex:
-        compiled("vertex", vertex, "vs")
-    else:
-        driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
+    driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
     driver.ask("viewport", 0, 0, *size())
     live: dict[str, tuple[int, Image]] = {}
 
@@ -235,10 +257,12 @@ def on_direct3d(model: int, vertex: Block | None, *blocks: Block) -> dict[str, b
     for name, pixels in scene().items():
         make(Image.of(name, pixels))
     for block, reads, writes in zip(blocks, READS, WRITES, strict=True):
-        compiled("pixel", block, "ps")
-        # Direct3D 9 alone: its filter is what the line above the block asks for
+        code = fxc.bytecode(with_values(program("hlsl", block, "#define BOKEH_HLSL_SM 3")), "ps_3_0", block.entry)
+        shutil.copy(code, driver.server.folder)
+        driver.ask("pixel", code.name)
+        # its filter is what the line above the block asks for
         kind = "nearest" if "nearest" in block.title else "linear"
-        slots = block.named("s" if model == 3 else "t")
+        slots = block.named("s")
         assert set(slots) == set(reads)
         for name, texture in reads.items():
             driver.ask("input", slots[name], live[texture][0], kind)
@@ -250,9 +274,9 @@ def on_direct3d(model: int, vertex: Block | None, *blocks: Block) -> dict[str, b
 
 RUNS = {
     "GLSL 3.30, README": ("osmesa", lambda: on_opengl(*document_blocks(README, "glsl"))),
-    "WGSL": ("wgpu", lambda: on_webgpu(*header_blocks("wgsl"))),
-    "HLSL, shader model 3": ("d3d9", lambda: on_direct3d(3, None, *model_3_blocks())),
-    "HLSL, shader model 5": ("d3d11", lambda: on_direct3d(5, *header_blocks("hlsl"))),
+    "WGSL": ("wgpu", lambda: on_webgpu("wgpu", wgsl_stages, *header_blocks("wgsl"))),
+    "HLSL, shader model 3": ("d3d9", lambda: on_direct3d_9(*model_3_blocks())),
+    "HLSL, shader model 5": ("dxc", lambda: on_webgpu("dxc", hlsl_stages, *header_blocks("hlsl"))),
 }
 
 

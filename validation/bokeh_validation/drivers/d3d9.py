@@ -1,6 +1,6 @@
-"""HLSL on Direct3D, compiled by fxc: `d3d9` (ps_3_0) and `d3d11` (ps_5_0), on Wine's Direct3D.
+"""HLSL of shader model 3, compiled by fxc, on Wine's Direct3D 9.
 
-A program of ours (windows/d3d9run.cpp, d3d11run.cpp) makes textures and draws passes; it stays up between calls.
+A program of ours (windows/d3d9run.cpp) makes textures and draws passes; it stays up between calls.
 """
 
 import shutil
@@ -21,25 +21,33 @@ from bokeh_validation.windows import programs, server, wine
 RUN_S = 300.0  # the largest scene takes 2 s on two cores
 
 
-class Direct3D(Driver):
-    """What both share. A subclass names its library and shader model."""
+class D3D9(Driver):
+    """ps_3_0 and vs_3_0 on Direct3D 9."""
 
-    model: int
+    name = "d3d9"
 
     def __init__(self, adapter: str | None = None):
         fxc.load()
-        self.server = server.Server(programs.build(f"{self.name}run", f"-l{self.name}"))
+        self.server = server.Server(programs.build("d3d9run", "-ld3d9"))
         self.server.start()
         self.file = self.server.folder / "pixels"
         self.adapter = f"{wine.get().device}, {self.server.greeting}"
         self.require_adapter(adapter)
 
+    @property
+    def precision(self) -> Precision:
+        """Its sin and cos are less exact: for ps_3_0 fxc writes those of x as sincos of frac(x / 2 pi + 1/2) 2 pi - pi,
+        and the rounding of the fraction, FLOAT_STEP, becomes 2 pi times that of an angle.
+        """
+        device = super().precision
+        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP)
+
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """File name of the bytecode of an entry point, in the program's folder. `stage` is 'ps' or 'vs'."""
         try:
-            code = fxc.bytecode(shaders.hlsl(self.model, values), f"{stage}_{self.model}_0", entry)
+            code = fxc.bytecode(shaders.hlsl(3, values), f"{stage}_3_0", entry)
         except RuntimeError as error:
-            if self.model > 3 or not (values.get("BOKEH_LENS_SHAPE") or values.get("BOKEH_VIEWPORT")):
+            if not (values.get("BOKEH_LENS_SHAPE") or values.get("BOKEH_VIEWPORT")):
                 raise
             # variants.NO_ROOM
             raise Unavailable(str(error).splitlines()[-1]) from error
@@ -47,7 +55,7 @@ class Direct3D(Driver):
         return code.name
 
     def ask(self, *words: object) -> None:
-        """Have the program do a line of windows/passes.h."""
+        """Have the program do a request of windows/d3d9run.cpp."""
         self.server.ask(" ".join(map(str, words)), RUN_S)
 
     def make(self, number: int, image: Image) -> None:
@@ -79,25 +87,3 @@ class Direct3D(Driver):
             self.ask("viewport", *area)
             self.ask("draw", *targets)
         return {name: self.pixels(numbers[name], images[numbers[name]]) for name in keep}
-
-
-class D3D9(Direct3D):
-    """ps_3_0 and vs_3_0 on Direct3D 9."""
-
-    name = "d3d9"
-    model = 3
-
-    @property
-    def precision(self) -> Precision:
-        """Its sin and cos are less exact: for ps_3_0 fxc writes those of x as sincos of frac(x / 2 pi + 1/2) 2 pi - pi,
-        and the rounding of the fraction, FLOAT_STEP, becomes 2 pi times that of an angle.
-        """
-        device = super().precision
-        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP)
-
-
-class D3D11(Direct3D):
-    """ps_5_0 and vs_5_0 on Direct3D 11."""
-
-    name = "d3d11"
-    model = 5
