@@ -15,7 +15,7 @@ vec4 effect(vec4 color, Image image, vec2 uv, vec2 pixel)
 }
 ]]
 
--- Your game has the two files beside main.lua: love.filesystem.read("bokeh.glsl") is all it needs.
+-- A file of glsl/. Your game has it beside main.lua, and takes love.filesystem.read(name) instead.
 local function read(name)
   local file = assert(io.open(love.filesystem.getSource() .. "/../../glsl/" .. name))
   local text = file:read("*a")

@@ -16,7 +16,7 @@ GAP, LINE_HEIGHT, TEXT_SIZE, INK = 8, 17, 13, (40, 40, 40)
 MAX_PNG_BYTES = 700_000
 
 
-class Panel(NamedTuple):
+class Captioned(NamedTuple):
     """8-bit rgb (H, W, 3) and what is written under it; words are wrapped to the picture's width."""
 
     pixels: np.ndarray
@@ -69,8 +69,8 @@ def crop(image: np.ndarray, left: int, top: int, width: int, height: int) -> np.
     return image[top : top + height, left : left + width]
 
 
-def grid(rows: Sequence[Sequence[Panel]]) -> np.ndarray:
-    """Panels in rows, on white, 8-bit rgb (H, W, 3)."""
+def grid(rows: Sequence[Sequence[Captioned]]) -> np.ndarray:
+    """Pictures in rows with their captions, on white, 8-bit rgb (H, W, 3)."""
     captions = [[_wrapped(panel.caption, panel.pixels.shape[1]) for panel in row] for row in rows]
     # of each row: its pictures, and its captions with a little room above them
     picture_heights = [max(panel.pixels.shape[0] for panel in row) for row in rows]

@@ -17,7 +17,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import aperture_shapes, methods
-from bokeh_validation.pictures import Panel
+from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes import highlight, impulse, shapes, two_points
 from bokeh_validation.probes.model import Case, depth_of, drawn
 from bokeh_validation.reference import sampling
@@ -109,8 +109,8 @@ def photographs(driver: Driver) -> Pictures:
         camera = methods.Camera(max_coc=PHOTOGRAPH_COC)
         settings = methods.Settings("paper", aperture, camera=camera, coc=PHOTOGRAPH_COC)
         result = drawn(driver, Case(name, settings, color, depth_of(PHOTOGRAPH_SIZE, 1.0)))
-        before = Panel(tone_mapped(color), f"photograph ({name})")
-        after = Panel(tone_mapped(result), f"({letter}) paper, {aperture}, 13 samples a line")
+        before = Captioned(tone_mapped(color), f"photograph ({name})")
+        after = Captioned(tone_mapped(result), f"({letter}) paper, {aperture}, 13 samples a line")
         found[f"figure_01_{letter}"] = pictures.grid([[before, after]])
     return found
 
@@ -127,7 +127,7 @@ def coc_blur(driver: Driver) -> Pictures:
     panels = []
     for caption, blurred in (("(a) CoC blurred with the colour", True), ("(b) CoC not blurred", False)):
         image = drawn(driver, canopy_case("paper", WIDE_APERTURE, blur_coc=blurred))
-        panels.append(Panel(tone_mapped(pictures.crop(image, *BRANCHES), zoom=2), caption))
+        panels.append(Captioned(tone_mapped(pictures.crop(image, *BRANCHES), zoom=2), caption))
     return {"figure_07": pictures.grid([panels])}
 
 
@@ -143,18 +143,20 @@ def canopy(driver: Driver) -> Pictures:
             "a lens, ray traced": ray_traced.truth(ray_traced.CANOPY, "hexagon"),
         }
         cropped = {caption: pictures.crop(image, *CROWN) for caption, image in images.items()}
-        details.append([Panel(tone_mapped(image, CANOPY_EXPOSURE, 2), caption) for caption, image in cropped.items()])
+        details.append(
+            [Captioned(tone_mapped(image, CANOPY_EXPOSURE, 2), caption) for caption, image in cropped.items()]
+        )
     whole = tone_mapped(drawn(driver, canopy_case("paper", WIDE_APERTURE)), CANOPY_EXPOSURE)
     caption, (wide, own) = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE_APERTURE:g} mm", details
     return {
-        "figure_11": pictures.grid([[Panel(whole, caption)]]),
+        "figure_11": pictures.grid([[Captioned(whole, caption)]]),
         # the lens is the scene's own
         "figure_11_wide": pictures.grid([wide[:3]]),
         "figure_11_own": pictures.grid([own[:2], own[2:]]),
     }
 
 
-def point_panel(driver: Driver, caption: str, method: str, aperture: str, places: Sequence, kind: tuple) -> Panel:
+def point_panel(driver: Driver, caption: str, method: str, aperture: str, places: Sequence, kind: tuple) -> Captioned:
     """Bright pixels at (column, row) by 'paper' or 'exact', or the 'truth' for the paper, without the ambient light."""
     size, border, zoom = kind
     settings = impulse.constant_coc(aperture, 0.0, size)
@@ -169,10 +171,10 @@ def point_panel(driver: Driver, caption: str, method: str, aperture: str, places
     image = shapes.brute_force(driver, case, CELLS) if by_lattice else drawn(driver, case)
     inner = pictures.crop(image[..., :3], *border, size[0] - 2 * border[0], size[1] - 2 * border[1])
     lit = pictures.display(inner.astype(np.float64) - highlight.AMBIENT, PLATEAU / impulse.plateau(aperture))
-    return Panel(pictures.enlarged(lit, zoom), caption)
+    return Captioned(pictures.enlarged(lit, zoom), caption)
 
 
-def by_each_method(driver: Driver, aperture: str, caption: str, places: Sequence, kind: tuple) -> list[Panel]:
+def by_each_method(driver: Driver, aperture: str, caption: str, places: Sequence, kind: tuple) -> list[Captioned]:
     """The paper, exact where it has the aperture, and the truth."""
     shown = [(caption, "paper"), *([("exact", "exact")] if aperture in methods.EXACT else []), ("truth", "truth")]
     return [point_panel(driver, *panel, aperture, places, kind) for panel in shown]

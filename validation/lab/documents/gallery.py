@@ -88,6 +88,6 @@ def pull(driver: Driver) -> list[np.ndarray]:
 def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
     """One of PICTURES."""
     panels = [
-        [pictures.Panel(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
+        [pictures.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
     ]
     return {name: pictures.grid(panels)}

@@ -6,7 +6,7 @@ import numpy as np
 
 from bokeh_validation import pictures, truth
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.pictures import Panel
+from bokeh_validation.pictures import Captioned
 from bokeh_validation.truth import ray_traced
 
 CAPTIONS = {
@@ -32,7 +32,7 @@ def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarra
 
     def sheet(second: str, cut: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         labels = ("pinhole", second, "layered medium", "truth")
-        panels = [Panel(cut(shown(label)), CAPTIONS[label]) for label in labels]
+        panels = [Captioned(cut(shown(label)), CAPTIONS[label]) for label in labels]
         return pictures.grid([panels[:2], panels[2:]])
 
     def enlarged(pixels: np.ndarray) -> np.ndarray:

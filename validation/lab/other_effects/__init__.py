@@ -76,7 +76,7 @@ def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.nd
     rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
     exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
     details = [
-        pictures.Panel(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
+        pictures.Captioned(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
         for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
     ]  # fmt: skip
     width = 3 if len(details) > 4 else 2

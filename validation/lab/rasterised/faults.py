@@ -7,7 +7,8 @@ import numpy as np
 from bokeh_validation import pictures
 from lab.rasterised.rasteriser import Lens, Pinhole
 
-EXPOSURE = 0.8
+# How bright random scenes are shown; the exposures of the ray-traced ones are in truth
+RANDOM_EXPOSURE = 0.8
 # What a pixel counts from, in display values
 LIMITS = {"bright": 0.08, "dark": 0.08, "rough": 0.10}
 # Pixels around: a method may be so far off its place
@@ -47,7 +48,7 @@ def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) 
 
 def display(color: np.ndarray) -> np.ndarray:
     """Linear rgb to what a display shows, 0 .. 1, float32."""
-    return pictures.filmic_curve(color, EXPOSURE).astype(np.float32)
+    return pictures.filmic_curve(color, RANDOM_EXPOSURE).astype(np.float32)
 
 
 def around(values: np.ndarray, radius: int, of: Callable) -> np.ndarray:

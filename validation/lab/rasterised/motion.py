@@ -8,7 +8,7 @@ import numpy as np
 from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame.methods import plan, steadied
-from bokeh_validation.pictures import Panel
+from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import labels
@@ -154,7 +154,7 @@ def measured(
 
 def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
     cut = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
-    shown = [Panel(pictures.enlarged(pictures.filmic(v, faults.EXPOSURE), ZOOM), k) for k, v in cut.items()]
+    shown = [Captioned(pictures.enlarged(pictures.filmic(v, faults.RANDOM_EXPOSURE), ZOOM), k) for k, v in cut.items()]
     return pictures.grid([shown[:2], shown[2:]])
 
 

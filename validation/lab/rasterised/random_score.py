@@ -9,7 +9,7 @@ import numpy as np
 
 from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.pictures import Panel
+from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import labels
@@ -30,7 +30,7 @@ class Score(NamedTuple):
     """A method on a scene: numbers by name; the worst places, how far beyond the limit each is and its pictures."""
 
     row: dict
-    places: list[tuple[float, list[Panel]]]
+    places: list[tuple[float, list[Captioned]]]
 
 
 @cache
@@ -67,7 +67,7 @@ def scores(
 def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.ndarray]) -> list:
     """Places apart from each other; images: input, ours, truth."""
     excess = {name: faults.around(values, 1, np.mean) / faults.LIMITS[name] for name, values in wrong.items()}
-    shown, places = [pictures.filmic(image, faults.EXPOSURE) for image in images], []
+    shown, places = [pictures.filmic(image, faults.RANDOM_EXPOSURE) for image in images], []
     error = np.abs(faults.display(images[1]) - faults.display(images[2])).max(axis=-1)
     shown.append(pictures.heat(error, WHITE))
     for _ in range(PLACES):
@@ -77,7 +77,7 @@ def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.nd
         value, area = float(excess[name][middle]), (int(left), int(top), PLACE, PLACE)
         captions = (f"{row['seed']} at {area[:2]}: input", row["label"], "truth", f"error; {name} {value:.1f}")
         cut = [pictures.enlarged(pictures.crop(pixels, *area), ZOOM) for pixels in shown]
-        places.append((value, list(map(Panel, cut, captions))))
+        places.append((value, list(map(Captioned, cut, captions))))
         for values in excess.values():
             pictures.crop(values, *area)[...] = 0.0
     return places
