@@ -2,12 +2,14 @@
 what its classes promise. Node.js runs these tests, in a copy of the repository: integration/web/test has them.
 """
 
+import re
+
 import pytest
 from support import needed
 from support_inputs import inputs
 from support_node import assert_passes, files
 
-from bokeh_validation import paths
+from bokeh_validation import browser, paths
 from bokeh_validation.engines import pages
 
 WEB = paths.ROOT / "integration/web"
@@ -30,3 +32,9 @@ def project(tmp_path_factory):
 def test_by_node(project, file):
     """Every test of a file of integration/web/test passes."""
     assert_passes(project, file)
+
+
+@pytest.mark.parametrize(("file", "flags"), [("chromium.js", browser.FLAGS), ("three.js", list(pages.CANVAS))])
+def test_flags(file, flags):
+    """Node.js starts Chromium on the same devices as the browser drivers and the samples."""
+    assert re.findall(r"'(--[^']+)'", (WEB / "test" / file).read_text(encoding="utf-8")) == flags
