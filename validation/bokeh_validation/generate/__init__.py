@@ -86,6 +86,7 @@ def rendered() -> Iterator[tuple[str, str]]:
             name = path.relative_to(root).as_posix()
             yield f"integration/{name.removesuffix('.jinja')}", ENVIRONMENT.get_template(name).render(context())
     yield "docs/reference/passes.md", _between("<!-- ", FRAME, passes_page(), " -->")
+    yield "docs/start.md", _between("<!-- ", FRAME, choices(), " -->")
     yield "docs/reference/parameters.md", _between("<!-- ", PARAMETER_LIST, parameter_table(), " -->")
 
 
@@ -229,6 +230,26 @@ COUNTED = (
     *((method, aperture) for method in ("exact", "layered") for aperture in EXACT),
     ("naive", "hexagon"),
 )
+
+
+# What docs/start.md says that a reader wants -> how it names the method, the method
+CHOICES = (
+    ("the look of a lens, near objects included", "**`layered`**", "layered"),
+    ("less cost; little in front of the focus is blurred", "**`exact`**", "exact"),
+    ("the method of [McIntosh, Riecke and DiPaola 2012](paper.md) as published", "`paper`", "paper"),
+)
+
+
+def choices() -> Iterator[str]:
+    """Yield the table of docs/start.md: the methods by what they are for, with passes and fetches."""
+    yield from ("| you want | method | passes | fetches per pixel |", "|---|---|---|---|")
+    for wish, method, name in CHOICES:
+        planned = plan.frame(methods.Settings(name, "hexagon"), PAGE_SIZE)
+        color, depth = (round(planned["fetches"][kind]) for kind in ("color", "depth"))
+        count = f"{color} of colour, {depth} of depth" if depth > 1 else color + depth
+        yield f"| {wish} | {method} | {len(planned['passes'])} | {count} |"
+    yield "| triangles, pentagons, stars | `paper`, [other angles](methods/polygons.md#shapes-and-methods) | 5 to 7 | |"
+    yield "| any other shape | `naive`, a table of offsets | 3 | |"
 
 
 def passes_page() -> Iterator[str]:

@@ -9,12 +9,14 @@ from bokeh_validation.shaders.entries import (
     BOTH,
     DEPTH,
     EDGE,
+    ENTRIES,
     FIRST,
     GRID,
     LATERAL,
     LINE,
     SECOND,
     STEADY,
+    Most,
 )
 from bokeh_validation.shaders.passes import Pass
 
@@ -80,17 +82,6 @@ def _of_layers(item: Pass) -> int:
         along_edge = ceil(cells * (1.4142136 / 0.708 if sides == 4 else 2.0 * sin(pi / sides)))
         both = 2 if item.spec.sides in BOTH else 1
         return 1 + both * edges * along_edge
-    filled = 1 + ring_samples(2)
-    # of several targets, those of each alone: its program leaves out what only the others need
-    counts = {
-        "TileMax": (8 * 8,),
-        "TileDilate": (along,),
-        "Prefilter": (1 + 4 * 4, 17, 5, 17, 5),
-        "KernelReduce": (2 * 4 * 4, 16, 16),
-        "KernelRows": (1 + 2 * along, along, 1 + along),
-        "KernelColumns": (2 + 2 * along, 1 + along, 2 + along),
-        "Downsample": (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10),
-        "HoleFill": (1 + 2 * filled, 1 + 2 * filled, 1 + 2 * filled),
-        "Composite": (2 + 2 * (5 if cubic else 1) + ring_samples(rings) + 2,),
-    }[(item.spec.whole or item.entry).removeprefix("Bokeh")]
+    most = Most(along, 1 + ring_samples(2), 5 if cubic else 1, ring_samples(rings))
+    counts = ENTRIES[item.spec.whole or item.entry].fetches(most)
     return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

@@ -1,5 +1,6 @@
 """The entry points of bokeh_passes.*: what each reads, how many targets it writes, and what it is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 COPY, DEPTH, LATERAL, STEADY, VIEW = "copy", "depth", "lateral", "steady", "view"
@@ -11,6 +12,22 @@ EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
 # Of layers: those whose targets of both layers are four or fewer
 BOTH = (4, 6)
 COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
+
+
+@dataclass(frozen=True)
+class Most:
+    """What the loops of bokeh_layers.* do at most with the settings of a frame (plan/fetches.py).
+
+    along    tiles that a pass over tiles looks at along one axis
+    filled   texels of HoleFill for each of its two textures, the pixel's own included
+    layer    fetches that enlarge one layer in Composite
+    gather   samples of Composite's gather
+    """
+
+    along: int
+    filled: int
+    layer: int
+    gather: int
 
 
 @dataclass(frozen=True)
@@ -27,6 +44,8 @@ class Entry:
     sides     of its polygon; 0 where a parameter says it, or there is none
     layers    whether it is one of bokeh_layers.*
     whole     name of the entry of whose targets it writes one: number BOKEH_TARGET_INDEX
+    fetches   of a pass of the layers but the lines: how many a texel takes at most; then, of several targets, those of
+              each alone, since its program leaves out what only the others need
     """
 
     name: str
@@ -36,6 +55,7 @@ class Entry:
     sides: int = 0
     layers: bool = False
     whole: str = ""
+    fetches: Callable[[Most], tuple[int, ...]] | None = None
 
 
 def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]:
@@ -54,17 +74,17 @@ def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]
     )
 
 
-def _layers(name: str, textures: int, targets: int = 1) -> Entry:
-    return Entry(f"Bokeh{name}", LAYERS, COLORS[:textures], targets, layers=True)
+def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tuple[int, ...]]) -> Entry:
+    return Entry(f"Bokeh{name}", LAYERS, COLORS[:textures], targets, layers=True, fetches=fetches)
 
 
 _SEVERAL = (
-    _layers("Prefilter", 2, 4),
-    _layers("KernelReduce", 2, 2),
-    _layers("KernelRows", 3, 2),
-    _layers("KernelColumns", 3, 2),
-    _layers("Downsample", 5, 4),
-    _layers("HoleFill", 3, 2),
+    _layers("Prefilter", 2, 4, lambda most: (1 + 4 * 4, 17, 5, 17, 5)),
+    _layers("KernelReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
+    _layers("KernelRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
+    _layers("KernelColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
+    _layers("Downsample", 5, 4, lambda most: (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10)),
+    _layers("HoleFill", 3, 2, lambda most: (1 + 2 * most.filled,) * 3),
 )
 # Slots that one of the targets alone does not need, target by target
 UNREAD = {
@@ -93,11 +113,11 @@ _ALL = (
     Entry("BokehStableMap", STEADY, COLORS[:3]),
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
     # bokeh_layers
-    _layers("TileMax", 1),
-    _layers("TileDilate", 1),
+    _layers("TileMax", 1, 1, lambda most: (8 * 8,)),
+    _layers("TileDilate", 1, 1, lambda most: (most.along,)),
     *_SEVERAL,
     *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
-    _layers("Composite", 6),
+    _layers("Composite", 6, 1, lambda most: (2 + 2 * most.layer + most.gather + 2,)),
     # one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
     Entry("BokehLayerEdge", EDGE, COLORS[:3], layers=True),
