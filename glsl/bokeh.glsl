@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh depth of field, GLSL. Version 0.2.0.
+// Polygonal bokeh depth of field, GLSL. Version 0.3.0.
 // After McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures
 // in a Post-Process Depth of Field Shader". Sections, listings and figures are of that paper.
 //

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The method of the paper, GLSL. Version 0.2.0. Put it after bokeh.glsl.
+// The method of the paper, GLSL. Version 0.3.0. Put it after bokeh.glsl.
 // McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a
 // Post-Process Depth of Field Shader": Listings 2-4 and the gather that they are compared with.
 // Listing 1 is in bokeh.glsl. docs/paper.md says where this deviates, and why.

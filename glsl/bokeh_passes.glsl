@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes, GLSL. Version 0.2.0.
+// Ready-made passes, GLSL. Version 0.3.0.
 // A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, then what the pass is made
 // from (bokeh_paper.glsl, bokeh_layers.glsl, bokeh_lens.glsl, or none), and this file.
 //

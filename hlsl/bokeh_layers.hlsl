@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Layered depth of field with polygonal bokeh, HLSL. Version 0.2.0. Put it after bokeh.hlsl.
+// Layered depth of field with polygonal bokeh, HLSL. Version 0.3.0. Put it after bokeh.hlsl.
 //
 //   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here they spread
 //   over what is behind them, and what they hide is filled: docs/methods/layered.md.

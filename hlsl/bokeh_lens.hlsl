@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The character of a lens, HLSL. Version 0.2.0. Put it after bokeh.hlsl.
+// The character of a lens, HLSL. Version 0.3.0. Put it after bokeh.hlsl.
 //
 //   Curved blades and a cat's eye are functions from polygon to polygon: what they return goes
 //   wherever a BokehPolygon goes, in `exact` and in the layers. A focus that artists can bend is

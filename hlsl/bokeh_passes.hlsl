@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes, HLSL. Version 0.2.0.
+// Ready-made passes, HLSL. Version 0.3.0.
 // Put this file after bokeh.hlsl and what the passes are made from: bokeh_paper.hlsl,
 // bokeh_layers.hlsl, bokeh_lens.hlsl, or none.
 //

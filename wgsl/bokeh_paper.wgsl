@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The method of the paper, WGSL. Version 0.2.0. Put it after bokeh.wgsl.
+// The method of the paper, WGSL. Version 0.3.0. Put it after bokeh.wgsl.
 // McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a
 // Post-Process Depth of Field Shader": Listings 2-4 and the gather that they are compared with.
 // Listing 1 is in bokeh.wgsl. docs/paper.md says where this deviates, and why.

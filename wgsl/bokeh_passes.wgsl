@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Ready-made passes, WGSL. Version 0.2.0.
+// Ready-made passes, WGSL. Version 0.3.0.
 // A module is bokeh.wgsl, bokeh_paper.wgsl, bokeh_layers.wgsl, bokeh_lens.wgsl and this file.
 //
 //   pass                        reads                             writes

@@ -1,3 +1,3 @@
 """Validation harness of the polygonal bokeh shaders: compiles every variant and runs it on real drivers."""
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"

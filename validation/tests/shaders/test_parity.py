@@ -54,7 +54,7 @@ LIBRARY = {
     "a character that is not ASCII": "Listing 1: CoC of a thin lens[[=> \u00e9]]",
     "a backslash at the end of a line": "with a sensor of 35 mm film[[=>\\]]\n",
     "no licence line": "[[// SPDX-License-Identifier: MIT\n=>]]",
-    "a version": "Version 0.2.[[0=>1]].",
+    "a version": "Version 0.3.[[0=>1]].",
     "a block comment": "    [[=>/* why */ ]]return filterCoC;",
     "a derivative": "    return BokehSafe(depth[[=> + dFdx(depth)]], ",
     "a default": ("BOKEH_MAX_COLOR [[65504=>65500]].0\n", "BOKEH_MAX_COLOR: f32 = [[65504=>65500]].0"),
