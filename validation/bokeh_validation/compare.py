@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from typer import Argument, Option
 
-from bokeh_validation import exr, metrics, options, render, terminal
+from bokeh_validation import exr, metrics, options, render, shaders, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.exr import Scene
@@ -21,6 +21,8 @@ from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.reference.listings import DEPTH_KINDS, linear_depth, stored_depth
+from bokeh_validation.shaders.parameters import PARAMETERS
+from bokeh_validation.shaders.passes import Pass
 
 # What an engine's depth buffer may hold, and may have been read as
 KINDS = ("window", "reversed", "infinite", "clip", "metres", "fraction")
@@ -29,12 +31,25 @@ NEARER = 0.5
 # The same picture, where a clamped CoC hides what they differ in
 AS_NEAR = 0.01
 INFINITE_STEPS = 2.0**16
+# Focal lengths, metres, that a lens may have in place of the one that was told
+FOCAL_LENGTHS = (0.024, 0.028, 0.035, 0.05, 0.07, 0.085, 0.1, 0.135, 0.2)
+# Of the depth buffer, which the EXR does not have
+DEPTH_PARAMETERS = ("BokehDepthKind", "BokehNear", "BokehFar")
+# Relative: what float32 and a few decimals leave of a number that was typed
+SAME_VALUE = 1e-4
+# A texture read by its nearest texel, and those that draw it
+GLSL_DRIVERS = ("egl", "osmesa")
+NEAREST = """#define textureLod(name, uv, level) texelFetch(name, BokehNearestTexel(uv, textureSize(name, 0)), 0)
+ivec2 BokehNearestTexel(vec2 uv, ivec2 size) { return clamp(ivec2(floor(uv * vec2(size))), ivec2(0), size - 1); }
+"""
 Change = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """What an engine may have done differently: settings, changes of rgb and metres, of its result, and its targets."""
+    """What an engine may have done differently: settings, changes of rgb and metres, of its result, its targets, its
+    programs. `drivers` are those that can draw it; all where there is none.
+    """
 
     name: str
     advice: str
@@ -43,6 +58,8 @@ class Mistake:
     depth: Change = np.asarray
     result: Change = np.asarray
     storage: str = "half"
+    passes: Callable[[Pass], Pass] = lambda item: item
+    drivers: tuple[str, ...] = ()
 
     def rendered(self, driver: Driver, scene: Scene) -> np.ndarray:
         """Its picture, (H, W, 3) float64. Raises Unavailable."""
@@ -50,7 +67,7 @@ class Mistake:
         color, depth = scene.color.copy(), self.depth(scene.depth).astype(np.float32)
         color[..., :3] = self.color(color[..., :3].astype(np.float64))
         textures = {"color": color, "depth": depth, **plan.tables}
-        result = driver.run(plan.passes, textures, scene.size, self.storage)["result"]
+        result = driver.run(list(map(self.passes, plan.passes)), textures, scene.size, self.storage)["result"]
         return self.result(result[..., :3].astype(np.float64))
 
 
@@ -59,8 +76,12 @@ def to_srgb(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
 
 
-def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
-    """All that make sense of some settings; near, far: the camera's planes, metres."""
+def mistakes(settings: Settings, near: float, far: float, read: float | None = None) -> Iterator[Mistake]:
+    """Yield all that make sense of some settings.
+
+    near, far  the camera's planes, metres
+    read       the BokehDepthKind that the engine sets, where that is known
+    """
     flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/troubleshooting.md)."
     yield Mistake("the result is upside down: v is flipped", flip, settings, result=np.flipud)
     linear = "Blur linear light, before tone mapping, and write the EXR from the target as it is."
@@ -69,8 +90,47 @@ def mistakes(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
     if settings.rotation:
         turned = replace(settings, rotation=-settings.rotation)
         yield Mistake("the rotation's sign is the other one", "Angles go from +x towards +y, which is down.", turned)
+    filtered = "Every texture but depth needs a sampler with a linear filter, clamped."
+    yield Mistake(
+        "a texture is read by its nearest texel", filtered, settings, passes=_unfiltered, drivers=GLSL_DRIVERS
+    )
+    yield from _others(settings)
     yield from _presets(settings)
-    yield from _depths(settings, near, far) if settings.coc is None else ()
+    if settings.coc is None:
+        yield from _lenses(settings)
+        yield from _depths(settings, near, far, read)
+
+
+def _unfiltered(item: Pass) -> Pass:
+    """Without the linear filter."""
+    version, _, rest = shaders.glsl(item.entry, "330", item.constants).partition("\n")
+    return replace(item, sources={"glsl": f"{version}\n{NEAREST}{rest}"})
+
+
+def _others(settings: Settings) -> Iterator[Mistake]:
+    """Another method, another polygon."""
+    for name in ("layered", "exact", "paper"):
+        other = replace(settings, method=name, samples=None, spacing=None)
+        if name != settings.method and (name == "paper" or settings.aperture in methods.EXACT):
+            yield Mistake(f"it is {name}", f"If that is meant, compare with --method {name}.", other)
+    for name in methods.EXACT:
+        if name != settings.aperture:
+            advice = f"If that is meant, compare with --aperture {name}; or BokehSides or the entries are another's."
+            yield Mistake(f"the polygon is of another kind: {name}", advice, replace(settings, aperture=name))
+
+
+def _lenses(settings: Settings) -> Iterator[Mistake]:
+    """A focal length that one of the two does not know of, or a sensor's width for its height."""
+    camera = settings.camera
+    for length in FOCAL_LENGTHS:
+        if length not in (camera.focal_length, camera.focus_distance) and length < camera.focus_distance:
+            advice = (
+                f"If that is your lens, compare with --focal-length {length:g}; else set BokehFocalLength, in metres."
+            )
+            lens = replace(settings, camera=replace(camera, focal_length=length))
+            yield Mistake(f"the focal length is {length:g} m", advice, lens)
+    wide = replace(settings, camera=replace(camera, sensor_height=1.5 * camera.sensor_height))
+    yield Mistake("the sensor's width is taken for its height", "BokehSensorHeight is 0.024 m of a full frame.", wide)
 
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
@@ -84,7 +144,7 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
             yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given}.", other)
 
 
-def _depths(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
+def _depths(settings: Settings, near: float, far: float, set_kind: float | None) -> Iterator[Mistake]:
     """Depth of another sign about the focus, or of another kind."""
     focus = settings.camera.focus_distance
 
@@ -104,8 +164,11 @@ def _depths(settings: Settings, near: float, far: float) -> Iterator[Mistake]:
         yield Mistake("the CoC has no sign", signed, settings, depth=lambda z: np.where(z < focus, mirrored(z), z))
     for held, read in ((held, read) for held in KINDS[:4] for read in KINDS if held != read):
         kinds = DEPTH_KINDS[held], DEPTH_KINDS[read]
+        if set_kind not in (None, kinds[1]):
+            continue
         name = f"the depth is {held} and was read as {read}"
-        yield Mistake(name, f"BokehDepthKind is {kinds[0]} ({held}).", settings, depth=partial(misread, *kinds))
+        advice = f"If BokehDepthKind is {kinds[1]} ({read}) now, set it to {kinds[0]} ({held})."
+        yield Mistake(name, advice, settings, depth=partial(misread, *kinds))
 
 
 def _distance(result: np.ndarray, expected: np.ndarray) -> np.ndarray:
@@ -132,12 +195,15 @@ def compare(
     far: Annotated[float, Option(help="Its far plane.")] = 1000.0,
     depth_channel: render.DepthChannel = None,
     layer: render.Layer = None,
+    sets: options.Sets = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
 ) -> None:
     """How far an engine's result is from ours, and the likeliest mistake."""
     if not 0 < near < far < np.inf:
         raise UserError(f"--near {near:g} --far {far:g}: not allowed. Give 0 < near < far, in metres.")
+    known = options.parsed_sets(sets)
+    near, far = known.get("BokehNear", near), known.get("BokehFar", far)
     scene, theirs = render.read(source, settings, depth_channel, layer), exr.read(result, None)
     if scene.size != theirs.size:
         raise UserError(f"{result}: {theirs.size} pixels, the input has {scene.size}. Render it at the input's size.")
@@ -147,13 +213,16 @@ def compare(
         f"{result} beside {settings.method} {settings.aperture} by {used.name} ({used.adapter}): {_shares(steps)}",
         f"nearest to {nearest.storage} targets; the input has {scene.storage} colour. Either kind of target is right",
     )
+    terminal.tell(*_set_otherwise(known, settings, scene.size))
     bound = metrics.CLOSE_STEPS
     if (steps <= bound).mean() < metrics.CLOSE_SHARE:
-        likeliest = _nearest(list(mistakes(settings, near, far)), used, scene, pixels)
-        (explained, mistake), bound = likeliest[0], metrics.FAR_STEPS
+        likeliest = _nearest(list(mistakes(settings, near, far, known.get("BokehDepthKind"))), used, scene, pixels)
+        explained, bound = likeliest[0][0], metrics.FAR_STEPS
         if _score(explained) < NEARER * _score(steps):
-            names = "; or ".join(mistake.name for _, mistake in likeliest)
-            terminal.tell(f"likeliest mistake: {names}. With it, {_shares(explained)}. {mistake.advice}")
+            several = f"one of {len(likeliest)} that make the same picture: " if len(likeliest) > 1 else ""
+            for _, mistake in likeliest:
+                terminal.tell(f"likeliest mistake: {several}{mistake.name}. {mistake.advice}")
+            terminal.tell(f"with it, {_shares(explained)}")
             terminal.end(False)
     same = (steps <= bound).mean() >= metrics.CLOSE_SHARE
     terminal.tell(
@@ -162,11 +231,22 @@ def compare(
     terminal.end(same)
 
 
+def _set_otherwise(known: dict[str, float], settings: Settings, size: tuple[int, int]) -> Iterator[str]:
+    """Yield what the engine sets to another value than these settings have; how its depth is stored is its own."""
+    passes = methods.plan(settings, size).passes
+    for name, value in known.items():
+        used = {item.values()[name] for item in passes if name in item.parameters} or {PARAMETERS[name]}
+        if name not in DEPTH_PARAMETERS and not any(abs(value - one) <= SAME_VALUE * abs(one) for one in used):
+            yield f"{name} is {value:g} in your engine and {' or '.join(f'{one:g}' for one in sorted(used))} here"
+
+
 def _nearest(candidates: list[Mistake], driver: Driver, scene: Scene, pixels: np.ndarray) -> list:
     """(steps, mistake) of the nearest, and of others that make the same picture. Raises UserError."""
     tried: list[tuple[np.ndarray, Mistake]] = []
     with terminal.progress("rendering", len(candidates)) as step:
         for candidate in candidates:
+            if candidate.drivers and driver.name not in candidate.drivers:
+                continue
             try:
                 tried.append((_distance(pixels, candidate.rendered(driver, scene)), candidate))
             except Unavailable as error:

@@ -1,23 +1,26 @@
 """The options that say what to render: one table. `render`, `plan` and `compare` take them all from here."""
 
 import inspect
+import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import wraps
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import aperture_shapes, methods
-from bokeh_validation.frame.methods import Settings
+from bokeh_validation.frame.methods import Camera, Focus, Settings
+from bokeh_validation.shaders.parameters import PARAMETERS
 
 # A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
 # What the command line begins with; an option that is not given is left as it is here
-DEFAULT = Settings("exact")
+DEFAULT = Settings("layered")
 INF, TINY = math.inf, math.ulp(0.0)
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 Needs = tuple[Callable[[Settings], bool], str, str]
@@ -121,6 +124,48 @@ TABLE = (
 )  # fmt: skip
 
 
+PLAN = inspect.Parameter(
+    "plan_file",
+    KEYWORD,
+    default=None,
+    annotation=Annotated[
+        Path | None,
+        typer.Option("--plan", metavar="FILE.json", help="Settings of a frame that plan printed; others change them."),
+    ],
+)
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter as your engine sets it; may be given again."),
+]
+
+
+def parsed_sets(given: Iterable[str] | None) -> dict[str, float]:
+    """Return parameter -> value of --set BokehDepthKind=1. Raises UserError."""
+    found = {}
+    for text in given or ():
+        name, _, number = text.partition("=")
+        if name not in PARAMETERS:
+            raise UserError(f"--set {text}: no parameter {name!r}. docs/reference/parameters.md has all of them.")
+        try:
+            found[name] = float(number)
+        except ValueError:
+            raise UserError(f"--set {text}: {number!r} is no number. Give one, such as {name}=1.") from None
+    return found
+
+
+def read_plan(path: Path) -> Settings:
+    """Return the settings of a frame that `plan` printed. Raises UserError."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))["settings"]
+        focus = data["focus"] and Focus(**{name: tuple(pair) for name, pair in data["focus"].items()})
+        return Settings(**{**data, "camera": Camera(**data["camera"]), "focus": focus})
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it has no settings of a frame"
+        raise UserError(
+            f"--plan {path}: {reason}. Give a file that validation/run plan of this version wrote."
+        ) from None
+
+
 def with_settings(command: Callable) -> Callable:
     """A command with the options of the table in place of its parameter `settings`, which is made of them and checked:
     what is given on the command line has an effect, or is refused by a UserError.
@@ -129,7 +174,8 @@ def with_settings(command: Callable) -> Callable:
 
     @wraps(command)
     def called(*arguments, **values):
-        settings, given = DEFAULT, []
+        file = values.pop(PLAN.name, None)
+        settings, given = DEFAULT if file is None else read_plan(file), []
         for option in TABLE:
             value = values.pop(option.parameter.name, None)
             if value is not None:
@@ -139,7 +185,7 @@ def with_settings(command: Callable) -> Callable:
         return command(*arguments, settings=settings, **values)
 
     own = [p.replace(kind=KEYWORD) for name, p in signature.parameters.items() if name != "settings"]
-    called.__signature__ = signature.replace(parameters=[*own, *(option.parameter for option in TABLE)])
+    called.__signature__ = signature.replace(parameters=[*own, PLAN, *(option.parameter for option in TABLE)])
     return called
 
 

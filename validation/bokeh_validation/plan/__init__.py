@@ -5,7 +5,7 @@ It is made from the passes that the drivers run (methods.plan), and holds all th
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Annotated
 
 import typer
@@ -91,6 +91,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     targets = [texture for texture in textures if texture["written"] is not None]
     return {
         "version": __version__,
+        "settings": asdict(settings),
         "method": settings.method,
         "aperture": settings.aperture,
         "preset": preset if settings.method == "layered" or settings.has_preset else None,
@@ -263,10 +264,15 @@ def plan(
     viewport: Annotated[
         str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
     ] = None,
+    sets: options.Sets = None,
 ) -> None:
     """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
     whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
     planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
+    for name, value in options.parsed_sets(sets).items():
+        if any(name in step["changes"] for step in planned["passes"]):
+            raise UserError(f"--set {name}: differs from pass to pass. Give the option that it follows from.")
+        planned["parameters"][name] = value
     typer.echo(text(planned), nl=False)
 
 

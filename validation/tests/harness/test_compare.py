@@ -1,11 +1,13 @@
 """validation/run compare: a right engine passes on either kind of targets, and each mistake is named."""
 
+import json
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import OpenEXR
 import pytest
-from support import called, load
+from support import called, load, refused
 from support_cases import noise_case
 
 from bokeh_validation import exr
@@ -16,7 +18,8 @@ from bokeh_validation.shaders.passes import Pass
 
 CAMERA = Camera(0.1, 0.05, 4.0, max_coc=0.3)
 SETTINGS = Settings("exact", "hexagon", rotation=20.0, camera=CAMERA)
-GIVEN = ("--rotation", 20, "--aperture-diameter", 0.1, "--focus-distance", 4, "--max-coc", 0.3, "--driver", "egl")
+LENS = ("--aperture-diameter", 0.1, "--focus-distance", 4, "--max-coc", 0.3)
+GIVEN = ("--method", "exact", "--rotation", 20, *LENS, "--driver", "egl")
 NEAR, FAR = 0.5, 200.0
 
 
@@ -47,6 +50,18 @@ def with_depth(case: Case, kind: int, held: int) -> np.ndarray:
     return drawn(replace(case, depth=metres_read_as(kind, held, case.depth)))
 
 
+def with_lens(case: Case, **changes: float) -> Case:
+    """The same scene through another lens."""
+    return replace(case, settings=replace(SETTINGS, camera=replace(CAMERA, **changes)))
+
+
+def unfiltered(case: Case) -> np.ndarray:
+    """With a nearest filter on the one sampler, as the driver has it."""
+    driver, plan = load("egl"), case.plan
+    with patch.dict(driver.samplers, {True: driver.samplers[False]}):
+        return driver.run(plan.passes, case.textures(), case.size)["result"]
+
+
 MISTAKES = {
     "upside down: v is flipped": lambda case: drawn(case)[::-1].copy(),
     "depth is upside down": lambda case: drawn(replace(case, depth=case.depth[::-1].copy())),
@@ -57,6 +72,11 @@ MISTAKES = {
     "reversed and was read as window": lambda case: with_depth(case, 1, 2),
     "window and was read as metres": lambda case: with_depth(case, 0, 1),
     "the rotation's sign": lambda case: drawn(replace(case, settings=replace(SETTINGS, rotation=-20.0))),
+    "it is layered": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered"))),
+    "of another kind: octagon": lambda case: drawn(replace(case, settings=replace(SETTINGS, aperture="octagon"))),
+    "the focal length is 0.07 m": lambda case: drawn(with_lens(case, focal_length=0.07)),
+    "the sensor's width is taken": lambda case: drawn(with_lens(case, sensor_height=0.036)),
+    "read by its nearest texel": lambda case: unfiltered(case),
     "preset LOW": lambda case: drawn(replace(case, settings=replace(SETTINGS, samples=5, spacing=2.0))),
     "preset ULTRA": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered", preset="ultra"))),
 }
@@ -75,13 +95,42 @@ def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
 def test_a_mistake_is_named(name, tmp_path):
     case = noise_case((96, 64), SETTINGS)
     files = saved(tmp_path, case, MISTAKES[name](case))
-    method = "layered" if name == "preset ULTRA" else "exact"
-    done = called(*files, *GIVEN, "--method", method, "--near", NEAR, "--far", FAR)
+    method = ("--method", "layered") if name == "preset ULTRA" else ()
+    done = called(*files, *GIVEN, *method, "--near", NEAR, "--far", FAR)
     assert done.returncode == 1, done.stdout + done.stderr
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
-    assert name in line
+    lines = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
     # window and reversed taken for each other make the same depth; nothing else is as near
-    assert line.count("; or ") == ("window" in name and "reversed" in name)
+    assert len(lines) == 1 + ("window" in name and "reversed" in name)
+    assert sum(name in line for line in lines) == 1, lines
+    assert all(line.endswith(".") and line.count(". ") >= 1 for line in lines)
+
+
+def test_what_the_engine_sets(tmp_path):
+    """What was set already is no advice; a parameter that differs is told."""
+    case = noise_case((96, 64), SETTINGS)
+    files = saved(tmp_path, case, with_depth(case, 1, 2))
+    sets = "--set BokehDepthKind=1 --set BokehNear=0.5 --set BokehFar=200 --set BokehSqueeze=2".split()
+    done = called(*files, *GIVEN, *sets)
+    (line,) = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
+    assert "If BokehDepthKind is 1 (window) now, set it to 2 (reversed)" in line
+    assert "BokehSqueeze is 2 in your engine and 1 here" in done.stdout
+    refused(called(*files, "--set", "BokehSqueze=1"), ["--set BokehSqueze=1", "no parameter"])
+    refused(called(*files, "--set", "BokehSqueeze=wide"), ["--set BokehSqueeze=wide", "no number"])
+
+
+def test_settings_of_a_plan(tmp_path):
+    """plan's file has the settings; an option changes them; a file without them is refused in one line."""
+    case, plan = noise_case((96, 64), SETTINGS), tmp_path / "plan.json"
+    plan.write_text(called("plan", *GIVEN[:-2], "--set", "BokehDepthKind=2").stdout)
+    assert json.loads(plan.read_text())["parameters"]["BokehDepthKind"] == 2
+    files = saved(tmp_path, case, drawn(case))
+    done = called(*files, "--plan", plan, "--driver", "egl")
+    assert done.returncode == 0 and "the same" in done.stdout, done.stdout
+    assert called(*files, "--plan", plan, "--driver", "egl", "--squeeze", "0.5").returncode == 1
+    for content in ("", "[]", "{}", '{"settings": {"method": 1}}', '{"settings": {"aperture": "circle"}}'):
+        plan.write_text(content)
+        refused(called(*files, "--plan", plan), ["--plan", "validation/run plan"])
+    refused(called(*files, "--plan", tmp_path / "none.json"), ["none.json", "No such file"])
 
 
 @pytest.mark.parametrize("storage", ["half", "float"])

@@ -16,7 +16,7 @@ render --samples 1 | --samples 1; 2 to 1024
 render --samples 200 --method naive | --samples 200; 8192
 render --aperture circle | --aperture circle; hexagon
 render --method fast | --method fast; paper
-render --aperture star | --aperture star; exact; --method paper
+render --aperture star | --aperture star; layered; --method paper
 render --squeeze 0 | --squeeze 0; more than 0
 render --cats-eye 0.3 --method paper | --cats-eye 0.3: no effect on paper. Give --method exact or layered
 render --samples 5 --method layered | --samples 5: no effect on layered; --preset
