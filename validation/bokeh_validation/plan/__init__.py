@@ -79,14 +79,8 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         plan = methods.in_viewport(plan, viewport, size)
     plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
     same, changes = _parameters(plan.passes)
-    names, values = methods.PRESET_CONSTANTS, methods.PRESETS[settings.preset]
-    if settings.method == "exact":
-        names, values = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS[settings.preset]
-    preset = {
-        "name": settings.preset,
-        "define": f"BOKEH_PRESET_{settings.preset.upper()}",
-        "stands_for": dict(zip(names, values, strict=True)),
-    }
+    has_presets = settings.method == "layered" or settings.has_preset
+    presets = _presets(settings.method) if has_presets else {}
     textures = _textures(plan, size)
     targets = [texture for texture in textures if texture["written"] is not None]
     return {
@@ -94,7 +88,8 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "settings": asdict(settings),
         "method": settings.method,
         "aperture": settings.aperture,
-        "preset": preset if settings.method == "layered" or settings.has_preset else None,
+        "preset": presets.get(settings.preset),
+        "presets": presets,
         "several_targets": settings.targets,
         "size": list(size),
         "notes": list(NOTES),
@@ -117,12 +112,24 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     }
 
 
+def _presets(method: str) -> dict[str, dict]:
+    """Name of a preset -> its define, and the constants that it stands for."""
+    names, presets = methods.PRESET_CONSTANTS, methods.PRESETS
+    if method == "exact":
+        names, presets = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS
+    found = {}
+    for name, values in presets.items():
+        constants_of = dict(zip(names, values, strict=True))
+        found[name] = {"name": name, "define": f"BOKEH_PRESET_{name.upper()}", "stands_for": constants_of}
+    return found
+
+
 def text(planned: dict) -> str:
     """A frame as JSON with one pass, texture or note a line."""
     members = []
     for key, value in planned.items():
         entries, brackets = [], "[]"
-        if isinstance(value, dict) and any(isinstance(entry, dict) for entry in value.values()):
+        if isinstance(value, dict) and key != "settings" and any(isinstance(entry, dict) for entry in value.values()):
             entries, brackets = [f"{json.dumps(name)}: {json.dumps(entry)}" for name, entry in value.items()], "{}"
         elif key == "notes" or (isinstance(value, list) and any(isinstance(entry, dict) for entry in value)):
             entries = [json.dumps(entry) for entry in value]
