@@ -231,8 +231,6 @@ def test_parameters_out_of_range(name, driver):
 
 # method, a parameter out of range, what docs/inputs.md says it counts as
 EQUIVALENTS = [
-    ("exact hexagon", "BokehSpacing", 0.0, 1.5),
-    ("exact hexagon", "BokehSpacing", -1.0, 1e30),
     ("exact hexagon", "BokehImageHeight", -64.0, 0.0),
     ("paper hexagon", "BokehBleedingMult", -30.0, 0.0),
     ("paper hexagon", "BokehFocusDistance", -1.0, 0.0),
@@ -252,6 +250,16 @@ def test_parameters_count_as_documented(method, name, wrong, right, driver):
     case = littered((24, 16), METHODS[method], 0.1)
     found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
     assert not differing(found, wanted).any()
+
+
+@in_each_language
+def test_a_spacing_that_is_none_is_the_presets(driver):
+    """0 and less are the preset's 1.5 pixels, to the bit, on lines of up to 32 pixels, where another spacing shows."""
+    settings = replace(METHODS["exact, preset"], camera=replace(CAMERA, aperture_diameter=0.4, max_coc=0.5))
+    case = littered(SIZE, settings, 0.1)
+    found = {value: everything(driver, case, BokehSpacing=value)["result"] for value in (0.0, -1.0, 1.5, 3.0)}
+    assert not any(differing(found[value], found[1.5]).any() for value in (0.0, -1.0))
+    assert differing(found[3.0], found[1.5]).mean() > 0.1
 
 
 # docs/inputs.md, Bad input: what goes in -> what the tests above take it as. Each number of a row is asserted there: of
