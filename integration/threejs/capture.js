@@ -264,8 +264,8 @@ export async function views(kind) {
   return found;
 }
 
-// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode
-// after a key.
+// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
+// click on it through something hidden; the debug mode after a key.
 export async function interaction(kind) {
   const { renderer, camera, scene, bokeh, focus } = await samples[kind]();
   const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');
@@ -273,10 +273,21 @@ export async function interaction(kind) {
   const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
   const before = bokeh.uniforms.focusDistance.value;
   const place = { clientX: left + ((1 + x) / 2) * width, clientY: top + ((1 - y) / 2) * height };
-  renderer.domElement.dispatchEvent(new MouseEvent('click', place));
+  const { domElement } = renderer;
+  domElement.dispatchEvent(new PointerEvent('pointerdown', { ...place, clientX: place.clientX + 6 }));
+  domElement.dispatchEvent(new MouseEvent('click', place));
+  const dragged = focus.pulling ? NaN : bokeh.uniforms.focusDistance.value;
+  domElement.dispatchEvent(new PointerEvent('pointerdown', { ...place, clientX: place.clientX + 4 }));
+  const hidden = box.clone();
+  hidden.visible = false;
+  hidden.position.lerp(camera.position, 0.5);
+  scene.add(hidden);
+  hidden.updateWorldMatrix(true, false);
+  domElement.dispatchEvent(new MouseEvent('click', place));
+  scene.remove(hidden);
   while (focus.pulling) await new Promise(requestAnimationFrame);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   const { focusDistance, debugMode } = bokeh.uniforms;
   const depth = -camera.worldToLocal(box.position.clone()).z;
-  return { before, after: focusDistance.value, box: depth, mode: debugMode.value };
+  return { before, dragged, after: focusDistance.value, box: depth, mode: debugMode.value };
 }

@@ -11,32 +11,35 @@ import { PolygonBokehPass } from './postprocessing.js';
 // fStop   of the lens
 // focus   metres, or a place in the world, an object, or a ref of one, looked at in each frame
 // tau     seconds: the time constant of a pull to another focus; 0: at once
-// others  uniforms of the pass, such as maxCoC and rotation
+// others  uniforms of the pass, such as maxCoC and rotation; one that is left out has its default
+// Throws an Error for a property that there is not, and for an f-stop or uniform that is no number.
 export function PolygonBokeh(props) {
   const { method, sides, preset, opaque, extras, alpha, fStop = 1.4, focus = 5, tau = 0, ref, ...uniforms } = props;
   const options = { method, sides, preset, opaque, extras, alpha };
   const camera = useThree((state) => state.camera);
   const pass = useMemo(() => new PolygonBokehPass(camera, options), []);
   const [, fail] = useState();
+  const defaults = useRef({});
+  const wrong = refused(props, pass.uniforms);
+  if (wrong) throw new Error(`polygonal-bokeh, <PolygonBokeh>: ${wrong}`);
 
   const key = JSON.stringify(options);
   const drawn = useRef(key);
   useEffect(() => {
     if (drawn.current === key) return;
     drawn.current = key;
-    const refused = (error) => {
+    pass.change(options).catch((error) =>
       fail(() => {
         throw error;
-      });
-    };
-    pass.change(options).catch(refused);
+      }),
+    );
   }, [key]);
   useEffect(() => () => pass.dispose(), [pass]);
 
   useFrame((_, dt) => {
     pass.camera = camera;
-    for (const [name, value] of Object.entries(uniforms)) {
-      if (!pass.uniforms[name]) throw new Error(`polygonal-bokeh, <PolygonBokeh>: there is no ${name}.`);
+    for (const [name, value] of Object.entries({ ...defaults.current, ...uniforms })) {
+      if (!(name in defaults.current)) defaults.current[name] = pass.uniforms[name].value;
       pass.uniforms[name].value = value;
     }
     pass.setLens(fStop);
@@ -44,4 +47,20 @@ export function PolygonBokeh(props) {
     pass.pullFocus(dt, [typeof aim === 'number' ? aim : pass.depthOf(aim)], tau);
   });
   return createElement('primitive', { object: pass, ref });
+}
+
+const OPTIONS = ['method', 'sides', 'preset', 'opaque', 'extras', 'alpha', 'fStop', 'focus', 'tau', 'ref', 'children', 'key'];
+
+// What is wrong with properties, or nothing. Told while React renders: an error boundary gets it, once.
+function refused({ fStop = 1, ...others }, uniforms) {
+  if (!(fStop > 0)) return `fStop is ${fStop}. Give a number above 0.`;
+  for (const [name, value] of Object.entries(others)) {
+    if (OPTIONS.includes(name)) continue;
+    if (!uniforms[name]) {
+      const allowed = [...OPTIONS.slice(0, 9), ...Object.keys(uniforms)].join(', ');
+      return `there is no property ${name}. There are ${allowed}.`;
+    }
+    if (typeof uniforms[name].value === 'number' && !Number.isFinite(value)) return `${name} is ${value}. Give a number.`;
+  }
+  return '';
 }

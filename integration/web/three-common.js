@@ -7,6 +7,12 @@ import { CHOICES, diameter, pulled } from './common.js';
 // FloatType, of metres alone; all others are RGBA16F
 const FLOAT = 1015;
 
+// Pixels that the pointer may move between press and release, for it to be a click and no drag
+const CLICK = 5;
+
+// What a camera sees: three.js casts rays at hidden objects as well
+const isSeen = (object) => !object || (object.visible && isSeen(object.parent));
+
 // alpha         true: colour has a share of the page in alpha, premultiplied, and is blurred with it. Twice the cost.
 // depthTexture  of the scene, where it is not that of the composer's target: for PolygonBokehPass alone
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
@@ -47,15 +53,16 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       const caster = new Raycaster();
       return points.map(([x, y]) => {
         caster.setFromCamera(new Vector2(x, y), this.camera);
-        const [hit] = caster.intersectObjects(scene.children);
+        const hit = caster.intersectObjects(scene.children).find(({ object }) => isSeen(object));
         return hit ? this.depthOf(hit.point) : Infinity;
       });
     }
 
-    // A click focuses on what is there, on the nearest of some points around it, within five time constants. draw()
-    // is called after each step, for whoever draws no frames otherwise. { pulling: whether that is going on, dispose() }
+    // A click focuses on what is there, on the nearest of some points around it, within five time constants; a drag, as
+    // of a camera's controls, does not. draw() is called after each step, for whoever draws no frames otherwise.
+    // { pulling: whether that is going on, dispose() }
     focusByClicks(canvas, scene, draw = () => {}, tau = 0.2) {
-      let [depths, last, end] = [[], 0, 0];
+      let [depths, last, end, pressed] = [[], 0, 0, null];
       const step = () => {
         const now = performance.now();
         state.pulling = now < end;
@@ -64,7 +71,11 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
         last = now;
         if (state.pulling) requestAnimationFrame(step);
       };
-      const clicked = ({ offsetX, offsetY }) => {
+      const press = ({ clientX, clientY }) => {
+        pressed = [clientX, clientY];
+      };
+      const clicked = ({ offsetX, offsetY, clientX, clientY }) => {
+        if (pressed && Math.hypot(clientX - pressed[0], clientY - pressed[1]) > CLICK) return;
         const [x, y, d] = [(2 * offsetX) / canvas.clientWidth - 1, 1 - (2 * offsetY) / canvas.clientHeight, 0.02];
         depths = this.depthsUnder([[x, y], [x - d, y], [x + d, y], [x, y - d], [x, y + d]], scene);
         end = performance.now() + 5000 * tau;
@@ -72,8 +83,10 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
         last = performance.now();
         step();
       };
-      const state = { pulling: false, dispose: () => canvas.removeEventListener('click', clicked) };
-      canvas.addEventListener('click', clicked);
+      const listeners = { pointerdown: press, click: clicked };
+      const dispose = () => Object.entries(listeners).forEach((pair) => canvas.removeEventListener(...pair));
+      const state = { pulling: false, dispose };
+      Object.entries(listeners).forEach((pair) => canvas.addEventListener(...pair));
       return state;
     }
 

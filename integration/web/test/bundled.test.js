@@ -31,6 +31,10 @@ await sample.scene.whenReadyAsync();`,
   playcanvas: `import { app } from './sample.js';
 const canvas = app.graphicsDevice.canvas, draw = () => { app.renderNextFrame = true; app.tick(performance.now()); };`,
 };
+// What else the page of a sample can be asked for
+const SHOW = {
+  react: ', show: async (options) => { show(options); for (let i = 0; i < 5; i++) await new Promise(requestAnimationFrame); }',
+};
 const CASES = [
   ...['esbuild', 'vite', 'webpack'].map((bundler) => [bundler, 'threejs']),
   ...['postprocessing', 'react', 'babylonjs', 'playcanvas'].map((sample) => ['esbuild', sample]),
@@ -74,7 +78,7 @@ for (const [bundler, sample] of CASES) {
     const engine = SAMPLES.includes(sample) ? sample : 'threejs';
     const [entry, out] = [`${engine}/${bundler}-${sample}.js`, `out-${bundler}-${sample}`];
     const picture = 'async (options) => { await draw(options); return canvas.toDataURL(); }';
-    writeFileSync(join(project, entry), `${ENTRIES[sample]}\nwindow.bokeh = { picture: ${picture} };\n`);
+    writeFileSync(join(project, entry), `${ENTRIES[sample]}\nwindow.bokeh = { picture: ${picture}${SHOW[sample] ?? ''} };\n`);
     const said = await bundled(project, bundler, entry, out);
     assert.doesNotMatch(said, /warn/i);
     // of the shaders there is one language where the engine has one
@@ -91,14 +95,34 @@ for (const [bundler, sample] of CASES) {
         // its properties change
         assert.notEqual(await session.call('picture', { sides: 4, method: 'exact' }), drawn);
         assert.equal(await session.call('picture', {}), drawn);
+        assert.notEqual(await session.call('picture', { squeeze: 0.5 }), drawn);
+        assert.equal(await session.call('picture', {}), drawn, 'a property that was removed has its default again');
       }
       // but for rounding: half a step on average
       const { sizes, opaque, off } = await session.page.evaluate(apart, [drawn, 'guide.png']);
       assert.deepEqual(sizes[0], sizes[1]);
       assert.ok(opaque, 'a canvas keeps the colours of opaque pixels alone as they are');
       assert.ok(off < 0.5, `${off} of 255 off on average`);
+      if (sample === 'react') await wrongProperties(session);
     } finally {
       await session.close();
     }
   });
+}
+
+// One error each, with what is allowed; React tells it in its own words besides, and takes the picture away.
+async function wrongProperties(session) {
+  for (const [wrong, told] of [
+    [{ squeze: 1 }, /there is no property squeze. There are method, .*squeeze/],
+    [{ fStop: 0 }, /fStop is 0. Give a number above 0/],
+    [{ rotation: NaN }, /rotation is NaN/],
+  ]) {
+    await assert.rejects(session.call('show', wrong), (error) => {
+      const lines = error.message.split('\n').filter((line) => line.includes('polygonal-bokeh'));
+      assert.match(error.message, told);
+      assert.ok(lines.length <= 3, error.message);
+      return true;
+    });
+    await session.call('show', {});
+  }
 }

@@ -29,7 +29,8 @@ def sample(request):
 
 
 def test_what_the_guide_says(sample):
-    """The first call, while the page is as the sample made it: a click focuses, a key shows the circle of confusion.
+    """The first call, while the page is as the sample made it: a click focuses, a drag does not (three.js), a key
+    shows the circle of confusion.
 
     Then depth: what the passes read is what a ray meets, or the far plane where none does, with every camera and
     buffer. Debug views as BOKEH_DEBUG has them; alpha is the signed CoC.
@@ -37,6 +38,7 @@ def test_what_the_guide_says(sample):
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
     assert_pulled(answer)
+    assert answer.get("dragged", answer["before"]) == answer["before"]
     assert "coc" in answer["passes"][1] and len(answer["passes"]) == 2 if "babylonjs" in name else answer["mode"] == 2
     cases = page.call("depths", kind)
     assert len(cases) == CAMERAS[name][0]
