@@ -1125,13 +1125,10 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTUR
 
         vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
         vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-        BokehGrid halves = BokehReducedGrid(layers, 2.0);
-        if (tile.r > 6.0)
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
+            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-        }
-        if (tile.g > 10.0)
-        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
         }
         // at a pixel of a layer, that layer itself is added below

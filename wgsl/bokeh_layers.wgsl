@@ -1130,13 +1130,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
 
         var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-        if (tile.r > 6.0)
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
+            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-        }
-        if (tile.g > 10.0)
-        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at a pixel of a layer, that layer itself is added below

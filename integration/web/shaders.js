@@ -1494,13 +1494,10 @@ inner = outer;
 }
 vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+{
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
-if (tile.r > 6.0)
-{
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-}
-if (tile.g > 10.0)
-{
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
@@ -3112,13 +3109,10 @@ inner = outer;
 }
 var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+{
 let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-if (tile.r > 6.0)
-{
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-}
-if (tile.g > 10.0)
-{
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
 }
 sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));

@@ -1488,13 +1488,10 @@ inner = outer;
 }
 vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+{
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
-if (tile.r > 6.0)
-{
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-}
-if (tile.g > 10.0)
-{
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));

@@ -1146,13 +1146,10 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
 
         float4 near = float4(0.0, 0.0, 0.0, 0.0);
         float4 far = float4(0.0, 0.0, 0.0, 0.0);
-        BokehGrid halves = BokehReducedGrid(layers, 2.0);
-        if (tile.r > 6.0)
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
+            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             near = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
-        }
-        if (tile.g > 10.0)
-        {
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at a pixel of a layer, that layer itself is added below

@@ -28,7 +28,10 @@ SWITCHES = {
     "viewport": {"BOKEH_VIEWPORT": 1},
     "lens": {"BOKEH_LENS_SHAPE": 1},
     "focus": {"BOKEH_FOCUS_CONTROLS": 1},
+    "jitter": {"BOKEH_JITTER": 1},
 }
+# A switch that matters for the room of a program alone -> where room is short
+ONLY_IN = {"jitter": "sm3"}
 # The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
@@ -128,6 +131,8 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
         for entry, count in _entries(quick):
             programs.append(Program(variant, language, profile, entry, count, compilers))
         for switch, values in () if quick else SWITCHES.items():
+            if ONLY_IN.get(switch, profile) != profile:
+                continue
             no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
             for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
                 if not any(part in entry.name for part in no_room):
