@@ -83,6 +83,6 @@ def test_interrupted(tmp_path):
     while not begun.exists() and process.poll() is None:
         time.sleep(0.1)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=20)[1] == "" and process.returncode == 128 + signal.SIGINT
+    assert process.communicate(timeout=20)[1] == "error: stopped\n" and process.returncode == 128 + signal.SIGINT
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
