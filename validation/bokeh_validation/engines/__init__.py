@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import paths, pictures
-from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages, vulkan
+from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages, vulkan, wgpu
 from bokeh_validation.engines.capture import Broken, Capture, read
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.probes.model import Check
@@ -28,10 +28,11 @@ ENGINES: dict[str, Callable[[str, Path], None]] = {
     "direct3d9": direct3d.run,
     "direct3d11": direct3d.run,
     **dict.fromkeys(vulkan.NAMES, vulkan.run),
-    "bevy": bevy.run,
+    wgpu.NAME: wgpu.run,
+    bevy.NAME: bevy.run,
 }
 # Left out unless they are asked for: the first build takes many minutes
-SLOW = ("bevy",)
+SLOW = (bevy.NAME,)
 
 
 def run(name: str) -> Capture:

@@ -64,7 +64,7 @@ def out_of_date() -> dict[str, str]:
     """
     texts = godot_shaders() | copies.texts() | {"integration/web/shaders.js": web_shaders()}
     texts[f"{PANDA3D}/shaders.py"] = python_shaders()
-    texts |= bevy_shaders()
+    texts |= bevy_shaders() | {"integration/wgpu/src/bokeh.wgsl": wgpu_shaders()}
     for method, aperture in PLANNED:
         planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
         head = {"generated": f"by validation/run generate from {FRAME}"}
@@ -105,12 +105,22 @@ def context() -> dict:
         "after_map": samples.after_map,
         "camel": samples.camel,
         "targets": samples.targets,
+        "presets": presets(),
         "polygons": lambda method: samples.polygons(method).items(),
         "parameters": fields,
         # with what fills the buffer up
         "block": fields + unused,
         "programs": [shaders.glsl_pass(entry).removeprefix("BOKEH_") for entry in ENTRIES],
         "drawn": copies.drawn(),
+    }
+
+
+def presets() -> dict[str, dict[str, float]]:
+    """Name -> every constant of a preset, those of `exact` first, as WGSL's pipelines take them."""
+    names = (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
+    return {
+        name: dict(zip(names, map(float, (*methods.EXACT_PRESETS[name], *values)), strict=True))
+        for name, values in methods.PRESETS.items()
     }
 
 
@@ -213,6 +223,12 @@ def bevy_shaders() -> dict[str, str]:
     head = f"// {WRITTEN_BY} wgsl/\n// SPDX-License-Identifier: MIT\n"
     files = zip(("library", "bokeh"), text.split(SPLIT), strict=True)
     return {f"integration/bevy/src/{name}.wgsl": head + part for name, part in files}
+
+
+def wgpu_shaders() -> str:
+    """What the crate for wgpu has of the package: all of wgsl/ in one text, without comments."""
+    code = [line for stem in paths.STEMS for line in _code(shaders.file_text("wgsl", stem))]
+    return "\n".join([f"// {WRITTEN_BY} wgsl/", "// SPDX-License-Identifier: MIT", *code]) + "\n"
 
 
 def parameter_table() -> Iterator[str]:

@@ -14,7 +14,7 @@ UNITY, UNREAL = "integration/unity", "integration/unreal/BokehDepthOfField"
 STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
 LICENSED = (
     f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE",
-    "integration/panda3d/LICENSE", "integration/bevy/LICENSE",
+    "integration/panda3d/LICENSE", "integration/bevy/LICENSE", "integration/wgpu/LICENSE",
 )  # fmt: skip
 # These engines place textures and parameters themselves
 UNPLACED = (

@@ -28,6 +28,7 @@ class Row:
     reads     a texture for each colour slot up to the last that it reads, '-' for one that it leaves out
     writes    its targets, and the number of the memory of each
     scale     that the size of its targets is divided by
+    linear    whether it reads any texture with a linear filter
     sets      parameters of its own without Bokeh -> value; Angle is in degrees
     call      of the library, in GLSL
     returned  name and members of the struct that the call returns, where the pass writes several targets
@@ -39,6 +40,7 @@ class Row:
     writes: tuple[str, ...]
     memory: tuple[int, ...]
     scale: int
+    linear: bool
     sets: dict[str, float]
     call: str
     returned: tuple[str, ...]
@@ -116,6 +118,7 @@ def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) 
         writes=tuple(names[name] for name in item.outputs),
         memory=tuple(memory[name] for name in item.outputs),
         scale=item.scale,
+        linear=any(read["filter"] == "linear" for read in step["inputs"]),
         sets=sets,
         call=call(item, names),
         returned=returned(item) if len(item.outputs) > 1 else (),

@@ -18,7 +18,10 @@ PAGE = (paths.ROOT / "docs/publishing.md").read_text(encoding="utf-8")
 
 def test_version():
     """One version: that of validation/run --version, in every manifest and shader."""
-    found = {"bevy": tomllib.loads((INTEGRATION / "bevy/Cargo.toml").read_text())["package"]["version"]}
+    crates = ("bevy", "wgpu")
+    found = {
+        name: tomllib.loads((INTEGRATION / name / "Cargo.toml").read_text())["package"]["version"] for name in crates
+    }
     for path in (INTEGRATION / "web/package.json", INTEGRATION / "unity/package.json"):
         found[str(path)] = json.loads(path.read_text(encoding="utf-8"))["version"]
     for path in INTEGRATION.glob("*/*/*.uplugin"):
@@ -34,8 +37,8 @@ def test_version():
 
 @pytest.mark.parametrize(
     "place",
-    ["web/LICENSE", "bevy/LICENSE", "panda3d/LICENSE", "unity/LICENSE.md", "unreal/BokehDepthOfField/LICENSE",
-     "godot/addons/polygon_bokeh/LICENSE"],
+    ["web/LICENSE", "bevy/LICENSE", "wgpu/LICENSE", "panda3d/LICENSE", "unity/LICENSE.md",
+     "unreal/BokehDepthOfField/LICENSE", "godot/addons/polygon_bokeh/LICENSE"],
 )  # fmt: skip
 def test_licence(place):
     """A folder that is installed by itself has the licence in it."""

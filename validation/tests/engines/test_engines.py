@@ -1,20 +1,23 @@
 """Every engine sample: run with its own colour and depth, and within the interval of the reference."""
 
 import json
+import re
 import shutil
 from math import exp, radians, tan
 
+import numpy as np
 import pytest
+from PIL import Image
 from support import needed
 from support_inputs import of_sample, samples
 
 from bokeh_validation import engines, paths, process
-from bokeh_validation.engines import bevy, pages, vulkan
+from bokeh_validation.engines import bevy, cargo, pages, vulkan, wgpu
 from bokeh_validation.errors import Unavailable
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
-WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre", *vulkan.NAMES)
+WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre", wgpu.NAME, *vulkan.NAMES)
 # Godot's autofocus is in test_godot.py; Vulkan's scene is one picture
 WITHOUT_PULL = ("godot", *vulkan.NAMES)
 # Vertical field of view in degrees, f-stop: what the sample's lens is made of
@@ -24,7 +27,7 @@ LENSES = {
     **dict.fromkeys((*pages.NAMES, "godot"), (45.0, 0.07)),
     **dict.fromkeys(("direct3d9", "direct3d11"), (16.071, 1.0)),
     "bevy": (26.991, 0.2),
-    **dict.fromkeys(vulkan.NAMES, (26.991, 0.7003)),
+    **dict.fromkeys((wgpu.NAME, *vulkan.NAMES), (26.991, 0.7003)),
 }
 
 
@@ -120,7 +123,7 @@ def test_bevy_dependency(way, request):
     if not request.config.getoption("--all"):
         pytest.skip("--all builds it")
     with needed("bevy"):
-        crate = bevy.copied()
+        crate = cargo.copied(bevy.NAME)
         # always the same place: Cargo keeps what it built by it
         project, place = crate.parent / f"by-{way}", str(crate)
         shutil.rmtree(project, ignore_errors=True)
@@ -130,8 +133,44 @@ def test_bevy_dependency(way, request):
                 process.run(["git", *words.split()], 60.0, repository)
             place = repository.as_uri()
         (project / "src").mkdir(parents=True)
-        shutil.copyfile(bevy.SAMPLE / "examples/game.rs", project / "src/main.rs")
+        shutil.copyfile(crate / "examples/game.rs", project / "src/main.rs")
         for lock in crate.glob("Cargo.lock"):
             shutil.copyfile(lock, project / "Cargo.lock")
         (project / "Cargo.toml").write_text(MANIFEST.format(way, place), encoding="utf-8")
-        bevy.build(project)
+        cargo.build(bevy.NAME, project)
+
+
+@of_sample(wgpu.NAME)
+@pytest.mark.timeout(1200)
+def test_wgpu_crate():
+    """The crate's own tests pass, and its documentation has no warning."""
+    with needed(wgpu.NAME):
+        extra, crate = wgpu.environment(), cargo.copied(wgpu.NAME)
+        said = cargo.build(wgpu.NAME, crate, command="test", extra=extra)
+        assert said.count("test result: ok.") >= 3 and "FAILED" not in said
+        cargo.build(wgpu.NAME, crate, "--no-deps", command="doc", extra={"RUSTDOCFLAGS": "-D warnings"})
+
+
+@of_sample(wgpu.NAME)
+@pytest.mark.timeout(1200)
+def test_wgpu_program(tmp_path):
+    """An empty project with the guide's commands and its program, of at most 25 lines, writes a picture."""
+    with needed(wgpu.NAME):
+        crate = cargo.copied(wgpu.NAME)
+        guide = (crate / "README.md").read_text(encoding="utf-8")
+        (dependencies,) = re.findall(r"`cargo (add wgpu.*)`", guide)
+        program = re.search(r"```rust\n(use .*?)```", guide, re.DOTALL)[1]
+        assert len(program.splitlines()) <= 25
+        (tmp_path / "src").mkdir()
+        (tmp_path / "src/main.rs").write_text(program, encoding="utf-8")
+        (tmp_path / "Cargo.toml").write_text('[package]\nname = "lamps"\nedition = "2024"\n', encoding="utf-8")
+        for words in (f"add polygonal-bokeh --path {crate}", dependencies):
+            command, *arguments = words.split()
+            cargo.build(wgpu.NAME, tmp_path, *arguments, command=command)
+        cargo.build(wgpu.NAME, tmp_path, command="run", extra=wgpu.environment())
+        with Image.open(tmp_path / "lamps.png") as picture:
+            pixels = np.asarray(picture.convert("RGB")).astype(int)
+    bright = pixels.max(axis=2) > 120
+    # each lamp lies in its column of 120 pixels; the fourth is in focus, of 3 x 3 pixels, the first is the widest
+    areas = [int(bright[:, 120 * i : 120 * (i + 1)].sum()) for i in range(8)]
+    assert areas[3] == 9 and min(areas) == 9 and max(areas) == areas[0] > 1000, areas

@@ -144,9 +144,13 @@ def is_quoted(block: str, text: str) -> bool:
 
 
 def sources(name: str) -> list[Path]:
-    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the web's; the package's."""
+    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the web's; the package's.
+
+    Not what Cargo built there.
+    """
     folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    own = [path for path in own if "target" not in path.parts]
     if (INTEGRATION / name / "webgl.html").exists():
         own += INTEGRATION.glob("web/*.*")
     package = [paths.shader(language, stem) for language in paths.LANGUAGES for stem in paths.STEMS]

@@ -32,6 +32,11 @@ SOURCES = {
         {r"lens\.sensor_height": "h", r"\(0\.5 \* fov\)\.tan\(\)": "tan(0.5 * fovy)", "focal_length": "f",
          "f_stop": "n"},
     ),
+    "wgpu/src/lens.rs": (
+        r"fn focal_length.*?\{\s+(.*?)\n", r"fn aperture_diameter.*?\{\s+(.*?)\n",
+        {r"self\.sensor_height": "h", r"\(0\.5 \* self\.fov_y\)\.tan\(\)": "tan(0.5 * fovy)",
+         r"self\.focal_length\(\)": "f", r"self\.f_stop": "n", r"self\.bokeh_scale": "1.0"},
+    ),
     "godot/addons/polygon_bokeh/polygon_bokeh.gd": (
         r"\tfocal_length = (.*)", r"aperture_diameter = (.*?),",
         {r"absf\(_camera\.get_camera_projection\(\)\.y\.y\)": "zoom", "sensor_height": "h", "focal_length": "f",

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+
+//! Draws the scene in a folder by each method and leaves the results, and what each pass wrote, in the folder. For
+//! `validation/run engines wgpu`; a program of yours needs nothing of this.
+
+use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset, images};
+use std::{env, error::Error, fs, path::Path};
+use wgpu::*;
+
+const SHOTS: [(&str, Method, Polygon, Preset); 6] = [
+    ("layered-hexagon", Method::Layered, Polygon::Hexagon, Preset::Medium),
+    ("layered-square", Method::Layered, Polygon::Square, Preset::Low),
+    ("layered-octagon", Method::Layered, Polygon::Octagon, Preset::High),
+    ("exact-octagon", Method::Exact, Polygon::Octagon, Preset::High),
+    ("exact-decagon", Method::Exact, Polygon::Decagon, Preset::Medium),
+    ("exact-hexagon", Method::Exact, Polygon::Hexagon, Preset::Medium),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = env::args().nth(1).ok_or("give the folder of the scene")?;
+    let folder = Path::new(&folder);
+    let adapter = pollster::block_on(Instance::default().request_adapter(&Default::default()))?;
+    let (device, queue) = &pollster::block_on(adapter.request_device(&Default::default()))?;
+    let camera = fs::read_to_string(folder.join("camera.txt"))?;
+    let numbers: Vec<f32> = camera.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
+    let [width, height, aperture, focal_length, focus_distance, max_coc, near, far] = numbers[..] else {
+        return Err("camera.txt has eight numbers".into());
+    };
+    let lens = Lens {
+        f_stop: focal_length / aperture,
+        bokeh_scale: 1.0,
+        max_coc,
+        ..Lens::new(2.0 * (0.012 / focal_length).atan(), focus_distance)
+    };
+    let (width, height) = (width as u32, height as u32);
+    let color = uploaded(device, queue, width, height, TextureFormat::Rgba16Float, &folder.join("color.f16"))?;
+    let depth = uploaded(device, queue, width, height, TextureFormat::R32Float, &folder.join("depth.f32"))?;
+    let mut shots = Vec::new();
+    for (name, method, polygon, preset) in SHOTS {
+        let bokeh = Bokeh::new(device, method, polygon, preset);
+        let targets = bokeh.targets(device, &color, &depth)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut written = Vec::new();
+        let mut keep = |encoder: &mut CommandEncoder, views: &[TextureView]| {
+            written.extend(views.iter().map(|view| copied(device, encoder, view.texture())));
+        };
+        let planes = Depth::Standard { near, far };
+        let result = bokeh.render_observed(queue, &mut encoder, &targets, &lens, planes, &mut keep);
+        queue.submit([encoder.finish()]);
+        fs::write(folder.join(format!("{name}.f16")), images::bytes(device, queue, result))?;
+        let mut keys = vec![
+            format!(r#""name": "{name}", "result": "{name}.f16""#),
+            format!(r#""method": "{}", "aperture": "{}""#, word(method), word(polygon)),
+            format!(r#""preset": "{}""#, word(preset)),
+        ];
+        if method == Method::Layered {
+            let bytes: Vec<u8> = written.iter().flat_map(|texture| images::bytes(device, queue, texture)).collect();
+            fs::write(folder.join(format!("{name}.written")), bytes)?;
+            keys.push(format!(r#""written": "{name}.written""#));
+        }
+        shots.push(format!("{{{}}}", keys.join(", ")));
+    }
+    let camera = [
+        format!(r#""aperture_diameter": {}, "focal_length": {}"#, lens.aperture_diameter(), lens.focal_length()),
+        format!(r#""focus_distance": {focus_distance}, "sensor_height": {}"#, lens.sensor_height),
+        format!(r#""max_coc": {max_coc}"#),
+    ];
+    let mut pulled = Lens { focus_distance: 40.0, ..lens };
+    let (dt, tau) = (1.0 / 30.0, 0.2);
+    let mut distances = Vec::new();
+    for _ in 0..12 {
+        pulled.pull_focus(dt, [7.0, 3.0, 250.0], tau);
+        distances.push(pulled.focus_distance);
+    }
+    let pull = format!(
+        r#""frame": {dt}, "seconds": {tau}, "from": 40.0, "depths": [7.0, 3.0, 250.0], "distances": {distances:?}"#
+    );
+    let capture = [
+        format!(r#""engine": "wgpu", "device": "{}", "width": {width}, "height": {height}"#, adapter.get_info().name),
+        r#""color": "color.f16", "depth": "depth.f32""#.to_string(),
+        format!(r#""stored": {{"kind": 1, "near": {near}, "far": {far}}}"#),
+        format!(r#""camera": {{{}}}"#, camera.join(", ")),
+        format!(r#""pull": {{{pull}}}"#),
+        format!(r#""shots": [{}]"#, shots.join(", ")),
+    ];
+    Ok(fs::write(folder.join("capture.json"), format!("{{{}}}", capture.join(", ")))?)
+}
+
+fn word(value: impl std::fmt::Debug) -> String {
+    format!("{value:?}").to_lowercase()
+}
+
+fn uploaded(
+    device: &Device,
+    queue: &Queue,
+    width: u32,
+    height: u32,
+    format: TextureFormat,
+    file: &Path,
+) -> Result<Texture, Box<dyn Error>> {
+    let texture = device.create_texture(&TextureDescriptor {
+        label: None,
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let data = fs::read(file)?;
+    let row = Some(data.len() as u32 / height);
+    let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: row, rows_per_image: None };
+    queue.write_texture(texture.as_image_copy(), &data, layout, texture.size());
+    Ok(texture)
+}
+
+/// A texture with what is in another when the encoder comes here.
+fn copied(device: &Device, encoder: &mut CommandEncoder, texture: &Texture) -> Texture {
+    let copy = device.create_texture(&TextureDescriptor {
+        label: None,
+        size: texture.size(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: texture.format(),
+        usage: TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    encoder.copy_texture_to_texture(texture.as_image_copy(), copy.as_image_copy(), texture.size());
+    copy
+}

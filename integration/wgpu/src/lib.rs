@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: MIT
+
+//! Depth of field with polygonal bokeh for wgpu.
+//!
+//! Make a [`Bokeh`] once, [`Bokeh::targets`] when the image gets another size, and call [`Bokeh::render`] in each frame:
+//!
+//! ```no_run
+//! use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset};
+//!
+//! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue, color: &wgpu::Texture, depth: &wgpu::Texture,
+//! #     encoder: &mut wgpu::CommandEncoder) -> Result<(), polygonal_bokeh::Error> {
+//! let bokeh = Bokeh::new(device, Method::Layered, Polygon::Hexagon, Preset::Medium);
+//! let targets = bokeh.targets(device, color, depth)?;
+//! let lens = Lens::new(45.0_f32.to_radians(), 5.0);
+//! let planes = Depth::Standard { near: 0.1, far: 100.0 };
+//! let blurred: &wgpu::Texture = bokeh.render(queue, encoder, &targets, &lens, planes);
+//! # Ok(())
+//! # }
+//! ```
+
+#[rustfmt::skip]
+mod frames;
+pub mod images;
+mod lens;
+mod output;
+#[rustfmt::skip]
+mod parameters;
+
+use frames::{Frame, Pass};
+pub use lens::{Debug, Depth, Lens};
+pub use output::Output;
+use parameters::BokehParameters;
+use std::{borrow::Cow, collections::HashMap, fmt, sync::OnceLock};
+use wgpu::*;
+
+/// How the polygon is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Near objects spread over what is behind them, and what they hide is filled.
+    #[default]
+    Layered,
+    /// Each pixel by its own circle of confusion, in three passes: near objects keep a hard outline.
+    Exact,
+}
+
+/// The aperture, by its number of blades.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Polygon {
+    Square = 4,
+    #[default]
+    Hexagon = 6,
+    Octagon = 8,
+    Decagon = 10,
+}
+
+/// How finely is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Preset {
+    Low,
+    #[default]
+    Medium,
+    High,
+    Ultra,
+}
+
+/// Where the image lies in its textures, in pixels from the first in memory. For [`Method::Layered`] it begins at
+/// multiples of 8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Viewport {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+/// Why [`Bokeh::targets`] cannot work with a texture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// Colour and depth, in pixels.
+    SizesDiffer { color: (u32, u32), depth: (u32, u32) },
+    /// Colour is multisampled: resolve it first.
+    ColorIsMultisampled(u32),
+    /// The texture, "colour" or "depth", was made without [`TextureUsages::TEXTURE_BINDING`].
+    CannotBeRead(&'static str),
+    /// The texture, "colour" or "depth", has a format that the effect does not read.
+    Format(&'static str, TextureFormat),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::SizesDiffer { color: (w, h), depth: (x, y) } => {
+                write!(out, "colour has {w} x {h} pixels, depth {x} x {y}: both need one size")
+            }
+            Self::ColorIsMultisampled(samples) => {
+                write!(out, "colour has {samples} samples a pixel: resolve it first (depth may stay as it is)")
+            }
+            Self::CannotBeRead(name) => {
+                write!(out, "the {name} texture cannot be read: make it with TextureUsages::TEXTURE_BINDING")
+            }
+            Self::Format("depth", format) => {
+                write!(out, "depth is {format:?}: use a depth format, or R32Float for metres")
+            }
+            Self::Format(name, format) => {
+                write!(out, "{name} is {format:?}: use a float format that can be filtered, as Rgba16Float")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// The pipelines of one method, polygon and preset.
+pub struct Bokeh {
+    polygon: Polygon,
+    frame: &'static Frame,
+    // all passes but the first, which reads depth
+    pipelines: Vec<RenderPipeline>,
+    single_sampled: ReadsDepth,
+    // made when a depth texture asks for them
+    multisampled: OnceLock<ReadsDepth>,
+    constants: Vec<(&'static str, f64)>,
+    sampler: Sampler,
+    has_viewport: bool,
+}
+
+/// The pipelines that read depth: the first pass, and what shows [`Debug`] views.
+struct ReadsDepth {
+    map: RenderPipeline,
+    debug: RenderPipeline,
+}
+
+/// What [`Bokeh::render`] draws to, for one image. It belongs to the colour and depth textures that it was made with:
+/// make another when they change. Render each once a submission, since it holds one set of parameters.
+pub struct Targets {
+    color: Texture,
+    steps: Vec<Step>,
+    debug: Step,
+    parameters: Buffer,
+    full: Viewport,
+    result: Texture,
+}
+
+/// A pass with what it reads and writes.
+struct Step {
+    entry: &'static str,
+    pipeline: RenderPipeline,
+    bindings: BindGroup,
+    targets: Vec<TextureView>,
+    scale: u32,
+}
+
+/// Gets the encoder and the targets of a pass.
+type Observer<'a> = &'a mut dyn FnMut(&mut CommandEncoder, &[TextureView]);
+
+/// Of the passes and of the result, which has the signed circle of confusion in alpha.
+pub const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+const SHADERS: &str = include_str!("bokeh.wgsl");
+/// Of the block of parameters, of the linear sampler, of depth, and of the colours that a pass reads.
+const PARAMETERS: u32 = 0;
+const SAMPLER: u32 = 7;
+const DEPTH: u32 = 2;
+const COLORS: [u32; 6] = [1, 3, 4, 5, 8, 9];
+/// Bytes between the two blocks of parameters: the largest offset alignment that a device may ask for.
+const BLOCK: u64 = 256;
+const DEBUG_PASS: Pass = Pass {
+    entry: "BokehDebug_PS",
+    reads: &["coc"],
+    writes: &["result"],
+    memory: &[],
+    scale: 1,
+    linear: true,
+    second: false,
+};
+
+impl Bokeh {
+    /// Compiles the shaders, for images that fill their textures.
+    pub fn new(device: &Device, method: Method, polygon: Polygon, preset: Preset) -> Self {
+        Self::made(device, method, polygon, preset, false)
+    }
+
+    /// Compiles the shaders for images that may fill a part of their textures: dynamic resolution, split screen. See
+    /// [`Bokeh::render_part`].
+    pub fn with_viewport(device: &Device, method: Method, polygon: Polygon, preset: Preset) -> Self {
+        Self::made(device, method, polygon, preset, true)
+    }
+
+    fn made(device: &Device, method: Method, polygon: Polygon, preset: Preset, has_viewport: bool) -> Self {
+        let table = match method {
+            Method::Layered => &frames::LAYERED,
+            Method::Exact => &frames::EXACT,
+        };
+        let frame = &table[polygon as usize / 2 - 2];
+        let mut constants = frames::PRESETS[preset as usize].to_vec();
+        constants.push(("BOKEH_VIEWPORT", f64::from(u8::from(has_viewport))));
+        let shaders = module(device, SHADERS.into());
+        let pipelines = frame.passes[1..].iter().map(|pass| pipeline(device, &shaders, pass, &constants)).collect();
+        let single_sampled = ReadsDepth::new(device, &shaders, frame, &constants);
+        let sampler = device.create_sampler(&SamplerDescriptor {
+            label: Some("bokeh"),
+            mag_filter: FilterMode::Linear,
+            min_filter: FilterMode::Linear,
+            ..Default::default()
+        });
+        let multisampled = OnceLock::new();
+        Self { polygon, frame, pipelines, single_sampled, multisampled, constants, sampler, has_viewport }
+    }
+
+    /// Textures for all passes, 31.6 bytes a pixel of the image for [`Method::Layered`], hexagon.
+    ///
+    /// `color` is linear and not premultiplied; `depth` may be multisampled, of which the first sample counts.
+    pub fn targets(&self, device: &Device, color: &Texture, depth: &Texture) -> Result<Targets, Error> {
+        checked(color, depth)?;
+        let (width, height) = (color.width(), color.height());
+        let parameters = device.create_buffer(&BufferDescriptor {
+            label: Some("bokeh"),
+            size: BLOCK + BokehParameters::SIZE,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        // targets of one memory are one texture
+        let mut memory: HashMap<usize, Texture> = HashMap::new();
+        let mut views: HashMap<&str, TextureView> = HashMap::new();
+        views.insert("color", color.create_view(&Default::default()));
+        for pass in self.frame.passes {
+            for (name, number) in pass.writes.iter().zip(pass.memory) {
+                let texture = memory
+                    .entry(*number)
+                    .or_insert_with(|| target(device, width.div_ceil(pass.scale), height.div_ceil(pass.scale)));
+                views.insert(name, texture.create_view(&Default::default()));
+            }
+        }
+        let aspect = if depth.format().has_depth_aspect() { TextureAspect::DepthOnly } else { TextureAspect::All };
+        let depth_view = depth.create_view(&TextureViewDescriptor { aspect, ..Default::default() });
+        let reads_depth = if depth.sample_count() > 1 {
+            self.multisampled.get_or_init(|| {
+                let text = SHADERS.replace(
+                    "alias BokehDepthTexture = texture_2d<f32>;",
+                    "alias BokehDepthTexture = texture_depth_multisampled_2d;",
+                );
+                ReadsDepth::new(device, &module(device, text.into()), self.frame, &self.constants)
+            })
+        } else {
+            &self.single_sampled
+        };
+        let step = |pipeline: &RenderPipeline, pass: &'static Pass, depth: Option<&TextureView>| {
+            let mut entries = vec![BindGroupEntry {
+                binding: PARAMETERS,
+                resource: BindingResource::Buffer(BufferBinding {
+                    buffer: &parameters,
+                    offset: if pass.second { BLOCK } else { 0 },
+                    size: BufferSize::new(BokehParameters::SIZE),
+                }),
+            }];
+            let colors = pass.reads.iter().zip(COLORS).filter(|(name, _)| **name != "-");
+            let textures = colors.map(|(name, binding)| (binding, &views[name]));
+            for (binding, view) in textures.chain(depth.map(|view| (DEPTH, view))) {
+                entries.push(BindGroupEntry { binding, resource: BindingResource::TextureView(view) });
+            }
+            if pass.linear {
+                entries.push(BindGroupEntry { binding: SAMPLER, resource: BindingResource::Sampler(&self.sampler) });
+            }
+            let bindings = device.create_bind_group(&BindGroupDescriptor {
+                label: Some(pass.entry),
+                layout: &pipeline.get_bind_group_layout(0),
+                entries: &entries,
+            });
+            let targets = pass.writes.iter().map(|name| views[name].clone()).collect();
+            Step { entry: pass.entry, pipeline: pipeline.clone(), bindings, targets, scale: pass.scale }
+        };
+        let mut steps = vec![step(&reads_depth.map, &self.frame.passes[0], Some(&depth_view))];
+        let others = self.pipelines.iter().zip(&self.frame.passes[1..]);
+        steps.extend(others.map(|(pipeline, pass)| step(pipeline, pass, None)));
+        let debug = step(&reads_depth.debug, &DEBUG_PASS, Some(&depth_view));
+        let last = &self.frame.passes[self.frame.passes.len() - 1];
+        let result = memory[&last.memory[0]].clone();
+        let full = Viewport { x: 0, y: 0, width, height };
+        Ok(Targets { color: color.clone(), steps, debug, parameters, full, result })
+    }
+
+    /// Records all passes. The texture that comes back has linear colour, and the signed circle of confusion in alpha:
+    /// [`Output`] copies it to a target of yours. With a [`Lens::bokeh_scale`] of 0 it is the colour that went in, and
+    /// nothing is recorded.
+    pub fn render<'a>(
+        &self,
+        queue: &Queue,
+        encoder: &mut CommandEncoder,
+        targets: &'a Targets,
+        lens: &Lens,
+        depth: Depth,
+    ) -> &'a Texture {
+        self.recorded(queue, encoder, targets, lens, depth, targets.full, &mut |_, _| ())
+    }
+
+    /// The same, with a look at the targets of each pass before another takes their memory. For tests.
+    #[doc(hidden)]
+    pub fn render_observed<'a>(
+        &self,
+        queue: &Queue,
+        encoder: &mut CommandEncoder,
+        targets: &'a Targets,
+        lens: &Lens,
+        depth: Depth,
+        after_pass: Observer,
+    ) -> &'a Texture {
+        self.recorded(queue, encoder, targets, lens, depth, targets.full, after_pass)
+    }
+
+    /// The same for an image that fills a part of its textures. What is around it in the result is undefined.
+    ///
+    /// # Panics
+    ///
+    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is not within the image.
+    pub fn render_part<'a>(
+        &self,
+        queue: &Queue,
+        encoder: &mut CommandEncoder,
+        targets: &'a Targets,
+        lens: &Lens,
+        depth: Depth,
+        viewport: Viewport,
+    ) -> &'a Texture {
+        assert!(self.has_viewport, "make the effect with Bokeh::with_viewport");
+        let full = targets.full;
+        let fits = viewport.x.saturating_add(viewport.width) <= full.width
+            && viewport.y.saturating_add(viewport.height) <= full.height;
+        assert!(fits, "{viewport:?} is not within the {} x {} pixels of the image", full.width, full.height);
+        self.recorded(queue, encoder, targets, lens, depth, viewport, &mut |_, _| ())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn recorded<'a>(
+        &self,
+        queue: &Queue,
+        encoder: &mut CommandEncoder,
+        targets: &'a Targets,
+        lens: &Lens,
+        depth: Depth,
+        viewport: Viewport,
+        after_pass: Observer,
+    ) -> &'a Texture {
+        if lens.bokeh_scale == 0.0 && lens.debug.is_none() {
+            return &targets.color;
+        }
+        let mut parameters = BokehParameters {
+            aspect_ratio: viewport.width as f32 / viewport.height as f32,
+            sides: self.polygon as u32 as f32,
+            image_width: viewport.width as f32,
+            image_height: viewport.height as f32,
+            viewport_x: viewport.x as f32,
+            viewport_y: viewport.y as f32,
+            texture_width: targets.full.width as f32,
+            texture_height: targets.full.height as f32,
+            // the preset's
+            spacing: 0.0,
+            ..Default::default()
+        };
+        lens.set(&mut parameters);
+        depth.set(&mut parameters);
+        for (number, offset) in [(0.0, 0), (1.0, BLOCK)] {
+            (parameters.axis, parameters.layer) = (number, number);
+            queue.write_buffer(&targets.parameters, offset, &parameters.bytes());
+        }
+        let steps = if lens.debug.is_some() { &targets.steps[..1] } else { &targets.steps[..] };
+        for step in steps.iter().chain(lens.debug.map(|_| &targets.debug)) {
+            step.record(encoder, viewport, self.has_viewport);
+            after_pass(encoder, &step.targets);
+        }
+        &targets.result
+    }
+}
+
+impl ReadsDepth {
+    fn new(device: &Device, shaders: &ShaderModule, frame: &Frame, constants: &[(&str, f64)]) -> Self {
+        let [map, debug] = [&frame.passes[0], &DEBUG_PASS].map(|pass| pipeline(device, shaders, pass, constants));
+        Self { map, debug }
+    }
+}
+
+impl Step {
+    fn record(&self, encoder: &mut CommandEncoder, viewport: Viewport, has_viewport: bool) {
+        // what is around a viewport stays as it is
+        let load = if has_viewport { LoadOp::Load } else { LoadOp::Clear(Color::TRANSPARENT) };
+        let attachments: Vec<_> = self
+            .targets
+            .iter()
+            .map(|view| {
+                let ops = Operations { load, store: StoreOp::Store };
+                Some(RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+            })
+            .collect();
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some(self.entry),
+            color_attachments: &attachments,
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bindings, &[]);
+        if has_viewport {
+            let Viewport { x, y, width, height } = viewport;
+            let (width, height) = (width.div_ceil(self.scale), height.div_ceil(self.scale));
+            let (x, y) = (x / self.scale, y / self.scale);
+            pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+        }
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn checked(color: &Texture, depth: &Texture) -> Result<(), Error> {
+    for (name, texture) in [("colour", color), ("depth", depth)] {
+        if !texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
+            return Err(Error::CannotBeRead(name));
+        }
+    }
+    if color.sample_count() > 1 {
+        return Err(Error::ColorIsMultisampled(color.sample_count()));
+    }
+    if color.format().sample_type(None, None) != Some(TextureSampleType::Float { filterable: true }) {
+        return Err(Error::Format("colour", color.format()));
+    }
+    if !depth.format().has_depth_aspect() && depth.format() != TextureFormat::R32Float {
+        return Err(Error::Format("depth", depth.format()));
+    }
+    let sizes = [color, depth].map(|texture| (texture.width(), texture.height()));
+    if sizes[0] == sizes[1] { Ok(()) } else { Err(Error::SizesDiffer { color: sizes[0], depth: sizes[1] }) }
+}
+
+fn module(device: &Device, text: Cow<str>) -> ShaderModule {
+    device.create_shader_module(ShaderModuleDescriptor { label: Some("bokeh"), source: ShaderSource::Wgsl(text) })
+}
+
+fn pipeline(device: &Device, shaders: &ShaderModule, pass: &Pass, constants: &[(&str, f64)]) -> RenderPipeline {
+    let compilation_options = PipelineCompilationOptions { constants, ..Default::default() };
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some(pass.entry),
+        layout: None,
+        vertex: VertexState {
+            module: shaders,
+            entry_point: Some("BokehFullScreen_VS"),
+            compilation_options: compilation_options.clone(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(FragmentState {
+            module: shaders,
+            entry_point: Some(pass.entry),
+            compilation_options,
+            targets: &vec![Some(FORMAT.into()); pass.writes.len()],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn target(device: &Device, width: u32, height: u32) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: Some("bokeh"),
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: FORMAT,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
