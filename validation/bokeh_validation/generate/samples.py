@@ -118,7 +118,7 @@ def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) 
         writes=tuple(names[name] for name in item.outputs),
         memory=tuple(memory[name] for name in item.outputs),
         scale=item.scale,
-        linear=any(read["filter"] == "linear" for read in step["inputs"]),
+        linear=step["sampler"],
         sets=sets,
         call=call(item, names),
         returned=returned(item) if len(item.outputs) > 1 else (),

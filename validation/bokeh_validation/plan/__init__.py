@@ -25,6 +25,8 @@ USUAL_FORMAT = ("RGBA16F", 8)
 SIGNED_MAP = "BokehSignedCoCMap"
 # From the engine's depth buffer to metres, for paper and naive; the drivers are given metres
 LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
+# What BokehDebugMode asks for, in place of all passes after the signed map
+DEBUG = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth buffer"}, "result")
 VERTEX = {
     "entry": "BokehFullScreen",
     "define": "BOKEH_FULL_SCREEN",
@@ -54,6 +56,10 @@ NOTES = (
     "those that your engine must give.",
     "BokehSignedCoCMap reads the engine's depth buffer: BokehDepthKind says what it holds. BokehLinearDepth, where "
     "there is one, makes metres of it; leave it out where your depth is in metres already.",
+    "WebGPU: all bindings are in `group`; a pass takes the sampler where `sampler` is true. `unread` is what a layout "
+    "made from the WGSL ('auto') has beside the inputs: bind the texture named there, or any other.",
+    "`debug` is drawn after the CoC map in place of all other passes: BokehDebugMode 0 shows the colour, 1 depth, 2 "
+    "the CoC, 3 what is near and far.",
     "Constants that are not listed have the library's default, which is the preset MEDIUM. For another preset put its "
     "`define` before the files, in WGSL the constants that it `stands_for`; a preset with one of those is an error.",
 )
@@ -77,6 +83,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         plan = replace(plan, passes=tuple(_from_buffer(item) for item in plan.passes))
     if viewport:
         plan = methods.in_viewport(plan, viewport, size)
+    unread = [_unread(item) for item in plan.passes]
     plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
     same, changes = _parameters(plan.passes)
     has_presets = settings.method == "layered" or settings.has_preset
@@ -96,13 +103,14 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "programs": programs(settings),
         "vertex": VERTEX,
         "passes": [
-            _step(number, item, changed, size, textures)
-            for number, (item, changed) in enumerate(zip(plan.passes, changes, strict=True))
+            {**_step(number, item, changed, size, textures), "unread": others}
+            for number, (item, changed, others) in enumerate(zip(plan.passes, changes, unread, strict=True))
         ],
+        "debug": _debug(plan.passes, size),
         "parameters": same,
         "overwrite": OVERWRITE,
         "block": {"floats": BLOCK_FLOATS, "order": list(PARAMETERS)},
-        "bindings": {"parameters": 0, "sampler": FIRST_SAMPLER},
+        "bindings": {"group": 0, "parameters": 0, "sampler": FIRST_SAMPLER},
         "textures": textures,
         "tables": {name: table[0, :, :2].tolist() for name, table in plan.tables.items()},
         "result": plan.result,
@@ -146,11 +154,27 @@ def _from_buffer(item: Pass) -> Pass:
 
 
 def _read(item: Pass) -> Pass:
-    """Without the inputs that its one target does not need: no program has a uniform for them."""
+    """Without the inputs that its one target does not need: no program of GLSL has a uniform for them."""
+    left_out = [read["slot"] for read in _unread(item)]
+    return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in left_out})
+
+
+def _unread(item: Pass) -> list[dict]:
+    """The inputs that its one target does not need. In WGSL the entry has them all the same: its target is an override."""
     if item.spec.whole not in UNREAD:
-        return item
-    unread = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
-    return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in unread})
+        return []
+    slots = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
+    return [
+        {"slot": slot, "binding": BINDINGS[slot], "texture": item.inputs[slot]} for slot in slots if slot in item.inputs
+    ]
+
+
+def _debug(passes: tuple[Pass, ...], size: tuple[int, int]) -> dict | None:
+    """The pass of the debug views; None where the CoC map has no sign."""
+    if passes[0].entry != SIGNED_MAP:
+        return None
+    item = replace(DEBUG, viewport=passes[0].viewport, parameters=passes[0].parameters)
+    return _step(1, item, {}, size, [])
 
 
 def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
@@ -171,6 +195,7 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
             for register, slot in enumerate(SLOTS)
             if slot in item.inputs
         ],
+        "sampler": any(is_linear(item.entry, slot) for slot in item.inputs),
         "targets": list(item.outputs),
         "scale": item.scale,
         "size": list(target_size(item.scale, size)),

@@ -187,3 +187,37 @@ def test_exact_page():
     text = (paths.ROOT / "docs/methods/exact.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| ([\d.]+) \|$", text, re.MULTILINE)
     assert {name.lower(): (int(count), float(spacing)) for name, count, spacing in rows} == methods.EXACT_PRESETS
+
+
+@pytest.mark.parametrize("targets", [True, False])
+@pytest.mark.parametrize("method", ["exact", "layered", "paper"])
+def test_layouts_made_from_the_wgsl(method, targets):
+    """WebGPU makes a layout of its own for each pass, the debug view's too. It has what the JSON says, no more and no
+    less: another set of bindings is an error of the device.
+    """
+    device = load("wgpu").device
+    for aperture in ("square", "hexagon", "octagon") if method != "paper" else ("hexagon", "octagon"):
+        planned = frame.frame(methods.Settings(method, aperture, targets=targets), SIZE)
+        program = planned["programs"]["wgsl"]
+        text = "".join((paths.ROOT / name).read_text(encoding="ascii") for name in program["files"])
+        module = device.create_shader_module(code=text)
+        sampler = device.create_sampler(min_filter="linear", mag_filter="linear")
+        view = device.create_texture(size=(1, 1, 1), format="rgba16float", usage="TEXTURE_BINDING").create_view()
+        block = device.create_buffer(size=4 * planned["block"]["floats"], usage="UNIFORM")
+        bindings, groups = planned["bindings"], []
+        for step in [*planned["passes"], *([planned["debug"]] if planned["debug"] else [])]:
+            stage = {"module": module, "entry_point": program["entry"].format(**step), "constants": step["constants"]}
+            pipeline = device.create_render_pipeline(
+                layout="auto",
+                vertex={"module": module, "entry_point": program["vertex_entry"]},
+                fragment={**stage, "targets": [{"format": "rgba16float"}] * len(step["targets"])},
+            )
+            entries = [{"binding": bindings["parameters"], "resource": {"buffer": block}}]
+            entries += [
+                {"binding": read["binding"], "resource": view} for read in step["inputs"] + step.get("unread", [])
+            ]
+            if step["sampler"]:
+                entries.append({"binding": bindings["sampler"], "resource": sampler})
+            layout = pipeline.get_bind_group_layout(bindings["group"])
+            groups.append(device.create_bind_group(layout=layout, entries=entries))
+        assert len(groups) >= len(planned["passes"]) >= 3
