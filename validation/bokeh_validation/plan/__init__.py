@@ -160,7 +160,7 @@ def _read(item: Pass) -> Pass:
 
 
 def _unread(item: Pass) -> list[dict]:
-    """The inputs that its one target does not need. In WGSL the entry has them all the same: its target is an override."""
+    """The inputs that its one target does not need. In WGSL the entry has them still: its target is an override."""
     if item.spec.whole not in UNREAD:
         return []
     slots = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
