@@ -9,7 +9,7 @@ import { makeScene } from './scene.js'; // yours
 // Depth of field for what the camera sees. `options` are those of PolygonBokeh.
 export function addBokeh(camera, options) {
   const bokeh = new PolygonBokeh(camera, options);
-  bokeh.setLens(0.07); // f-stop: f/1.4 in a model of 1 : 20
+  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
   return bokeh;
 }
 

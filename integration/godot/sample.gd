@@ -18,7 +18,7 @@ func _ready() -> void:
 # What a scene file does that has PolygonBokeh below its camera
 func add_bokeh(to: Camera3D, subject: Node3D) -> PolygonBokeh:
 	var made := PolygonBokeh.new()
-	made.f_stop = 0.07 # f/1.4 in a model of 1 : 20
+	made.f_stop = 0.7 # its blur is ten times as wide: bokeh_scale
 	made.target = subject
 	to.add_child(made)
 	return made

@@ -56,7 +56,7 @@ public class BokehFilter extends Filter {
     private final Map<String, Texture2D> textures = new LinkedHashMap<>();
     private Camera camera;
 
-    private float fStop = 2.8f;
+    private float fStop = 2.8f, bokehScale = 10.0f;
     private float focusDistance = 5f;
 
     private Spatial focusScene;
@@ -73,9 +73,14 @@ public class BokehFilter extends Filter {
         this.table = table;
     }
 
-    /** The f-stop; smaller than any real one for more blur: docs/lens.md. */
+    /** The f-stop of the lens. */
     public void setFStop(float fStop) {
         this.fStop = fStop;
+    }
+
+    /** How many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none. */
+    public void setBokehScale(float bokehScale) {
+        this.bokehScale = bokehScale;
     }
 
     /** A depth along the view axis, metres. Ends the autofocus. */
@@ -142,7 +147,7 @@ public class BokehFilter extends Filter {
         for (Pass pass : postRenderPasses) {
             Material material = pass.getPassMaterial();
             material.setFloat("FocalLength", focalLength);
-            material.setFloat("ApertureDiameter", focalLength / fStop);
+            material.setFloat("ApertureDiameter", focalLength / fStop * bokehScale);
             material.setFloat("FocusDistance", focusDistance);
             material.setFloat("Near", camera.getFrustumNear());
             material.setFloat("Far", camera.getFrustumFar());

@@ -125,7 +125,7 @@ public class Capture extends Sample {
                  "shots": [
                   %s]}
                 """, JmeVersion.FULL_NAME, GL11.glGetString(GL11.GL_VERSION), GL11.glGetString(GL11.GL_RENDERER),
-                WIDTH, HEIGHT, cam.getFrustumNear(), cam.getFrustumFar(), focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
+                WIDTH, HEIGHT, cam.getFrustumNear(), cam.getFrustumFar(), 10.0f * focalLength / F_STOP, focalLength, focusDistance, SECONDS, PULL_SECONDS,
                 focusDistance, point(Scene.TOWER), point(Scene.BALL), pulled, told);
         write("capture.json", capture.getBytes());
     }

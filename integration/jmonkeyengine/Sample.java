@@ -27,7 +27,7 @@ public class Sample extends SimpleApplication {
     // all frames take as long: the same pictures on each machine
     static final float SECONDS = 1f / 30f;
     // more than any real lens, in so small a scene: docs/lens.md
-    static final float F_STOP = 0.2f;
+    static final float F_STOP = 2.0f;
     static final float PULL_SECONDS = 0.2f;
 
     /** A frame: its table, where it is in focus, the texture that is looked at. */

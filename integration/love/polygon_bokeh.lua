@@ -183,7 +183,7 @@ function PolygonBokeh.new(library, width, height, options)
   local sides, self = options.sides or 6, setmetatable({}, PolygonBokeh)
   -- To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
   self.uniforms = {
-    zNear = 0.1, zFar = 1000, apertureDiameter = 0.025, focalLength = 0.05, focusDistance = 5, sensorHeight = 0.024,
+    zNear = 0.1, zFar = 1000, apertureDiameter = 0.179, focalLength = 0.05, focusDistance = 5, sensorHeight = 0.024,
     maxCoC = 0.1, rotation = 0, squeeze = 1,
   }
   self.imageSize = { width, height }
@@ -217,12 +217,12 @@ function PolygonBokeh:newPass(row)
   return pass
 end
 
--- The lens of a camera's vertical field of view, radians, at an f-stop. Smaller stops than those of real lenses blur
--- more (docs/lens.md).
-function PolygonBokeh:setLens(fieldOfView, fStop)
+-- The lens of a camera's vertical field of view, radians, at an f-stop, 2.8. Its blur is bokehScale times as wide, 10: 1
+-- is the real lens (docs/lens.md), 0 is none.
+function PolygonBokeh:setLens(fieldOfView, fStop, bokehScale)
   local uniforms = self.uniforms
   uniforms.focalLength = uniforms.sensorHeight / (2 * math.tan(0.5 * fieldOfView))
-  uniforms.apertureDiameter = uniforms.focalLength / fStop
+  uniforms.apertureDiameter = uniforms.focalLength / (fStop or 2.8) * (bokehScale or 10)
 end
 
 -- Depth of a pixel of the last frame, metres, by a pass of its own: LOVE cannot read a depth canvas. It waits for the

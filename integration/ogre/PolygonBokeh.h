@@ -167,13 +167,13 @@ public:
         }
     }
 
-    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops
-    // than those of real lenses blur more (docs/lens.md).
-    void setLens(const Ogre::Camera* camera, float fStop)
+    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is
+    // how many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none.
+    void setLens(const Ogre::Camera* camera, float fStop = 2.8f, float bokehScale = 10.0f)
     {
         const float focal = uniforms["BokehSensorHeight"] / (2.0f * std::tan(0.5f * camera->getFOVy().valueRadians()));
         uniforms["BokehFocalLength"] = focal;
-        uniforms["BokehApertureDiameter"] = focal / fStop;
+        uniforms["BokehApertureDiameter"] = focal / fStop * bokehScale;
         uniforms["BokehNear"] = camera->getNearClipDistance();
         uniforms["BokehFar"] = camera->getFarClipDistance();
     }

@@ -50,7 +50,7 @@ def main(folder):
     """Every shot of the same frame, focused on the panda."""
     base = start()
     panda = scene.build(base)
-    effect = DepthOfField(base.win, base.cam, f_stop=1.4)
+    effect = DepthOfField(base.win, base.cam, f_stop=1.4, bokeh_scale=1.0)
     effect.parameters["BokehMaxCoC"] = 0.12
     effect.focus_on(panda)
     shots = []

@@ -37,7 +37,7 @@ def main(path):
     base = start()
     panda = scene.build(base)
 
-    effect = DepthOfField(base.win, base.cam, f_stop=1.4)
+    effect = DepthOfField(base.win, base.cam, f_stop=1.4, bokeh_scale=1.0)
     effect.parameters["BokehMaxCoC"] = 0.12
     effect.focus_on(panda)
     shots = [picture(base, effect, "color"), picture(base, effect)]

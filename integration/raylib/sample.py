@@ -10,13 +10,13 @@ from depth_of_field import FLOAT, FullScreenPass, depth_of_field, shader, textur
 from raylib import ffi
 from scene import DRUM, EYE, FAR, FIELD_OF_VIEW, NEAR, SIZE, TARGET, Scene
 
-# the lens of the blur is the lens of the picture, at f/0.2 (f/1 in a model of 1 : 5): docs/lens.md
+# the lens of the blur is the lens of the picture, at f/2, its blur ten times as wide: docs/lens.md
 FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * radians(FIELD_OF_VIEW)))
 PARAMETERS = {
     "BokehDepthKind": 1.0,
     "BokehNear": NEAR,
     "BokehFar": FAR,
-    "BokehApertureDiameter": FOCAL_LENGTH / 0.2,
+    "BokehApertureDiameter": 10.0 * FOCAL_LENGTH / 2.0,
     "BokehFocalLength": FOCAL_LENGTH,
     "BokehSensorHeight": 0.024,
     "BokehMaxCoC": 0.1,

@@ -43,7 +43,11 @@ uniform float MetresToFarPlane <
 uniform float FStop <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "f-stop"; ui_min = 0.1; ui_max = 22.0;
     ui_tooltip = "Focal length over the diameter of the aperture: smaller blurs more.";
-> = 1.4;
+> = 2.8;
+uniform float BokehScale <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Bokeh scale"; ui_min = 0.0; ui_max = 50.0;
+    ui_tooltip = "How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.";
+> = 10.0;
 uniform float FocalLength <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Focal length (mm)"; ui_min = 10.0; ui_max = 300.0;
     ui_tooltip = "On a sensor 24 mm high. 50 mm sees 27 degrees from top to bottom; longer blurs more.";
@@ -129,7 +133,7 @@ float4 KeepFocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Tar
 
 float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
 {
-    BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop, 0.001 * FocalLength,
+    BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop * BokehScale, 0.001 * FocalLength,
         tex2Dlod(Focus, float4(0.5, 0.5, 0.0, 0.0)).r);
     lens.maxCoC = LargestBlur / 100.0;
     float3 color = Expanded(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb);

@@ -11,7 +11,7 @@ const { scene, camera, subject } = makeScene(640 / 480);
 
 export const composer = new EffectComposer(renderer, { frameBufferType: HalfFloatType });
 export const bokeh = new PolygonBokehPass(camera);
-bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
 bokeh.focusOn(subject);
 composer.addPass(new RenderPass(scene, camera));
 composer.addPass(bokeh);

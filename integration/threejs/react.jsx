@@ -13,7 +13,7 @@ function Sample(options) {
   return (
     <Canvas camera={camera} scene={scene} flat dpr={1} gl={{ antialias: false, preserveDrawingBuffer: true }}>
       <EffectComposer multisampling={0}>
-        <PolygonBokeh fStop={1.4 / 20} focus={subject} {...options} />
+        <PolygonBokeh fStop={1.4} bokehScale={20} focus={subject} {...options} />
         <ToneMapping mode={ToneMappingMode.ACES_FILMIC} />
       </EffectComposer>
     </Canvas>

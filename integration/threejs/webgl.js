@@ -16,7 +16,7 @@ export function addBokeh(renderer, scene, camera, options) {
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
   const composer = new EffectComposer(renderer, target);
   const bokeh = new PolygonBokehPass(camera, options);
-  bokeh.setLens(0.07); // f-stop: f/1.4 in a model of 1 : 20
+  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
   composer.addPass(new OutputPass()); // tone mapping and sRGB, last

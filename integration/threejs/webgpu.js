@@ -11,7 +11,7 @@ const HEIGHT = 480;
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {
   const bokeh = new PolygonBokehNode(pass(scene, camera), options);
-  bokeh.setLens(1.4 / 20); // f/1.4 in a model of 1 : 20, for a strong blur
+  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
   const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
   return { pipeline, bokeh };
 }

@@ -16,8 +16,11 @@ export class PolygonBokeh extends PostProcess {
   readonly uniforms: Lens;
   readonly passes: readonly unknown[];
   readonly depth: DepthRenderer;
-  /** The lens of the camera's field of view, at an f-stop above 0 */
-  setLens(fStop: number): void;
+  /**
+   * The lens of the camera's field of view, at an f-stop above 0: 2.8. The blur is bokehScale times as wide as that lens's:
+   * 10; 1 is the real lens, 0 is none
+   */
+  setLens(fStop?: number, bokehScale?: number): void;
   focusOn(point: Vector3): void;
   /** Metres along the view axis */
   depthOf(point: Vector3): number;

@@ -142,14 +142,15 @@ export class PolygonBokeh extends PostProcess {
     });
   }
 
-  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
-  // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
-  setLens(fStop) {
+  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how many
+  // times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
+  // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+  setLens(fStop = 2.8, bokehScale = 10) {
     const { uniforms, camera } = this;
     if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
       uniforms.focalLength = 0.5 * uniforms.sensorHeight * Math.abs(camera.getProjectionMatrix(true).m[5]);
     }
-    uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop);
+    uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop, bokehScale);
   }
 
   // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.

@@ -20,7 +20,7 @@ export const EXTRAS = {
 };
 
 const LENS = {
-  apertureDiameter: 0.05,
+  apertureDiameter: diameter(0.05),
   focalLength: 0.05,
   focusDistance: 5,
   sensorHeight: 0.024,
@@ -52,10 +52,11 @@ export function checked(who, given = {}, choices = CHOICES) {
   return options;
 }
 
-// The aperture's diameter at an f-stop. Throws an Error for what is none.
-export function diameter(focalLength, fStop) {
-  if (fStop > 0) return focalLength / fStop;
-  throw new Error(`polygonal-bokeh: an f-stop of ${fStop}. Give one above 0.`);
+// The aperture's diameter at an f-stop, bokehScale times as wide as a real lens's. Throws an Error for what is none.
+export function diameter(focalLength, fStop = 2.8, bokehScale = 10) {
+  if (!(fStop > 0)) throw new Error(`polygonal-bokeh: an f-stop of ${fStop}. Give one above 0.`);
+  if (!(bokehScale >= 0)) throw new Error(`polygonal-bokeh: a bokehScale of ${bokehScale}. Give 0 or more.`);
+  return (focalLength / fStop) * bokehScale;
 }
 
 // The focus distance dt seconds later, on its way to the nearest of these depths: 1 / distance goes the way, and tau is

@@ -22,8 +22,11 @@ export interface WithLens<Given> {
   readonly passes: readonly unknown[];
   /** Bytes of its targets */
   readonly memory: number;
-  /** The lens of the camera's field of view, at an f-stop above 0 */
-  setLens(fStop: number): void;
+  /**
+   * The lens of the camera's field of view, at an f-stop above 0: 2.8. The blur is bokehScale times as wide as that lens's:
+   * 10; 1 is the real lens, 0 is none
+   */
+  setLens(fStop?: number, bokehScale?: number): void;
   /** Metres along the view axis, of a place in the world or an object */
   depthOf(place: Place): number;
   focusOn(place: Place): void;

@@ -19,15 +19,16 @@ export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
 export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
   class extends Base {
-    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. Smaller stops than
-    // those of real lenses blur more (docs/lens.md). An orthographic camera has no field of view: focalLength stays.
-    setLens(fStop) {
+    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how
+    // many times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
+    // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+    setLens(fStop = 2.8, bokehScale = 10) {
       const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
       const { camera } = this;
       if (camera.isPerspectiveCamera) {
         focalLength.value = sensorHeight.value / (2 * Math.tan((Math.PI / 360) * camera.getEffectiveFOV()));
       }
-      apertureDiameter.value = diameter(focalLength.value, fStop);
+      apertureDiameter.value = diameter(focalLength.value, fStop, bokehScale);
     }
 
     // Depth along the view axis, as the renderer counts it, of a place in the world, or of an object, wherever it hangs.

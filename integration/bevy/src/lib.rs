@@ -112,7 +112,7 @@ pub struct Bokeh {
 impl Default for Bokeh {
     fn default() -> Self {
         Self {
-            aperture_diameter: 0.05,
+            aperture_diameter: 0.05 / 2.8 * 10.0,
             focal_length: 0.05,
             focus_distance: 5.0,
             sensor_height: 0.024,
@@ -127,12 +127,12 @@ impl Default for Bokeh {
 }
 
 impl Bokeh {
-    /// The lens of a camera's vertical field of view (radians), at an f-stop. Smaller stops than those of real lenses blur
-    /// more: docs/lens.md.
-    pub fn with_lens(fov: f32, f_stop: f32) -> Self {
+    /// The lens of a camera's vertical field of view (radians), at an f-stop, 2.8, with a blur `bokeh_scale` times as wide,
+    /// 10: 1 is the real lens, which hardly blurs at a game's field of view (docs/lens.md), 0 is none.
+    pub fn with_lens(fov: f32, f_stop: f32, bokeh_scale: f32) -> Self {
         let lens = Self::default();
         let focal_length = lens.sensor_height / (2.0 * (0.5 * fov).tan());
-        Self { focal_length, aperture_diameter: focal_length / f_stop, ..lens }
+        Self { focal_length, aperture_diameter: focal_length / f_stop * bokeh_scale, ..lens }
     }
 
     /// Autofocus, once a frame of `dt` seconds: towards the nearest of these depths. 1 / distance goes the way, and `tau`

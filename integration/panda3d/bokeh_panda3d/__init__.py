@@ -72,8 +72,9 @@ class DepthOfField:
     others          as in change()
 
     To be set at any time, they act from the next frame on:
-    f_stop          smaller ones blur more; the lens is the camera's, and what it sees is a sensor of
+    f_stop          of the lens, which is the camera's, and what it sees is a sensor of
     sensor_height   0.024 where your unit is a metre, 24 where it is a millimetre
+    bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens, 0 is none
     focus_distance  depth along the view axis, your unit
     parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehAngle, BokehSqueeze ..
 
@@ -81,10 +82,13 @@ class DepthOfField:
     between. `quad` shows one of them, its input `image`: give it your own shader for another tone mapping.
     """
 
-    def __init__(self, win, cam, method="layered", sides=6, preset="MEDIUM", f_stop=1.4, focus_distance=5.0):
+    def __init__(
+        self, win, cam, method="layered", sides=6, preset="MEDIUM", f_stop=2.8, focus_distance=5.0, bokeh_scale=10.0
+    ):
         # else a texture of 384 x 256 is made 512 x 256, and a quarter of it is left black
         Texture.setTexturesPower2(ATS_none)
         self.f_stop, self.focus_distance, self.sensor_height = f_stop, focus_distance, 0.024
+        self.bokeh_scale = bokeh_scale
         self.parameters = {**PARAMETERS, "BokehDepthKind": 1.0}
         self.manager = FilterManager(win, cam)
         self.scene = {"color": texture("color"), "depth": texture("depth")}
@@ -161,7 +165,7 @@ class DepthOfField:
         values = {
             **self.parameters,
             "BokehFocusDistance": self.focus_distance,
-            "BokehApertureDiameter": focal_length / self.f_stop,
+            "BokehApertureDiameter": focal_length / self.f_stop * self.bokeh_scale,
             "BokehFocalLength": focal_length,
             "BokehSensorHeight": self.sensor_height,
             "BokehNear": lens.getNear(),

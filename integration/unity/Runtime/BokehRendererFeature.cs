@@ -164,7 +164,7 @@ public sealed class BokehRendererFeature : ScriptableRendererFeature
             float fovy = Mathf.Deg2Rad * camera.fieldOfView;
             values.sensorHeight = 0.001f * volume.sensorHeight.value;
             values.focalLength = values.sensorHeight / (2.0f * Mathf.Tan(0.5f * fovy));
-            values.apertureDiameter = volume.strength.value * values.focalLength / volume.fStop.value;
+            values.apertureDiameter = volume.strength.value * volume.bokehScale.value * values.focalLength / volume.fStop.value;
             values.focusDistance = volume.focusDistance.value;
             if (camera.TryGetComponent(out BokehFocus focus))
             {

@@ -41,9 +41,12 @@ public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
     [Tooltip("Metres along the view axis. A BokehFocus on the camera overrides it.")]
     public MinFloatParameter focusDistance = new MinFloatParameter(5.0f, 0.1f);
 
-    [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view, so a real lens's 2.8 "
-        + "blurs as little as that lens does; smaller than any real one: more blur")]
-    public MinFloatParameter fStop = new MinFloatParameter(0.2f, 0.01f);
+    [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view")]
+    public MinFloatParameter fStop = new MinFloatParameter(2.8f, 0.01f);
+
+    [Tooltip("How many times wider the blur is than that lens's. 1 is the real lens, which hardly blurs at a game's field "
+        + "of view; 0 is off")]
+    public MinFloatParameter bokehScale = new MinFloatParameter(10.0f, 0.0f);
 
     [Tooltip("Millimetres: 24 is 35 mm film")]
     public MinFloatParameter sensorHeight = new MinFloatParameter(24.0f, 1.0f);
@@ -71,6 +74,6 @@ public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
 
     public bool IsActive()
     {
-        return strength.value > 0.0f;
+        return strength.value > 0.0f && bokehScale.value > 0.0f;
     }
 }

@@ -11,71 +11,72 @@ import pytest
 from bokeh_validation import paths
 
 # Vertical field of view in radians, f-stop
-LENSES = ((0.3, 0.2), (0.9, 2.8), (1.6, 11.0))
+LENSES = ((0.3, 0.2, 1.0), (0.9, 2.8, 10.0), (1.6, 11.0, 0.0))
 SENSOR = 0.024
 NUMBERS = r"(?<=\d)[fF]\b"
 # source -> what the focal length and the aperture are there (a group each), and what its names stand for: fovy, the
-# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n)
+# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), the bokeh scale (k)
 SOURCES = {
     "unity/Runtime/BokehRendererFeature.cs": (
         r"values\.focalLength = (.*?);", r"values\.apertureDiameter = (.*?);",
         {r"Mathf\.Tan": "tan", r"values\.sensorHeight": "h", r"volume\.strength\.value": "1.0",
-         r"values\.focalLength": "f", r"volume\.fStop\.value": "n"},
+         r"volume\.bokehScale\.value": "k", r"values\.focalLength": "f", r"volume\.fStop\.value": "n"},
     ),
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
         r"BokehFocalLength = (.*?);", r"BokehApertureDiameter = (.*?);",
         {r"SettingSensorHeight\.GetValueOnRenderThread\(\)": "h", r"Given->BokehFocalLength": "f", "Zoom": "zoom",
-         r"SettingFStop\.GetValueOnRenderThread\(\)": "n"},
+         r"SettingFStop\.GetValueOnRenderThread\(\)": "n", r"SettingBokehScale\.GetValueOnRenderThread\(\)": "k"},
     ),
     "bevy/src/lib.rs": (
-        r"let focal_length = (.*?);", r"aperture_diameter: (focal_length / f_stop), \.\.lens",
+        r"let focal_length = (.*?);", r"aperture_diameter: (focal_length / f_stop \* bokeh_scale), \.\.lens",
         {r"lens\.sensor_height": "h", r"\(0\.5 \* fov\)\.tan\(\)": "tan(0.5 * fovy)", "focal_length": "f",
-         "f_stop": "n"},
+         "f_stop": "n", "bokeh_scale": "k"},
     ),
     "wgpu/src/lens.rs": (
         r"fn focal_length.*?\{\s+(.*?)\n", r"fn aperture_diameter.*?\{\s+(.*?)\n",
         {r"self\.sensor_height": "h", r"\(0\.5 \* self\.fov_y\)\.tan\(\)": "tan(0.5 * fovy)",
-         r"self\.focal_length\(\)": "f", r"self\.f_stop": "n", r"self\.bokeh_scale": "1.0"},
+         r"self\.focal_length\(\)": "f", r"self\.f_stop": "n", r"self\.bokeh_scale": "k"},
     ),
     "godot/addons/polygon_bokeh/polygon_bokeh.gd": (
         r"\tfocal_length = (.*)", r"aperture_diameter = (.*?),",
         {r"absf\(_camera\.get_camera_projection\(\)\.y\.y\)": "zoom", "sensor_height": "h", "focal_length": "f",
-         "f_stop": "n"},
+         "f_stop": "n", "bokeh_scale": "k"},
     ),
     "ogre/PolygonBokeh.h": (
         r"const float focal = (.*?);", r"uniforms\[\"BokehApertureDiameter\"\] = (.*?);",
         {r"uniforms\[\"BokehSensorHeight\"\]": "h", r"std::tan": "tan",
-         r"camera->getFOVy\(\)\.valueRadians\(\)": "fovy", r"\bfocal\b": "f", "fStop": "n"},
+         r"camera->getFOVy\(\)\.valueRadians\(\)": "fovy", r"\bfocal\b": "f", "fStop": "n",
+         "bokehScale": "k"},
     ),
     "love/polygon_bokeh.lua": (
         r"uniforms\.focalLength = (.*)", r"uniforms\.apertureDiameter = (.*)",
         {r"uniforms\.sensorHeight": "h", r"math\.tan": "tan", "fieldOfView": "fovy", r"uniforms\.focalLength": "f",
-         "fStop": "n"},
+         r"\(fStop or 2\.8\)": "n", r"\(bokehScale or 10\)": "k"},
     ),
     "jmonkeyengine/BokehFilter.java": (
         r"float focalLength = (.*?);", r"\"ApertureDiameter\", (.*?)\);",
         {"SENSOR_HEIGHT": "h", r"Math\.abs\(camera\.getProjectionMatrix\(\)\.m11\)": "zoom", "focalLength": "f",
-         "fStop": "n"},
+         "fStop": "n", "bokehScale": "k"},
     ),
     "panda3d/bokeh_panda3d/__init__.py": (
         r"focal_length = (self.*)", r"\"BokehApertureDiameter\": (.*?),",
         {r"self\.sensor_height": "h", r"radians\(lens\.getVfov\(\)\)": "fovy", "focal_length": "f",
-         r"self\.f_stop": "n"},
+         r"self\.f_stop": "n", r"self\.bokeh_scale": "k"},
     ),
     "web/three-common.js": (
         r"focalLength\.value = (.*?);", r"apertureDiameter\.value = (.*?);",
         {r"sensorHeight\.value": "h", r"Math\.tan": "tan", r"Math\.PI": "pi", r"camera\.getEffectiveFOV\(\)": "degrees",
-         r"diameter\(focalLength\.value, fStop\)": "f / n"},
+         r"diameter\(focalLength\.value, fStop, bokehScale\)": "f / n * k"},
     ),
     "web/babylon.js": (
         r"uniforms\.focalLength = (.*?);", r"uniforms\.apertureDiameter = (.*?);",
         {r"uniforms\.sensorHeight": "h", r"Math\.abs\(camera\.getProjectionMatrix\(true\)\.m\[5\]\)": "zoom",
-         r"diameter\(uniforms\.focalLength, fStop\)": "f / n"},
+         r"diameter\(uniforms\.focalLength, fStop, bokehScale\)": "f / n * k"},
     ),
     "web/playcanvas.js": (
         r"uniforms\.focalLength = (.*?);", r"uniforms\.apertureDiameter = (.*?);",
         {r"uniforms\.sensorHeight": "h", r"projectionMatrix\.data\[5\]": "zoom",
-         r"diameter\(uniforms\.focalLength, fStop\)": "f / n"},
+         r"diameter\(uniforms\.focalLength, fStop, bokehScale\)": "f / n * k"},
     ),
     "direct3d9/scene.h": (
         r"return (SENSOR_HEIGHT .*?);", None, {"SENSOR_HEIGHT": "h", "tanf": "tan", "FIELD_OF_VIEW": "fovy"},
@@ -85,13 +86,14 @@ SOURCES = {
 }  # fmt: skip
 # The aperture of what the tables above leave to another file
 DIAMETERS = {
-    "web/common.js": (r"if \(fStop > 0\) return (.*?);", {"focalLength": "f", "fStop": "n"}),
+    "web/common.js": (r"  return (\(focalLength / .*?);", {"focalLength": "f", "fStop": "n", "bokehScale": "k"}),
     "direct3d9/main.c": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
     "direct3d11/main.cpp": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
     "opengl/sample.py": (r"BokehApertureDiameter=(.*?),", {"FOCAL_LENGTH": "f", r"1\.4": "n"}),
-    "raylib/sample.py": (r"\"BokehApertureDiameter\": (.*?),", {"FOCAL_LENGTH": "f", r"0\.2$": "n"}),
+    "raylib/sample.py": (r"\"BokehApertureDiameter\": (.*?),", {r"10\.0": "k", "FOCAL_LENGTH": "f", r"2\.0$": "n"}),
     "reshade/PolygonalBokeh.fx": (
-        r"BokehMakeLens\((0\.001 \* FocalLength / FStop),", {r"0\.001 \* FocalLength": "f", "FStop": "n"},
+        r"BokehMakeLens\((0\.001 \* FocalLength / FStop \* BokehScale),",
+        {r"0\.001 \* FocalLength": "f", "FStop": "n", "BokehScale": "k"},
     ),
 }  # fmt: skip
 
@@ -105,24 +107,59 @@ def value(source: str, pattern: str, names: dict[str, str], **known: float) -> f
     return eval(re.sub(NUMBERS, "", expression), {"__builtins__": {}}, {"tan": tan, "pi": pi, **known})
 
 
-@pytest.mark.parametrize(("fovy", "f_stop"), LENSES)
+@pytest.mark.parametrize(("fovy", "f_stop", "scale"), LENSES)
 @pytest.mark.parametrize("source", SOURCES)
-def test_focal_length_and_aperture(source, fovy, f_stop):
-    """f = h / (2 tan(fovy / 2)), A = f / N."""
+def test_focal_length_and_aperture(source, fovy, f_stop, scale):
+    """f = h / (2 tan(fovy / 2)), A = k f / N."""
     focal, aperture, names = SOURCES[source]
     wanted = SENSOR / (2.0 * tan(0.5 * fovy))
-    known = {"fovy": fovy, "degrees": fovy * 180.0 / pi, "zoom": 1.0 / tan(0.5 * fovy), "h": SENSOR, "n": f_stop}
+    known = {
+        "fovy": fovy,
+        "degrees": fovy * 180.0 / pi,
+        "zoom": 1.0 / tan(0.5 * fovy),
+        "h": SENSOR,
+        "n": f_stop,
+        "k": scale,
+    }
     assert radians(known["degrees"]) == pytest.approx(fovy)
     assert value(source, focal, names, **known) == pytest.approx(wanted)
     if aperture is not None:
-        assert value(source, aperture, names, f=wanted, **known) == pytest.approx(wanted / f_stop)
+        assert value(source, aperture, names, f=wanted, **known) == pytest.approx(scale * wanted / f_stop)
 
 
 @pytest.mark.parametrize("source", DIAMETERS)
 def test_aperture(source):
-    """A = f / N."""
+    """A = k f / N; k is 1 where the lens is a real one."""
     pattern, names = DIAMETERS[source]
-    assert value(source, pattern, names, f=0.05, n=2.8) == pytest.approx(0.05 / 2.8)
+    scale = 10.0 if "k" in names.values() else 1.0
+    assert value(source, pattern, names, f=0.05, n=2.8, k=scale) == pytest.approx(scale * 0.05 / 2.8)
+
+
+# Lines of the integrations -> what f-stop and bokeh scale they begin with
+DEFAULTS = {
+    "unity/Runtime/BokehVolume.cs": (r"fStop = new MinFloatParameter\(([\d.]+)f", r"bokehScale = .*\(([\d.]+)f, "),
+    "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
+        r"FStop, ([\d.]+)f", r"BokehScale, ([\d.]+)f"),
+    "wgpu/src/lens.rs": (r"f_stop: ([\d.]+),", r"bokeh_scale: ([\d.]+),"),
+    "godot/addons/polygon_bokeh/polygon_bokeh.gd": (r"f_stop := ([\d.]+)", r"bokeh_scale := ([\d.]+)"),
+    "ogre/PolygonBokeh.h": (r"float fStop = ([\d.]+)f", r"float bokehScale = ([\d.]+)f"),
+    "love/polygon_bokeh.lua": (r"fStop or ([\d.]+)", r"bokehScale or ([\d.]+)"),
+    "jmonkeyengine/BokehFilter.java": (r"float fStop = ([\d.]+)f", r"bokehScale = ([\d.]+)f"),
+    "panda3d/bokeh_panda3d/__init__.py": (r"f_stop=([\d.]+)", r"bokeh_scale=([\d.]+)"),
+    "web/common.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
+    "web/three-common.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
+    "web/babylon.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
+    "web/playcanvas.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
+    "web/react.js": (r"alpha, fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
+    "reshade/PolygonalBokeh.fx": (r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("source", DEFAULTS)
+def test_defaults(source):
+    """Every integration begins with f/2.8 and a bokeh ten times as wide, so that it blurs, and all alike."""
+    text = (paths.ROOT / "integration" / source).read_text(encoding="utf-8")
+    assert [{float(value) for value in re.findall(pattern, text)} for pattern in DEFAULTS[source]] == [{2.8}, {10.0}]
 
 
 def test_unity_takes_degrees():

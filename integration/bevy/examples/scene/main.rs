@@ -40,7 +40,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         Tonemapping::AcesFitted,
         Transform::from_xyz(0.0, 1.5, 0.0).looking_at(Vec3::new(0.0, 1.2, -6.0), Vec3::Y),
         // f/1 in a model of 1 : 5: a strong blur, for a small picture
-        Bokeh::with_lens(fov, 1.0 / 5.0),
+        Bokeh::with_lens(fov, 1.0, 5.0),
     ));
     commands.spawn((
         DirectionalLight { illuminance: 5000.0, color: Color::srgb(0.85, 0.9, 1.0), ..default() },

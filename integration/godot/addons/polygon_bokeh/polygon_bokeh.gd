@@ -16,9 +16,10 @@ enum View { PICTURE, DEPTH, COC, FIELDS }
 ## Of the aperture: 4, 6, 8 or 10.
 @export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6
 @export_enum("LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
-## Of the lens, whose focal length comes from the camera's field of view. Below 1 blurs more than any real
-## lens does.
-@export var f_stop := 1.4
+## Of the lens, whose focal length comes from the camera's field of view.
+@export var f_stop := 2.8
+## How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.
+@export var bokeh_scale := 10.0
 @export var sensor_height := 0.024 ## Metres.
 @export_range(0.0, 1.0) var max_coc := 0.1 ## Largest blur, fraction of the image height.
 @export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
@@ -120,7 +121,7 @@ func _update(delta: float) -> void:
 	var padded := points.slice(0, 4)
 	padded.resize(4)
 	var values := {
-		aperture_diameter = focal_length / f_stop, focal_length = focal_length,
+		aperture_diameter = focal_length / f_stop * bokeh_scale, focal_length = focal_length,
 		sensor_height = sensor_height, max_coc = max_coc, rotation = rotation, squeeze = squeeze,
 		image_size = Vector2(_size), depth_unit = DEPTH_RANGE * _camera.near,
 		points = padded, point_count = mini(points.size(), 4), focus_distance = focus,

@@ -25,7 +25,7 @@ function chain({ scene, camera, subject }, options, { samples = 0, depth = true,
   composer.renderToScreen = false;
   const scenePass = new RenderPass(scene, camera);
   const bokeh = new PolygonBokehPass(camera, typeof options === 'function' ? options(scenePass) : options);
-  bokeh.setLens(0.07);
+  bokeh.setLens(1.4, 20);
   bokeh.focusOn(subject);
   const copies = Array.from({ length: between }, () => new ShaderPass(CopyShader));
   for (const pass of [scenePass, ...copies, bokeh, ...after(bokeh)]) composer.addPass(pass);

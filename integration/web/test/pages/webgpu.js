@@ -23,7 +23,7 @@ const makeScene = (camera) => sceneOf(1, camera);
 
 function chain({ scene, camera, subject }, options, other = renderer, settings = {}) {
   const bokeh = new PolygonBokehNode(pass(scene, camera, settings), options);
-  bokeh.setLens(0.07);
+  bokeh.setLens(1.4, 20);
   bokeh.focusOn(subject);
   return { bokeh, pipeline: new Pipeline(other, bokeh), scene };
 }

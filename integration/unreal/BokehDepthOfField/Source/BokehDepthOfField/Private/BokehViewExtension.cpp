@@ -23,7 +23,8 @@ BOKEH_SETTING(int32, Method, 0, "0: layered, 1: exact (one layer, cheaper, near 
 BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra");
 BOKEH_SETTING(int32, Sides, 6, "4, 6, 8 or 10; the paper's method has 6 and 8");
 BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
-BOKEH_SETTING(float, FStop, 0.2f, "of a lens with the view's field of view; below that of real ones: more blur");
+BOKEH_SETTING(float, FStop, 2.8f, "of a lens with the view's field of view");
+BOKEH_SETTING(float, BokehScale, 10.0f, "how many times wider the blur is than that lens's; 1: a real lens, 0: none");
 BOKEH_SETTING(float, FocusDistance, 5.0f, "metres along the view axis");
 BOKEH_SETTING(float, SensorHeight, 0.024f, "metres");
 BOKEH_SETTING(float, MaxCoC, 0.1f, "largest circle of confusion: its diameter as a fraction of the image height");
@@ -142,7 +143,7 @@ struct FBokehPasses
         // M[1][1] is 1 / tan(half of the vertical field of view): docs/lens.md
         const float Zoom = static_cast<float>(View.ViewMatrices.GetProjectionMatrix().M[1][1]);
         Given->BokehFocalLength = 0.5f * SettingSensorHeight.GetValueOnRenderThread() * Zoom;
-        Given->BokehApertureDiameter = Given->BokehFocalLength / SettingFStop.GetValueOnRenderThread();
+        Given->BokehApertureDiameter = SettingBokehScale.GetValueOnRenderThread() * Given->BokehFocalLength / SettingFStop.GetValueOnRenderThread();
         Given->BokehFocusDistance = SettingFocusDistance.GetValueOnRenderThread();
         Given->BokehSensorHeight = SettingSensorHeight.GetValueOnRenderThread();
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
