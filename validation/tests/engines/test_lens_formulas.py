@@ -15,7 +15,8 @@ LENSES = ((0.3, 0.2, 1.0), (0.9, 2.8, 10.0), (1.6, 11.0, 0.0))
 SENSOR = 0.024
 NUMBERS = r"(?<=\d)[fF]\b"
 # source -> what the focal length and the aperture are there (a group each), and what its names stand for: fovy, the
-# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), the bokeh scale (k)
+# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), the bokeh scale
+# (k)
 SOURCES = {
     "unity/Runtime/BokehRendererFeature.cs": (
         r"values\.focalLength = (.*?);", r"values\.apertureDiameter = (.*?);",
@@ -151,7 +152,8 @@ DEFAULTS = {
     "web/babylon.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/playcanvas.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/react.js": (r"alpha, fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
-    "reshade/PolygonalBokeh.fx": (r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
+    "reshade/PolygonalBokeh.fx": (
+        r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
 }  # fmt: skip
 
 
