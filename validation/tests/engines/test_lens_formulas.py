@@ -15,8 +15,8 @@ LENSES = ((0.3, 0.2, 1.0), (0.9, 2.8, 10.0), (1.6, 11.0, 0.0))
 SENSOR = 0.024
 NUMBERS = r"(?<=\d)[fF]\b"
 # source -> what the focal length and the aperture are there (a group each), and what its names stand for: fovy, the
-# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), the bokeh scale
-# (k)
+# camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), and the bokeh
+# scale (k)
 SOURCES = {
     "unity/Runtime/BokehRendererFeature.cs": (
         r"values\.focalLength = (.*?);", r"values\.apertureDiameter = (.*?);",
