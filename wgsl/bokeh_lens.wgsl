@@ -147,7 +147,7 @@ fn BokehFocusedCoC(depth: f32, lens: BokehLens, focus: BokehFocus) -> f32
 //       '--> x  this frame   jitter; negate it where an engine stores the reverse (Godot)
 //   MapSamp       from BokehSignedCoCMap; VelocitySamp: rg = velocity; both read texel by texel
 //   HistorySamp   what this returned in the last frame, of which a is read; linear filter, clamp
-//   blend         share of this frame, 0.05 (docs/inputs.md); 1 starts anew: in the first frame,
+//   blend         share of this frame, 0.05 (docs/taa.md); 1 starts anew: in the first frame,
 //                 after a cut, where the viewport has changed
 //   returns       the map; a is between the nearest of the 3 x 3 and the pixel's own CoC, which
 //                 stays where the last frame did not show the place

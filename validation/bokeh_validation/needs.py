@@ -63,7 +63,7 @@ NEEDS = {
     "window": _debian("a display for samples with a window", 1, "xvfb xauth libgl1 libgl1-mesa-dri"),
     "dxc": Need("Microsoft's DXC, into the cache folder", 67, elsewhere="PyPI, compushady"),
     "fxc": Need("Microsoft's d3dcompiler_47, into the cache folder", 9, elsewhere="PyPI, kivy-deps-angle"),
-    "cargo": Need("Rust 1.95 or later, and Bevy's crates", 210, elsewhere="https://rustup.rs"),
+    "cargo": Need("Rust 1.97.1 or later, and Bevy's crates", 210, elsewhere="https://rustup.rs"),
 }  # fmt: skip
 
 DRAWN = ("core", "opengl", "vulkan")

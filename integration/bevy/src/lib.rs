@@ -20,13 +20,12 @@ use bevy::{
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
         texture::{CachedTexture, TextureCache},
-        view::{ExtractedView, ViewDepthTexture, ViewTarget},
+        view::{ExtractedView, ViewDepthStencilTexture, ViewTarget},
     },
-    shader::{ShaderDefVal, load_shader_library},
 };
 
 /// How finely is sampled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BokehPreset {
     Low,
     #[default]
@@ -35,11 +34,14 @@ pub enum BokehPreset {
     Ultra,
 }
 
-/// What a preset defines in the shaders.
-const DEFINITIONS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC"];
+/// Constants of the shaders that a preset sets.
+const CONSTANTS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC"];
+/// The type of depth in the shaders, and what it is where depth is multisampled.
+const DEPTH: [&str; 2] =
+    ["alias BokehDepthTexture = texture_2d<f32>;", "alias BokehDepthTexture = texture_depth_multisampled_2d;"];
 
 impl BokehPreset {
-    /// Of [`DEFINITIONS`], then pixels between samples.
+    /// Of [`CONSTANTS`], then pixels between samples.
     fn numbers(self) -> ([i32; 4], f32) {
         match self {
             Self::Low => ([5, 1, 11, 0], 2.0),
@@ -54,7 +56,7 @@ impl BokehPreset {
 pub struct BokehPlugin;
 
 /// How the polygon is made: docs/methods.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehMethod {
     /// Near objects spread over what is behind them, and what they hide is filled.
     #[default]
@@ -66,7 +68,7 @@ pub enum BokehMethod {
 }
 
 /// The aperture, by its number of blades.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehShape {
     Square = 4,
     #[default]
@@ -76,7 +78,7 @@ pub enum BokehShape {
 }
 
 /// What is shown in place of the result; the values are those of BokehDebugMode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BokehDebug {
     /// The colour that goes in.
     Color = 0,
@@ -91,7 +93,9 @@ pub enum BokehDebug {
 /// The lens of a camera; all of it may change in any frame. Lengths are in metres: one unit of the world is one metre.
 ///
 /// Turns HDR on. With [`Msaa`], depth is that of the first sample.
-#[derive(Component, ExtractComponent, Clone, Debug)]
+#[derive(Component, ExtractComponent, Reflect, Clone, Debug)]
+#[extract_app(RenderApp)]
+#[reflect(Component, Default, Debug, Clone)]
 #[require(Hdr)]
 pub struct Bokeh {
     pub aperture_diameter: f32,
@@ -162,15 +166,16 @@ pub struct BokehTextures(pub Vec<(&'static str, CachedTexture)>);
 
 impl Plugin for BokehPlugin {
     fn build(&self, app: &mut App) {
-        load_shader_library!(app, "library.wgsl");
-        let shader = Shader::from_wgsl(include_str!("bokeh.wgsl"), "bokeh.wgsl");
-        let shader = app.world_mut().resource_mut::<Assets<Shader>>().add(shader);
-        app.add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);
+        let text = include_str!("bokeh.wgsl");
+        let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
+        let shaders = [("bokeh.wgsl", text.to_string()), ("bokeh_multisampled.wgsl", text.replace(DEPTH[0], DEPTH[1]))]
+            .map(|(name, text)| shaders.add(Shader::from_wgsl(text, name)));
+        app.register_type::<Bokeh>().add_plugins(ExtractComponentPlugin::<Bokeh, RenderApp>::default()).add_systems(PostUpdate, let_depth_be_read);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
-            .insert_resource(BokehShader(shader))
+            .insert_resource(BokehShaders(shaders))
             .init_resource::<BokehUniforms>()
             .add_systems(RenderStartup, create_pipelines)
             .add_systems(Render, prepare_bokeh.in_set(RenderSystems::PrepareResources))
@@ -352,12 +357,12 @@ struct BokehParameters {
 }
 
 #[derive(Resource)]
-struct BokehShader(Handle<Shader>);
+struct BokehShaders([Handle<Shader>; 2]);
 
 #[derive(Resource)]
 struct BokehPipelines {
-    shader: Handle<Shader>,
-    /// For depth of one sample, and of several.
+    /// Both for depth of one sample, and of several.
+    shaders: [Handle<Shader>; 2],
     layouts: [BindGroupLayoutDescriptor; 2],
     linear: Sampler,
     /// By entry, preset and whether depth has several samples.
@@ -375,7 +380,7 @@ struct BokehPasses {
     steps: Vec<(&'static Pass, CachedRenderPipelineId, u32)>,
 }
 
-fn create_pipelines(mut commands: Commands, shader: Res<BokehShader>, device: Res<RenderDevice>) {
+fn create_pipelines(mut commands: Commands, shaders: Res<BokehShaders>, device: Res<RenderDevice>) {
     let color = || texture_2d(TextureSampleType::Float { filterable: true });
     let table = || texture_2d(TextureSampleType::Float { filterable: false });
     let layouts = [table(), texture_depth_2d_multisampled()].map(|depth| {
@@ -386,7 +391,7 @@ fn create_pipelines(mut commands: Commands, shader: Res<BokehShader>, device: Re
     });
     let (mag_filter, min_filter) = (FilterMode::Linear, FilterMode::Linear);
     commands.insert_resource(BokehPipelines {
-        shader: shader.0.clone(),
+        shaders: shaders.0.clone(),
         layouts,
         linear: device.create_sampler(&SamplerDescriptor { mag_filter, min_filter, ..default() }),
         made: default(),
@@ -397,28 +402,26 @@ impl BokehPipelines {
     /// Made when a view first needs it: Bevy compiles it beside the frames.
     fn get(&mut self, cache: &PipelineCache, pass: &Pass, preset: BokehPreset, msaa: Msaa) -> CachedRenderPipelineId {
         let several = pass.is_multisampled(msaa.samples());
-        let (shader, layout) = (self.shader.clone(), &self.layouts[several as usize]);
+        let (shader, layout) = (self.shaders[several as usize].clone(), &self.layouts[several as usize]);
         *self.made.entry((pass.entry, preset, several)).or_insert_with(|| {
-            let numbers = DEFINITIONS.into_iter().zip(preset.numbers().0);
-            let mut shader_defs: Vec<_> = numbers.map(|(name, value)| ShaderDefVal::Int(name.into(), value)).collect();
-            if several {
-                shader_defs.push("BOKEH_DEPTH_MULTISAMPLED".into());
-            }
+            let numbers = CONSTANTS.into_iter().zip(preset.numbers().0);
+            let constants: Vec<_> = numbers.map(|(name, value)| (name.into(), f64::from(value))).collect();
             cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some(pass.entry.into()),
                 layout: vec![layout.clone()],
                 vertex: VertexState {
                     shader: shader.clone(),
-                    shader_defs: shader_defs.clone(),
                     entry_point: Some("BokehFullScreen_VS".into()),
+                    constants: constants.clone(),
                     ..default()
                 },
                 fragment: Some(FragmentState {
                     shader,
-                    shader_defs,
                     entry_point: Some(pass.entry.into()),
+                    constants,
                     // without a blend state, since alpha is the circle of confusion
                     targets: pass.writes.iter().map(|target| Some(format(target).into())).collect(),
+                    ..default()
                 }),
                 ..default()
             })
@@ -490,7 +493,7 @@ fn prepare_bokeh(
     uniforms.0.write_buffer(&device, &queue);
 }
 
-type BokehView = (&'static ViewTarget, &'static ViewDepthTexture, &'static BokehTextures, &'static BokehPasses);
+type BokehView = (&'static ViewTarget, &'static ViewDepthStencilTexture, &'static BokehTextures, &'static BokehPasses);
 
 fn bokeh(
     view: ViewQuery<BokehView, With<Bokeh>>,
@@ -502,7 +505,8 @@ fn bokeh(
     let (view_target, device_depth, textures, passes) = view.into_inner();
     // Nothing is drawn before every shader is compiled
     let ready: Option<Vec<_>> = passes.steps.iter().map(|step| cache.get_render_pipeline(step.1)).collect();
-    let (Some(ready), Some(parameters)) = (ready, uniforms.0.binding()) else {
+    let depth_buffer = device_depth.attachment.depth_stencil_views().depth_only_view();
+    let (Some(ready), Some(parameters), Some(depth_buffer)) = (ready, uniforms.0.binding(), depth_buffer) else {
         return;
     };
     let image = view_target.post_process_write();
@@ -514,8 +518,8 @@ fn bokeh(
     };
     for ((pass, _, offset), pipeline) in passes.steps.iter().zip(ready) {
         let read = |slot: usize| view_of(pass.reads.get(slot).unwrap_or(&"-"));
-        let several = pass.is_multisampled(device_depth.texture.sample_count());
-        let depth = if pass.reads_metres() { view_of("metres") } else { device_depth.view() };
+        let several = pass.is_multisampled(device_depth.texture().sample_count());
+        let depth = if pass.reads_metres() { view_of("metres") } else { depth_buffer };
         let bindings = context.render_device().create_bind_group(
             pass.entry,
             &cache.get_bind_group_layout(&pipelines.layouts[several as usize]),

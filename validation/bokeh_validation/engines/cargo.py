@@ -7,14 +7,16 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
-from bokeh_validation import needs, paths, process
+from bokeh_validation import locks, needs, paths, process
 from bokeh_validation.errors import Unavailable
 
-# What Bevy 0.19 asks for
-RUST = (1, 95)
-INSTALL_RUST = f"install Rust {RUST[0]}.{RUST[1]} or later with cargo: {needs.install('cargo')}"
+# What Bevy 0.20 asks for
+RUST = (1, 97, 1)
+VERSION = ".".join(map(str, RUST))
+INSTALL_RUST = f"install Rust {VERSION} or later: {needs.install('cargo')}, or rustup toolchain install {VERSION}"
 BUILD_S = 3600.0
 VERSION_S = 60.0
+TOOLCHAIN_S = 900.0  # takes half a minute
 
 
 def build(
@@ -30,7 +32,8 @@ def build(
     own = {"CARGO_TARGET_DIR": str(_home(name) / "target"), "CARGO_HOME": str(downloads)}
     # the crate's own profile, so that its dependencies are built once
     own |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0", "CARGO_TERM_COLOR": "never"}
-    return process.run([_cargo(), command, "--quiet", *arguments], BUILD_S, project, {**own, **(extra or {})})
+    cargo, chosen = _cargo()
+    return process.run([*cargo, command, "--quiet", *arguments], BUILD_S, project, {**own, **chosen, **(extra or {})})
 
 
 def program(name: str, example: str) -> Path:
@@ -58,12 +61,26 @@ def _copy_changed(source: str, target: str) -> None:
         shutil.copyfile(source, target)
 
 
-def _cargo() -> Path:
-    """Cargo, with a compiler that is new enough."""
-    places = (os.environ.get("PATH", ""), str(Path.home() / ".cargo/bin"))
-    cargo = shutil.which("cargo", path=os.pathsep.join(places))
+def _cargo() -> tuple[list[str], dict[str, str]]:
+    """Cargo with a compiler that is new enough, and what it wants in its environment. Raises errors.Unavailable.
+
+    Where the user's is older and there is rustup, it fetches one into the cache folder.
+    """
+    places = os.pathsep.join((os.environ.get("PATH", ""), str(Path.home() / ".cargo/bin")))
+    cargo, rustup = (shutil.which(name, path=places) for name in ("cargo", "rustup"))
     answer = process.run([cargo, "--version"], VERSION_S) if cargo else "no cargo"
-    version = re.search(r"cargo (\d+)\.(\d+)", answer)
-    if version is None or (int(version[1]), int(version[2])) < RUST:
+    version = re.search(r"cargo (\d+)\.(\d+)\.(\d+)", answer)
+    if version and tuple(map(int, version.groups())) >= RUST:
+        return [cargo], {}
+    if not rustup:
         raise Unavailable(f"{answer.strip()}; {INSTALL_RUST}")
-    return Path(cargo)
+
+    def install(folder: Path) -> None:
+        words = ["toolchain", "install", VERSION, "--profile", "minimal", "--no-self-update"]
+        process.run([rustup, *words], TOOLCHAIN_S, folder, {"RUSTUP_HOME": str(folder)})
+
+    try:
+        home = locks.built_once("engines/rust", [VERSION], install)
+    except RuntimeError as error:
+        raise Unavailable(f"{answer.strip()}, and rustup cannot fetch another ({error}); {INSTALL_RUST}") from error
+    return [rustup, "run", VERSION, "cargo"], {"RUSTUP_HOME": str(home)}

@@ -110,7 +110,7 @@ name = "game"
 edition = "2024"
 
 [dependencies]
-bevy = {{ version = "0.19", default-features = false }}
+bevy = {{ version = "0.20", default-features = false }}
 bokeh-bevy = {{ {} = "{}" }}
 """
 

@@ -14,7 +14,7 @@ from support import needed
 from support_inputs import samples
 from support_pages import assert_picture
 
-from bokeh_validation import generate, paths, process
+from bokeh_validation import paths, process
 from bokeh_validation.engines import desktop, direct3d, vulkan
 from bokeh_validation.frame import methods
 
@@ -231,23 +231,14 @@ def test_web_presets():
 
 
 def test_bevy_presets():
-    """What the plugin defines for a preset."""
+    """What the plugin sets for a preset. Spacing is a parameter."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
-    (names,) = re.findall(r"^const DEFINITIONS: .* = \[(.*)\];$", plugin, re.MULTILINE)
-    assert tuple(re.findall(r"\w+", names)) == generate.BEVY_DEFINITIONS
+    (names,) = re.findall(r"^const CONSTANTS: .* = \[(.*)\];$", plugin, re.MULTILINE)
+    assert tuple(re.findall(r"\w+", names)) == (methods.EXACT_CONSTANTS[0], *methods.PRESET_CONSTANTS)
     rows = re.findall(r"Self::(\w+) => \(\[(.*)\], (.*)\),", plugin)
     found = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}
     wanted = {name: (exact[0], *methods.PRESETS[name], exact[1]) for name, exact in methods.EXACT_PRESETS.items()}
     assert found == wanted
-
-
-def test_bevy_import():
-    """The module has what the guide imports. The crate's own passes import it too, and are drawn by test_engines."""
-    guide, module = (
-        (INTEGRATION / "bevy" / name).read_text(encoding="utf-8") for name in ("README.md", "src/library.wgsl")
-    )
-    (imported,) = re.findall(r"`#import polygonal_bokeh::{(.*)}`", guide)
-    assert set(imported.split(", ")) < set(re.findall(r"^(?:fn|struct) (\w+)", module, flags=re.M))
 
 
 @pytest.mark.parametrize("name", samples(PROGRAMS))

@@ -58,6 +58,7 @@ struct Picture(Handle<Image>);
 
 /// What the camera's image and the targets are copied to, so that they can be read back.
 #[derive(Resource, ExtractResource, Clone)]
+#[extract_app(RenderApp)]
 struct Copies(Handle<ShaderBuffer>);
 
 /// What was read back last, by name.
@@ -68,7 +69,7 @@ impl Plugin for CapturePlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Folder(self.folder.clone()))
             .init_resource::<Latest>()
-            .add_plugins(ExtractResourcePlugin::<Copies>::default())
+            .add_plugins(ExtractResourcePlugin::<Copies, RenderApp>::default())
             .add_systems(PostStartup, prepare)
             .add_systems(Last, next_shot);
         app.sub_app_mut(RenderApp).add_systems(
@@ -221,7 +222,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         .to_lowercase()
     });
     format!(
-        r#"{{"engine": "Bevy 0.19.1, {:?}", "device": "{}, {}",
+        r#"{{"engine": "Bevy 0.20.1, {:?}", "device": "{}, {}",
 "camera": {{"aperture_diameter": {}, "focal_length": {}, "focus_distance": {}, "sensor_height": {}, "max_coc": {}}},
 "pull": {},
 "shots": [
