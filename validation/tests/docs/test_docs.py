@@ -184,7 +184,7 @@ LENS, PULL = re.findall(r"^```c\n(.*?)^```", LENS_PAGE, re.MULTILINE | re.DOTALL
 
 
 def test_formulas():
-    """f gives the field of view back, A / f is 10 / N at a bokeh scale of 10, and the matrix's element gives the same f."""
+    """f gives the field of view back, A / f is 10 / N at a bokeh scale of 10, and the matrix gives the same f."""
     lens = run(LENS, fovy=1.0, fStop=2.8, bokehScale=10.0, sensorHeight=SENSOR)
     assert 2.0 * atan(0.5 * SENSOR / lens["focalLength"]) == pytest.approx(1.0)
     assert lens["apertureDiameter"] * 2.8 == pytest.approx(10.0 * lens["focalLength"])
