@@ -22,6 +22,8 @@ def test_version():
     found = {
         name: tomllib.loads((INTEGRATION / name / "Cargo.toml").read_text())["package"]["version"] for name in crates
     }
+    citation = (paths.ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    found["CITATION.cff"] = re.search(r"^version: (.*)$", citation, re.MULTILINE)[1]
     for path in (INTEGRATION / "web/package.json", INTEGRATION / "unity/package.json"):
         found[str(path)] = json.loads(path.read_text(encoding="utf-8"))["version"]
     for path in INTEGRATION.glob("*/*/*.uplugin"):
