@@ -112,36 +112,38 @@ def test_engines_of_the_readme():
 # What docs/troubleshooting.md says that a user sees -> the tests that keep this package from it. What is not named here
 # only a user's own engine can do wrong.
 KEPT = {
-    "Upside down, or": "test_drivers::test_scenes, test_viewport::test_nothing_leaks_in",
-    "Soft, in focus too": "test_invalid_input::test_in_focus_nothing_changes",
-    "Soft everywhere in Direct3D 9": "test_invalid_input::test_in_focus_nothing_changes, test_within::test_every_entry",
-    "`layered` blurs near things, not far ones": "test_engines::test_sample",
-    "All blurred alike, or nothing blurred": "test_inputs::test_same_depth_from_every_convention",
+    "The image is upside down, or": "test_drivers::test_scenes, test_viewport::test_nothing_leaks_in",
+    "Everything is soft, even in focus": "test_invalid_input::test_in_focus_nothing_changes",
+    "Everything is soft in D": "test_invalid_input::test_in_focus_nothing_changes, test_within::test_every_entry",
+    "`layered` blurs near objects but not far ones": "test_engines::test_sample",
+    "Everything is blurred by the same amount": "test_inputs::test_same_depth_from_every_convention",
     "Focus and blur are swapped": "test_inputs::test_same_depth_from_every_convention, "
     "test_inputs::test_ends_of_the_range",
-    "A wall of light where the sky is": "test_invalid_input::test_bad_pixels_count_as_documented",
-    "Highlights are wider than high": "test_within::test_sizes, test_apertures::test_highlight_on_a_driver",
-    "A turned polygon": "test_apertures::test_regular, test_character::test_tiling",
-    "Another size at another resolution": "test_invariance::test_resolution_and_aspect_ratio",
-    "Copies of a highlight": "test_continuity::test_coc_sweep, test_continuity::test_a_small_highlight_keeps_its_light",
-    "Blocks around highlights": "test_engines::test_sample",
-    "Stars where highlights overlap": "test_exact::test_light_on_float_targets, "
+    "The sky is a wall of light": "test_invalid_input::test_bad_pixels_count_as_documented",
+    "Highlights are wider": "test_within::test_sizes, test_apertures::test_highlight_on_a_driver",
+    "The polygon is rotated": "test_apertures::test_regular, test_character::test_tiling",
+    "The blur has another size at another resolution": "test_invariance::test_resolution_and_aspect_ratio",
+    "There are copies": "test_continuity::test_coc_sweep, test_continuity::test_a_small_highlight_keeps_its_light",
+    "There are blocks around highlights": "test_engines::test_sample",
+    "There are [stars": "test_exact::test_light_on_float_targets, "
     "test_pictures::test_pictures_are_those_of_the_document",
-    "Dull bokeh, no brighter than a wall": "test_engines::test_sample",
-    "A black or white square that may grow": "test_invalid_input::test_damage_is_confined",
-    "White squares on mobile": "test_highp::test_highp_wins_over_mediump, test_highp::test_libraries_have_no_half",
+    "Bokeh is dull, no brighter than a wall": "test_engines::test_sample",
+    "There is a black or white square, and it may grow": "test_invalid_input::test_damage_is_confined",
+    "There are white squares": "test_highp::test_highp_wins_over_mediump, test_highp::test_libraries_have_no_half",
     "Outlines tremble though nothing moves": "test_steady::test_stands_still",
-    "A halo of a sharp object": "test_probes::test_probes_notice",
+    "A sharp object has": "test_probes::test_probes_notice",
     "A near object does not fade": "test_paste::test_the_chain_runs",
-    "A hard edge": "test_probes::test_probes_notice, test_layers::test_layered_aspect_and_presets",
-    "A contour where blur begins": "test_continuity::test_coc_sweep",
-    "filterable float expected": "test_paste::test_the_chain_runs",
+    "A blurred object has [a hard edge": (
+        "test_probes::test_probes_notice, test_layers::test_layered_aspect_and_presets"
+    ),
+    "A contour shows where the blur begins": "test_continuity::test_coc_sweep",
+    "WebGPU expects a filterable float": "test_paste::test_the_chain_runs",
     "`#error BOKEH_NUM_SAMPLES must": "test_configuration::test_hlsl, test_configuration::test_glsl",
-    "Nothing, but a loop never stops early": "test_windows::test_a_break_that_is_never_taken",
-    "Garbage at the right and lower edge": "test_viewport::test_nothing_leaks_in",
-    "Blur pops as focus is pulled": "test_continuity::test_coc_sweep",
+    "It compiles, but a loop never stops early": "test_windows::test_a_break_that_is_never_taken",
+    "Garbage appears": "test_viewport::test_nothing_leaks_in",
+    "The blur pops while the focus is pulled": "test_continuity::test_coc_sweep",
     "Small moving lights flicker": "test_continuity::test_a_small_highlight_keeps_its_light",
-    "Noise that stands still": "test_exact::test_every_frame_and_pass_has_its_own_noise",
+    "Noise stands still": "test_exact::test_every_frame_and_pass_has_its_own_noise",
 }
 # What is known from other packages, and cannot be seen here
 KEPT_AWAY = {
