@@ -381,15 +381,16 @@ float BokehBrightness(vec4 color)
     return safe.r + safe.g + safe.b;
 }
 
-// Listing 1: one more pixel for BokehBrightNeighbor
-//   brightest     xy = offset of the brightest so far, z = its brightness
-vec3 BokehBrighter(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 offset, vec3 brightest)
+// Listing 1: of two pixels next to this one the brighter
+//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
+//   color         of one more; direction: of that, pixels
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 {
     vec3 result = brightest;
-    float brightness = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+    float brightness = BokehBrightness(color);
     if (brightness > brightest.z)
     {
-        result = vec3(offset, brightness);
+        result = vec3(direction, brightness);
     }
     return result;
 }
@@ -398,26 +399,41 @@ vec3 BokehBrighter(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 offset, vec3 brightest
 //   The later passes filter the map. Between a small light and the pixels around it they get a
 //   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
 //   gives those pixels the CoC of the light, so that the mixture has it too.
+//   color         of this pixel; right, left, below, above: of those; below is the next row in
+//                 memory; across the border of the image: of this pixel again
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
+//                 times the brightness of this pixel, 1 from 8 times
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+    vec3 brightest = vec3(0.0, 0.0, minBrightness);
+    brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+    brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+    brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+    return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+
+// Listing 1: the same from a texture
 //   imageSize     width, height; pixels
-//   returns       xy = offset of that pixel, uv; z = weight for BokehLightCoC: 0 up to 4 times the
-//                 brightness of this pixel, 1 from 8 times
+//   returns       as BokehLightBeside, but xy = offset in uv
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
     vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
-    vec4 color = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-    vec3 brightest = vec3(0.0, 0.0, minBrightness);
-    brightest = BokehBrighter(ColorSamp, uv, vec2(pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2(-pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, pixel.y), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, -pixel.y), brightest);
-    return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+    vec2 right = vec2(pixel.x, 0.0);
+    vec2 below = vec2(0.0, pixel.y);
+    vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+    return vec3(brightest.xy * pixel, brightest.z);
 }
 
 // Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
 //   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
 //   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
-//   weight        from BokehBrightNeighbor
+//   weight        from BokehBrightNeighbor or BokehLightBeside
 float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
@@ -749,8 +765,9 @@ struct BokehLine
 //   all of it rejected, must not come back at full strength (docs/methods/exact.md).
 //   On a ray the density can bring the weights to more than one a sample. Dividing by them would
 //   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
+//   rays          whether the lines are those of BokehRay
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-    float centerCoC, BokehFilter settings)
+    bool rays, float centerCoC, BokehFilter settings)
 {
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
     float reached = 0.0;
@@ -758,7 +775,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
     if (CoC > 0.0)
     {
         vec4 segment = BokehEdgeLine(k, polygon, secondPass);
-        if (polygon.sides == 6)
+        if (rays)
         {
             segment = BokehRay(k, polygon, secondPass);
         }
@@ -777,7 +794,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
             }
             float cell = clamp(cells - float(i), 0.0, 1.0);
             vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
-            if (polygon.sides == 6)
+            if (rays)
             {
                 vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
                 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
@@ -790,7 +807,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
                 sum += vec4(samplePixel.rgb, 1.0) * weight;
             }
         }
-        if (polygon.sides == 6)
+        if (rays)
         {
             float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
             sum -= surface * covered;
@@ -816,14 +833,14 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
 //   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
 //   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
 //   returns       rgb = colour, a = signed CoC
-vec4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2, BokehLine L3,
-    BokehLine L4, vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+    BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
     vec4 weights = BokehEdgeWeights(k, polygon);
     vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
     vec4 result = BokehResolved(sum, centerPixel);
     float gathered = sum.r + sum.g + sum.b;
-    if (polygon.sides == 6 && gathered > 0.0)
+    if (rays && gathered > 0.0)
     {
         float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
         result.a *= min(reached / gathered * 1.001, 1.0);
@@ -838,7 +855,13 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     float CoC = centerPixel.a;
-    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
+    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    bool rays = false;
+    if (last < 4)
+    {
+        rays = polygon.sides == 6;
+    }
+    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
     BokehLine L2;
     L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
     L2.reached = 0.0;
@@ -846,21 +869,21 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
     BokehLine L4 = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
     }
     BokehTargets targets;
-    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
@@ -878,7 +901,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polyg
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -894,8 +917,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
     BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -911,9 +934,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -929,9 +952,9 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings).sum;
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }

@@ -404,15 +404,16 @@ float BokehBrightness(float4 color)
     return safe.r + safe.g + safe.b;
 }
 
-// Listing 1: one more pixel for BokehBrightNeighbor
-//   brightest     xy = offset of the brightest so far, z = its brightness
-float3 BokehBrighter(BOKEH_TEXTURE ColorSamp, float2 uv, float2 offset, float3 brightest)
+// Listing 1: of two pixels next to this one the brighter
+//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
+//   color         of one more; direction: of that, pixels
+float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
 {
     float3 result = brightest;
-    float brightness = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+    float brightness = BokehBrightness(color);
     if (brightness > brightest.z)
     {
-        result = float3(offset, brightness);
+        result = float3(direction, brightness);
     }
     return result;
 }
@@ -421,26 +422,41 @@ float3 BokehBrighter(BOKEH_TEXTURE ColorSamp, float2 uv, float2 offset, float3 b
 //   The later passes filter the map. Between a small light and the pixels around it they get a
 //   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
 //   gives those pixels the CoC of the light, so that the mixture has it too.
+//   color         of this pixel; right, left, below, above: of those; below is the next row in
+//                 memory; across the border of the image: of this pixel again
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
+//                 times the brightness of this pixel, 1 from 8 times
+float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
+{
+    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+    float3 brightest = float3(0.0, 0.0, minBrightness);
+    brightest = BokehBrighter(brightest, right, float2(1.0, 0.0));
+    brightest = BokehBrighter(brightest, left, float2(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, below, float2(0.0, 1.0));
+    brightest = BokehBrighter(brightest, above, float2(0.0, -1.0));
+    return float3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+
+// Listing 1: the same from a texture
 //   imageSize     width, height; pixels
-//   returns       xy = offset of that pixel, uv; z = weight for BokehLightCoC: 0 up to 4 times the
-//                 brightness of this pixel, 1 from 8 times
+//   returns       as BokehLightBeside, but xy = offset in uv
 float3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 {
     float2 pixel = 1.0 / max(imageSize, float2(1.0, 1.0));
-    float4 color = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-    float3 brightest = float3(0.0, 0.0, minBrightness);
-    brightest = BokehBrighter(ColorSamp, uv, float2(pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, float2(-pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, float2(0.0, pixel.y), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, float2(0.0, -pixel.y), brightest);
-    return float3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+    float2 right = float2(pixel.x, 0.0);
+    float2 below = float2(0.0, pixel.y);
+    float3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+    return float3(brightest.xy * pixel, brightest.z);
 }
 
 // Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
 //   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
 //   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
-//   weight        from BokehBrightNeighbor
+//   weight        from BokehBrightNeighbor or BokehLightBeside
 float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
@@ -774,8 +790,9 @@ struct BokehLine
 //   all of it rejected, must not come back at full strength (docs/methods/exact.md).
 //   On a ray the density can bring the weights to more than one a sample. Dividing by them would
 //   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
+//   rays          whether the lines are those of BokehRay
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon, bool secondPass,
-    float centerCoC, BokehFilter settings BOKEH_SAMPLER)
+    bool rays, float centerCoC, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     float reached = 0.0;
@@ -783,7 +800,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
     if (CoC > 0.0)
     {
         float4 segment = BokehEdgeLine(k, polygon, secondPass);
-        if (polygon.sides == 6)
+        if (rays)
         {
             segment = BokehRay(k, polygon, secondPass);
         }
@@ -803,7 +820,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
             float cell = clamp(cells - float(i), 0.0, 1.0);
             float4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell *
                 phase) BOKEH_LINEAR);
-            if (polygon.sides == 6)
+            if (rays)
             {
                 float3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
                 sum += float4(samplePixel.rgb, 1.0) * weights.x;
@@ -816,7 +833,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
                 sum += float4(samplePixel.rgb, 1.0) * weight;
             }
         }
-        if (polygon.sides == 6)
+        if (rays)
         {
             float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
             sum -= surface * covered;
@@ -842,14 +859,14 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
 //   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
 //   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
 //   returns       rgb = colour, a = signed CoC
-float4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2, BokehLine L3,
-    BokehLine L4, float4 centerPixel)
+float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+    BokehLine L3, BokehLine L4, float4 centerPixel)
 {
     float4 weights = BokehEdgeWeights(k, polygon);
     float4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
     float4 result = BokehResolved(sum, centerPixel);
     float gathered = sum.r + sum.g + sum.b;
-    if (polygon.sides == 6 && gathered > 0.0)
+    if (rays && gathered > 0.0)
     {
         float reached = dot(float4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
         result.a *= min(reached / gathered * 1.001, 1.0);
@@ -864,7 +881,13 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
 {
     float4 centerPixel = BokehFetch(MapSamp, uv BOKEH_LINEAR);
     float CoC = centerPixel.a;
-    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings BOKEH_LINEAR);
+    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    bool rays = false;
+    if (last < 4)
+    {
+        rays = polygon.sides == 6;
+    }
+    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings BOKEH_LINEAR);
     BokehLine L2;
     L2.sum = float4(0.0, 0.0, 0.0, 0.0);
     L2.reached = 0.0;
@@ -872,21 +895,21 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
     BokehLine L4 = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings BOKEH_LINEAR);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings BOKEH_LINEAR);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings BOKEH_LINEAR);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings BOKEH_LINEAR);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings BOKEH_LINEAR);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings BOKEH_LINEAR);
     }
     BokehTargets targets;
-    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
@@ -905,7 +928,8 @@ float4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, float2 uv, BokehPolygon polygo
     BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
+    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
+        settings BOKEH_LINEAR).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -921,8 +945,9 @@ float4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, floa
     BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
+    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a,
+        settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings BOKEH_LINEAR).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -938,9 +963,10 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKE
     float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
+    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
+        settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -956,9 +982,10 @@ float4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKE
     BOKEH_TEXTURE Edge5Samp, float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings BOKEH_LINEAR).sum;
+    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
+        settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
     return BokehResolved(sum, pixel);
 }

@@ -309,15 +309,16 @@ fn BokehBrightness(color: vec4f) -> f32
     return safe.r + safe.g + safe.b;
 }
 
-// Listing 1: one more pixel for BokehBrightNeighbor
-//   brightest     xy = offset of the brightest so far, z = its brightness
-fn BokehBrighter(ColorSamp: texture_2d<f32>, uv: vec2f, offset: vec2f, brightest: vec3f) -> vec3f
+// Listing 1: of two pixels next to this one the brighter
+//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
+//   color         of one more; direction: of that, pixels
+fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
 {
     var result: vec3f = brightest;
-    let brightness: f32 = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+    let brightness: f32 = BokehBrightness(color);
     if (brightness > brightest.z)
     {
-        result = vec3f(offset, brightness);
+        result = vec3f(direction, brightness);
     }
     return result;
 }
@@ -326,26 +327,41 @@ fn BokehBrighter(ColorSamp: texture_2d<f32>, uv: vec2f, offset: vec2f, brightest
 //   The later passes filter the map. Between a small light and the pixels around it they get a
 //   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
 //   gives those pixels the CoC of the light, so that the mixture has it too.
+//   color         of this pixel; right, left, below, above: of those; below is the next row in
+//                 memory; across the border of the image: of this pixel again
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
+//                 times the brightness of this pixel, 1 from 8 times
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+{
+    let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
+    var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
+    brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
+    brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
+    brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+    return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+
+// Listing 1: the same from a texture
 //   imageSize     width, height; pixels
-//   returns       xy = offset of that pixel, uv; z = weight for BokehLightCoC: 0 up to 4 times the
-//                 brightness of this pixel, 1 from 8 times
+//   returns       as BokehLightBeside, but xy = offset in uv
 fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
 {
     let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
-    let color: vec4f = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-    let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
-    var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
-    brightest = BokehBrighter(ColorSamp, uv, vec2f(pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2f(-pixel.x, 0.0), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, pixel.y), brightest);
-    brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, -pixel.y), brightest);
-    return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+    let right: vec2f = vec2f(pixel.x, 0.0);
+    let below: vec2f = vec2f(0.0, pixel.y);
+    let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+    return vec3f(brightest.xy * pixel, brightest.z);
 }
 
 // Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
 //   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
 //   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
-//   weight        from BokehBrightNeighbor
+//   weight        from BokehBrightNeighbor or BokehLightBeside
 fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
 {
     let sharper: f32 = min(abs(CoC), abs(lightCoC));
@@ -680,8 +696,9 @@ struct BokehLine
 //   all of it rejected, must not come back at full strength (docs/methods/exact.md).
 //   On a ray the density can bring the weights to more than one a sample. Dividing by them would
 //   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
+//   rays          whether the lines are those of BokehRay
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-    centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
+    rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
 {
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var reached: f32 = 0.0;
@@ -689,7 +706,7 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
     if (CoC > 0.0)
     {
         var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
-        if (polygon.sides == 6)
+        if (rays)
         {
             segment = BokehRay(k, polygon, secondPass);
         }
@@ -709,7 +726,7 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
             let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
             let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
                 BokehLinearClamp);
-            if (polygon.sides == 6)
+            if (rays)
             {
                 let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
                 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
@@ -723,7 +740,7 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
                 sum += vec4f(samplePixel.rgb, 1.0) * weight;
             }
         }
-        if (polygon.sides == 6)
+        if (rays)
         {
             let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
             sum -= surface * covered;
@@ -749,15 +766,15 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
 //   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
 //   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
 //   returns       rgb = colour, a = signed CoC
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine, L3: BokehLine,
-    L4: BokehLine, centerPixel: vec4f) -> vec4f
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+    L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
     let weights: vec4f = BokehEdgeWeights(k, polygon);
     let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
         weights.w;
     var result: vec4f = BokehResolved(sum, centerPixel);
     let gathered: f32 = sum.r + sum.g + sum.b;
-    if (polygon.sides == 6 && gathered > 0.0)
+    if (rays && gathered > 0.0)
     {
         let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
         result.a *= min(reached / gathered * 1.001, 1.0);
@@ -772,7 +789,13 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
     let CoC: f32 = centerPixel.a;
-    let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings,
+    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    var rays: bool = false;
+    if (last < 4)
+    {
+        rays = polygon.sides == 6;
+    }
+    let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
         BokehLinearClamp);
     var L2: BokehLine;
     L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -781,21 +804,21 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
     var L4: BokehLine = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     var targets: BokehTargets;
-    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
@@ -814,7 +837,7 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
@@ -831,9 +854,10 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
     polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
         BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -850,10 +874,12 @@ fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -870,10 +896,13 @@ fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }

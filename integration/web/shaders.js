@@ -208,27 +208,37 @@ float BokehBrightness(vec4 color)
 vec4 safe = BokehPackCoC(color, 0.0);
 return safe.r + safe.g + safe.b;
 }
-vec3 BokehBrighter(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 offset, vec3 brightest)
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 {
 vec3 result = brightest;
-float brightness = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+float brightness = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3(offset, brightness);
+result = vec3(direction, brightness);
 }
 return result;
+}
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+vec3 brightest = vec3(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
 }
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
 vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
-vec4 color = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-vec3 brightest = vec3(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(ColorSamp, uv, vec2(pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(-pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, pixel.y), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, -pixel.y), brightest);
-return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+vec2 right = vec2(pixel.x, 0.0);
+vec2 below = vec2(0.0, pixel.y);
+vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3(brightest.xy * pixel, brightest.z);
 }
 float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
 {
@@ -443,7 +453,7 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-float centerCoC, BokehFilter settings)
+bool rays, float centerCoC, BokehFilter settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
 float reached = 0.0;
@@ -451,7 +461,7 @@ float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 vec4 segment = BokehEdgeLine(k, polygon, secondPass);
-if (polygon.sides == 6)
+if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
 }
@@ -470,7 +480,7 @@ break;
 }
 float cell = clamp(cells - float(i), 0.0, 1.0);
 vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
-if (polygon.sides == 6)
+if (rays)
 {
 vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
@@ -483,7 +493,7 @@ float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, setting
 sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
 }
-if (polygon.sides == 6)
+if (rays)
 {
 float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
 sum -= surface * covered;
@@ -501,14 +511,14 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2, BokehLine L3,
-BokehLine L4, vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
 vec4 weights = BokehEdgeWeights(k, polygon);
 vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
 vec4 result = BokehResolved(sum, centerPixel);
 float gathered = sum.r + sum.g + sum.b;
-if (polygon.sides == 6 && gathered > 0.0)
+if (rays && gathered > 0.0)
 {
 float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
 result.a *= min(reached / gathered * 1.001, 1.0);
@@ -520,7 +530,12 @@ BokehFilter settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
 float CoC = centerPixel.a;
-BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
+bool rays = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
 BokehLine L2;
 L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
 L2.reached = 0.0;
@@ -528,21 +543,21 @@ BokehLine L3 = L2;
 BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -553,7 +568,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -565,8 +580,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
 BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -578,9 +593,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -592,10 +607,10 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 `,
@@ -1922,27 +1937,37 @@ fn BokehBrightness(color: vec4f) -> f32
 let safe: vec4f = BokehPackCoC(color, 0.0);
 return safe.r + safe.g + safe.b;
 }
-fn BokehBrighter(ColorSamp: texture_2d<f32>, uv: vec2f, offset: vec2f, brightest: vec3f) -> vec3f
+fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
 {
 var result: vec3f = brightest;
-let brightness: f32 = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+let brightness: f32 = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3f(offset, brightness);
+result = vec3f(direction, brightness);
 }
 return result;
+}
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+{
+let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
+var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
 }
 fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
 {
 let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
-let color: vec4f = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
-var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(-pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, pixel.y), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, -pixel.y), brightest);
-return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+let right: vec2f = vec2f(pixel.x, 0.0);
+let below: vec2f = vec2f(0.0, pixel.y);
+let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3f(brightest.xy * pixel, brightest.z);
 }
 fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
 {
@@ -2160,7 +2185,7 @@ sum: vec4f,
 reached: f32,
 }
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
+rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
 {
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var reached: f32 = 0.0;
@@ -2168,7 +2193,7 @@ let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
-if (polygon.sides == 6)
+if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
 }
@@ -2188,7 +2213,7 @@ break;
 let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
 let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
 BokehLinearClamp);
-if (polygon.sides == 6)
+if (rays)
 {
 let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
@@ -2202,7 +2227,7 @@ settings);
 sum += vec4f(samplePixel.rgb, 1.0) * weight;
 }
 }
-if (polygon.sides == 6)
+if (rays)
 {
 let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
 sum -= surface * covered;
@@ -2220,15 +2245,15 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine, L3: BokehLine,
-L4: BokehLine, centerPixel: vec4f) -> vec4f
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
 let weights: vec4f = BokehEdgeWeights(k, polygon);
 let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
 weights.w;
 var result: vec4f = BokehResolved(sum, centerPixel);
 let gathered: f32 = sum.r + sum.g + sum.b;
-if (polygon.sides == 6 && gathered > 0.0)
+if (rays && gathered > 0.0)
 {
 let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
 result.a *= min(reached / gathered * 1.001, 1.0);
@@ -2240,7 +2265,12 @@ settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
 let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
 let CoC: f32 = centerPixel.a;
-let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings,
+var rays: bool = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
 BokehLinearClamp);
 var L2: BokehLine;
 L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -2249,21 +2279,21 @@ var L3: BokehLine = L2;
 var L4: BokehLine = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 var targets: BokehTargets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2275,7 +2305,7 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
@@ -2288,9 +2318,10 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
 polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2303,10 +2334,12 @@ Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFil
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2319,11 +2352,14 @@ Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: Boke
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 `,

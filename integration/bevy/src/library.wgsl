@@ -151,27 +151,37 @@ fn BokehBrightness(color: vec4f) -> f32
 let safe: vec4f = BokehPackCoC(color, 0.0);
 return safe.r + safe.g + safe.b;
 }
-fn BokehBrighter(ColorSamp: texture_2d<f32>, uv: vec2f, offset: vec2f, brightest: vec3f) -> vec3f
+fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
 {
 var result: vec3f = brightest;
-let brightness: f32 = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+let brightness: f32 = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3f(offset, brightness);
+result = vec3f(direction, brightness);
 }
 return result;
+}
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+{
+let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
+var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
 }
 fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
 {
 let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
-let color: vec4f = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
-var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(-pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, pixel.y), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2f(0.0, -pixel.y), brightest);
-return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+let right: vec2f = vec2f(pixel.x, 0.0);
+let below: vec2f = vec2f(0.0, pixel.y);
+let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3f(brightest.xy * pixel, brightest.z);
 }
 fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
 {
@@ -393,7 +403,7 @@ sum: vec4f,
 reached: f32,
 }
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
+rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
 {
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var reached: f32 = 0.0;
@@ -401,7 +411,7 @@ let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
-if (polygon.sides == 6)
+if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
 }
@@ -421,7 +431,7 @@ break;
 let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
 let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
 BokehLinearClamp);
-if (polygon.sides == 6)
+if (rays)
 {
 let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
@@ -435,7 +445,7 @@ settings);
 sum += vec4f(samplePixel.rgb, 1.0) * weight;
 }
 }
-if (polygon.sides == 6)
+if (rays)
 {
 let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
 sum -= surface * covered;
@@ -453,15 +463,15 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine, L3: BokehLine,
-L4: BokehLine, centerPixel: vec4f) -> vec4f
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
 let weights: vec4f = BokehEdgeWeights(k, polygon);
 let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
 weights.w;
 var result: vec4f = BokehResolved(sum, centerPixel);
 let gathered: f32 = sum.r + sum.g + sum.b;
-if (polygon.sides == 6 && gathered > 0.0)
+if (rays && gathered > 0.0)
 {
 let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
 result.a *= min(reached / gathered * 1.001, 1.0);
@@ -473,7 +483,12 @@ settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
 let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
 let CoC: f32 = centerPixel.a;
-let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings,
+var rays: bool = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
 BokehLinearClamp);
 var L2: BokehLine;
 L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -482,21 +497,21 @@ var L3: BokehLine = L2;
 var L4: BokehLine = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 var targets: BokehTargets;
-targets.edge2_ = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3_ = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4_ = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5_ = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2_ = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3_ = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4_ = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5_ = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -508,7 +523,7 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
@@ -521,9 +536,10 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
 polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -536,10 +552,12 @@ Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFil
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -552,11 +570,14 @@ Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: Boke
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
 BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 const BOKEH_PAPER_SAMPLES: i32 = 13;

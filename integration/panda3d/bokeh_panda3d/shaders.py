@@ -206,27 +206,37 @@ float BokehBrightness(vec4 color)
 vec4 safe = BokehPackCoC(color, 0.0);
 return safe.r + safe.g + safe.b;
 }
-vec3 BokehBrighter(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 offset, vec3 brightest)
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 {
 vec3 result = brightest;
-float brightness = BokehBrightness(BokehFetchTexel(ColorSamp, BokehToTexture(uv + offset)));
+float brightness = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3(offset, brightness);
+result = vec3(direction, brightness);
 }
 return result;
+}
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+vec3 brightest = vec3(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
 }
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
 vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
-vec4 color = BokehFetchTexel(ColorSamp, BokehToTexture(uv));
-float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-vec3 brightest = vec3(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(ColorSamp, uv, vec2(pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(-pixel.x, 0.0), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, pixel.y), brightest);
-brightest = BokehBrighter(ColorSamp, uv, vec2(0.0, -pixel.y), brightest);
-return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+vec2 right = vec2(pixel.x, 0.0);
+vec2 below = vec2(0.0, pixel.y);
+vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3(brightest.xy * pixel, brightest.z);
 }
 float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
 {
@@ -441,7 +451,7 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-float centerCoC, BokehFilter settings)
+bool rays, float centerCoC, BokehFilter settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
 float reached = 0.0;
@@ -449,7 +459,7 @@ float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 vec4 segment = BokehEdgeLine(k, polygon, secondPass);
-if (polygon.sides == 6)
+if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
 }
@@ -468,7 +478,7 @@ break;
 }
 float cell = clamp(cells - float(i), 0.0, 1.0);
 vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
-if (polygon.sides == 6)
+if (rays)
 {
 vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
@@ -481,7 +491,7 @@ float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, setting
 sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
 }
-if (polygon.sides == 6)
+if (rays)
 {
 float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
 sum -= surface * covered;
@@ -499,14 +509,14 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2, BokehLine L3,
-BokehLine L4, vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
 vec4 weights = BokehEdgeWeights(k, polygon);
 vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
 vec4 result = BokehResolved(sum, centerPixel);
 float gathered = sum.r + sum.g + sum.b;
-if (polygon.sides == 6 && gathered > 0.0)
+if (rays && gathered > 0.0)
 {
 float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
 result.a *= min(reached / gathered * 1.001, 1.0);
@@ -518,7 +528,12 @@ BokehFilter settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
 float CoC = centerPixel.a;
-BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
+bool rays = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
 BokehLine L2;
 L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
 L2.reached = 0.0;
@@ -526,21 +541,21 @@ BokehLine L3 = L2;
 BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -551,7 +566,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -563,8 +578,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
 BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -576,9 +591,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -590,10 +605,10 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings).sum;
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 #ifndef BOKEH_VIEWPORT
