@@ -731,9 +731,9 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 //   returns       as BokehEdgeLine; sample 0 is the one next to the pixel
 float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 {
-    float2 halfEdge = BokehEdge(k, polygon) * 0.5;
-    // away from the shared corner, and against the direction in which light spreads
-    if ((secondPass && k == 3) || (!secondPass && k == 1))
+    float2 halfEdge = BokehEdge(k, polygon) * -0.5;
+    // edge 2 runs towards the shared corner, edges 1 and 3 away from it
+    if (k == 2)
     {
         halfEdge = -halfEdge;
     }
@@ -869,7 +869,7 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Bo
     if (rays && gathered > 0.0)
     {
         float reached = dot(float4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-        result.a *= min(reached / gathered * 1.001, 1.0);
+        result = float4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
     }
     return result;
 }

@@ -637,9 +637,9 @@ fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
 //   returns       as BokehEdgeLine; sample 0 is the one next to the pixel
 fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 {
-    var halfEdge: vec2f = BokehEdge(k, polygon) * 0.5;
-    // away from the shared corner, and against the direction in which light spreads
-    if ((secondPass && k == 3) || (!secondPass && k == 1))
+    var halfEdge: vec2f = BokehEdge(k, polygon) * -0.5;
+    // edge 2 runs towards the shared corner, edges 1 and 3 away from it
+    if (k == 2)
     {
         halfEdge = -halfEdge;
     }
@@ -777,7 +777,7 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2
     if (rays && gathered > 0.0)
     {
         let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-        result.a *= min(reached / gathered * 1.001, 1.0);
+        result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
     }
     return result;
 }

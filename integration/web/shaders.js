@@ -419,8 +419,8 @@ polygon);
 }
 vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k, polygon) * 0.5;
-if ((secondPass && k == 3) || (!secondPass && k == 1))
+vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
 {
 halfEdge = -halfEdge;
 }
@@ -521,7 +521,7 @@ float gathered = sum.r + sum.g + sum.b;
 if (rays && gathered > 0.0)
 {
 float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result.a *= min(reached / gathered * 1.001, 1.0);
+result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
 }
 return result;
 }
@@ -2150,8 +2150,8 @@ polygon);
 }
 fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 {
-var halfEdge: vec2f = BokehEdge(k, polygon) * 0.5;
-if ((secondPass && k == 3) || (!secondPass && k == 1))
+var halfEdge: vec2f = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
 {
 halfEdge = -halfEdge;
 }
@@ -2256,7 +2256,7 @@ let gathered: f32 = sum.r + sum.g + sum.b;
 if (rays && gathered > 0.0)
 {
 let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result.a *= min(reached / gathered * 1.001, 1.0);
+result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
 }
 return result;
 }

@@ -417,8 +417,8 @@ polygon);
 }
 vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k, polygon) * 0.5;
-if ((secondPass && k == 3) || (!secondPass && k == 1))
+vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
 {
 halfEdge = -halfEdge;
 }
@@ -519,7 +519,7 @@ float gathered = sum.r + sum.g + sum.b;
 if (rays && gathered > 0.0)
 {
 float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result.a *= min(reached / gathered * 1.001, 1.0);
+result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
 }
 return result;
 }
