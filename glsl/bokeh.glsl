@@ -472,7 +472,8 @@ vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 //   aspectRatio   width / height of the image; imageHeight: pixels
 //   spacing       pixels between samples, > 0; with BOKEH_SPACING 0.0 it does not count
 //   jitter        noise, -0.5 .. 0.5, where samples are farther apart than a pixel; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
+//                 neither this nor bleedingMult has an effect on the hexagon of [5]
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
 {
