@@ -32,15 +32,16 @@
 //   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter; the 1 selects
 //      standard depth: 0 at the near plane, 1 at the far plane. Target: RGBA16F.
 //          uniform sampler2D ColorSamp, DepthSamp;
+//          uniform vec2 imageSize;
 //          uniform float nearPlane, farPlane;
 //          uniform float apertureDiameter, focalLength, focusDistance;
 //          in vec2 uv;
 //          out vec4 map;
 //          void main()
 //          {
-//              map = BokehSignedCoCMap(ColorSamp, DepthSamp, uv, uv,
+//              map = BokehSignedCoCMap(ColorSamp, DepthSamp, uv, uv, imageSize,
 //                  BokehMakeLens(apertureDiameter, focalLength, focusDistance),
-//                  1, nearPlane, farPlane);
+//                  1, vec2(nearPlane, farPlane));
 //          }
 //
 //   2. First pass. MapSamp: from 1, linear filter, clamp. Targets: two RGBA16F.
@@ -87,14 +88,14 @@
 //                                              holds; lower, it is the clamp against fireflies
 //
 //   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, colour
-//   and depth, in the three passes of the exact hexagon. Smooth: up to this CoC in pixels samples
-//   are as close as the spacing.
+//   and depth, in the three passes of the exact hexagon; beside a light, one more of depth. Smooth:
+//   up to this CoC in pixels samples are as close as the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
-//   BOKEH_PRESET_LOW        5          2.0      24       20
-//   BOKEH_PRESET_MEDIUM     9          1.5      40       27      the default
-//   BOKEH_PRESET_HIGH       17         1.0      72       34
-//   BOKEH_PRESET_ULTRA      33         1.0      136      66
+//   BOKEH_PRESET_LOW        5          2.0      28       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      44       27      the default
+//   BOKEH_PRESET_HIGH       17         1.0      76       34
+//   BOKEH_PRESET_ULTRA      33         1.0      140      66
 
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_SAMPLES 5
@@ -373,18 +374,95 @@ vec4 BokehPackCoC(vec4 color, float CoC)
         BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
+// Listing 1: sum of the channels of a colour, made safe as in the map
+float BokehBrightness(vec4 color)
+{
+    vec4 safe = BokehPackCoC(color, 0.0);
+    return safe.r + safe.g + safe.b;
+}
+
+// Listing 1: of two pixels next to this one the brighter
+//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
+//   color         of one more; direction: of that, pixels
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+{
+    vec3 result = brightest;
+    float brightness = BokehBrightness(color);
+    if (brightness > brightest.z)
+    {
+        result = vec3(direction, brightness);
+    }
+    return result;
+}
+
+// Listing 1: the brightest of the four pixels next to this one, where it is a light beside it
+//   The later passes filter the map. Between a small light and the pixels around it they get a
+//   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
+//   gives those pixels the CoC of the light, so that the mixture has it too.
+//   color         of this pixel; right, left, below, above: of those; below is the next row in
+//                 memory; across the border of the image: of this pixel again
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
+//                 times the brightness of this pixel, 1 from 8 times
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+    vec3 brightest = vec3(0.0, 0.0, minBrightness);
+    brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+    brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+    brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+    return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+
+// Listing 1: the same from a texture
+//   imageSize     width, height; pixels
+//   returns       as BokehLightBeside, but xy = offset in uv
+vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+{
+    vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
+    vec2 right = vec2(pixel.x, 0.0);
+    vec2 below = vec2(0.0, pixel.y);
+    vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+    return vec3(brightest.xy * pixel, brightest.z);
+}
+
+// Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
+//   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
+//   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
+//   weight        from BokehBrightNeighbor or BokehLightBeside
+float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+{
+    float sharper = min(abs(CoC), abs(lightCoC));
+    float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+    return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+}
+
 // Listing 1: the map, first pass of `exact` and of the layers; no other sees the engine's textures
 //   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
 //   depthUV       its place in the depth buffer: uv, or with BOKEH_VIEWPORT 1 BokehToTexture(uv);
-//                 where depth has a rectangle of its own, in that; plus the camera's jitter where
-//                 temporal anti-aliasing has resolved colour, and depth is jittered
+//                 plus the camera's jitter where temporal anti-aliasing has resolved colour, and
+//                 depth is jittered. Depth of another rectangle or size: the pass of bokeh_passes
+//   imageSize     width, height; pixels
+//   planes        near, far plane of the camera: BokehLinearDepth
 //   returns       rgb = colour, a = signed CoC
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-    vec2 depthUV, BokehLens lens, int kind, float near, float far)
+    vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
 {
-    float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
-    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
-        lens));
+    float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
+    float CoC = BokehSignedCoC(depth, lens);
+    vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (neighbor.z > 0.0)
+    {
+        vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+            planes.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+    }
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -394,7 +472,8 @@ vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 //   aspectRatio   width / height of the image; imageHeight: pixels
 //   spacing       pixels between samples, > 0; with BOKEH_SPACING 0.0 it does not count
 //   jitter        noise, -0.5 .. 0.5, where samples are farther apart than a pixel; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
+//                 neither this nor bleedingMult has an effect on the hexagon of [5]
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
 {
@@ -621,25 +700,93 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
         polygon);
 }
 
+// Exact: the line of edge k of a hexagon: a ray that starts at the pixel
+//   The three parallelograms of a hexagon share a corner in its middle. Drawn from there, all lines
+//   start at the pixel, and a light is on the same ray whatever its CoC: BokehRayWeight only has to
+//   compare a distance. Of a hexagon that is cut off, or has edges of several lengths, the shared
+//   corner is not the middle: the second pass moves the picture by the difference.
+//   returns       as BokehEdgeLine; sample 0 is the one next to the pixel
+vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
+{
+    vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+    // edge 2 runs towards the shared corner, edges 1 and 3 away from it
+    if (k == 2)
+    {
+        halfEdge = -halfEdge;
+    }
+    vec2 middle = halfEdge;
+    if (secondPass)
+    {
+        middle -= polygon.corner + BokehEdge(2, polygon);
+    }
+    vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
+    return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+}
+
+// Exact: weight of sample i on a ray: whether the blur of the sample itself reaches this pixel
+//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only
+//   that part of the ray which its CoC has in the CoC of this pixel, and is denser there: the light
+//   keeps its own size and its energy, and a sharp object in front does not leak. Below a quarter
+//   the density stops growing: so few samples would show as dots.
+//   In front of the focus every sample reaches this pixel, with half the weight where it is sharp
+//   or lies behind the focus: a near light is as dense on its own pixels as beside them. The half
+//   sets in over an eighth of this pixel's CoC, since a step would show in a focus pull.
+//   samples       on the ray, from BokehCells
+//   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
+//                 surface of this pixel: all of it at the same CoC, none below 3/4
+vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
+{
+    // below 0 on the other side of the focus
+    float side = sampleCoC / centerCoC;
+    float ratio = min(abs(side), 1.0);
+    float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
+    float density = 1.0 / max(ratio, 0.25);
+    if (centerCoC < 0.0)
+    {
+        float sharp = clamp(0.5 + 4.0 * side, 0.5, 1.0);
+        reached = clamp(samples - float(i), 0.0, 1.0) * max(ratio, sharp);
+        density = 1.0;
+    }
+    float weight = reached * density;
+    return vec3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+}
+
+// Exact: what the samples on one line add up to
+//   sum           rgb = mean of colour times weight, a = mean weight, in the second pass times the
+//                 area of the edge's parallelograms; 0 where the pixel is in focus
+//   reached       brightness of the sum without the density of BokehRayWeight
+struct BokehLine
+{
+    vec4 sum;
+    float reached;
+};
+
 // Exact: the samples along edge k, as many as its CoC needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/methods/exact.md).
-//   returns       rgb = mean of colour times weight, a = mean weight, in the second pass times the
-//                 area of the edge's parallelograms; 0 where the pixel is in focus
-vec4 BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-    float centerCoC, BokehFilter settings)
+//   On a ray the density can bring the weights to more than one a sample. Dividing by them would
+//   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
+//   rays          whether the lines are those of BokehRay
+BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
+    bool rays, float centerCoC, BokehFilter settings)
 {
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    float reached = 0.0;
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
     if (CoC > 0.0)
     {
         vec4 segment = BokehEdgeLine(k, polygon, secondPass);
+        if (rays)
+        {
+            segment = BokehRay(k, polygon, secondPass);
+        }
         float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
         float cells = BokehCells(lengthInPixels, settings.spacing);
         float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
         vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
         vec2 first = uv + (segment.xy - segment.zw) * scale;
         vec2 cellLength = segment.zw * scale * (2.0 / cells);
+        vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
         for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && float(i) >= cells)
@@ -648,26 +795,58 @@ vec4 BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool 
             }
             float cell = clamp(cells - float(i), 0.0, 1.0);
             vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
-            float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
-            sum += vec4(samplePixel.rgb, 1.0) * weight;
+            if (rays)
+            {
+                vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+                sum += vec4(samplePixel.rgb, 1.0) * weights.x;
+                reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+                surface += vec4(samplePixel.rgb, 1.0) * weights.z;
+            }
+            else
+            {
+                float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+                sum += vec4(samplePixel.rgb, 1.0) * weight;
+            }
+        }
+        if (rays)
+        {
+            float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+            sum -= surface * covered;
+            reached -= (surface.r + surface.g + surface.b) * covered;
         }
         sum = sum / cells;
+        reached = reached / cells;
         if (secondPass)
         {
             sum *= BokehEdgeArea(k, polygon);
         }
     }
-    return sum;
+    BokehLine result;
+    result.sum = sum;
+    result.reached = reached;
+    return result;
 }
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
-//   their parallelograms and divided once, by the sum of all weights; a = CoC of this pixel
-vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4,
-    vec4 centerPixel)
+//   their parallelograms and divided once, by the sum of all weights
+//   The second pass spreads this further by the CoC in alpha. Where most of the light came from a
+//   nearer pixel with a smaller CoC, that is the one it needs: the share of the brightness that
+//   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
+//   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
+//   returns       rgb = colour, a = signed CoC
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+    BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
     vec4 weights = BokehEdgeWeights(k, polygon);
-    vec4 sum = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
-    return BokehResolved(sum, centerPixel);
+    vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
+    vec4 result = BokehResolved(sum, centerPixel);
+    float gathered = sum.r + sum.g + sum.b;
+    if (rays && gathered > 0.0)
+    {
+        float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
+        result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+    }
+    return result;
 }
 
 // Exact: first pass, of any polygon
@@ -677,27 +856,35 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     float CoC = centerPixel.a;
-    vec4 L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
-    vec4 L2 = vec4(0.0, 0.0, 0.0, 0.0);
-    vec4 L3 = L2;
-    vec4 L4 = L2;
+    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    bool rays = false;
+    if (last < 4)
+    {
+        rays = polygon.sides == 6;
+    }
+    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+    BokehLine L2;
+    L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
+    L2.reached = 0.0;
+    BokehLine L3 = L2;
+    BokehLine L4 = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
     }
     BokehTargets targets;
-    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
@@ -715,7 +902,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polyg
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -731,8 +918,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
     BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -748,9 +935,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -766,9 +953,9 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings);
+    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
     return BokehResolved(sum, pixel);
 }

@@ -376,6 +376,17 @@ float BokehPassDepth(vec2 depthUV)
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
+// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+vec2 BokehDepthUV(vec2 uv)
+{
+    vec2 depthUV = BokehToTexture(uv);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = vec2(BokehDepthX, BokehDepthY) + uv * vec2(BokehDepthWidth, BokehDepthHeight);
+    }
+    return depthUV;
+}
+
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
 vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 {
@@ -482,14 +493,15 @@ void main()
 void main()
 {
     BokehUseViewport();
-    vec2 depthUV = BokehToTexture(BokehUV);
-    if (BOKEH_FOCUS_CONTROLS > 0)
+    vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+    float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(BokehUV)));
+    vec3 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
+    if (neighbor.z > 0.0)
     {
-        depthUV = vec2(BokehDepthX, BokehDepthY) + BokehUV * vec2(BokehDepthWidth,
-            BokehDepthHeight);
+        vec2 lightUV = BokehDepthUV(BokehUV + neighbor.xy);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
     }
-    vec4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV));
-    BokehResult = BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
+    BokehResult = BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV)), CoC);
 }
 
 #elif BOKEH_PASS == BOKEH_CONSTANT_COC

@@ -290,6 +290,17 @@ float BokehPassDepth(float2 depthUV)
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
+// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+float2 BokehDepthUV(float2 uv)
+{
+    float2 depthUV = BokehToTexture(uv);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = float2(BokehDepthX, BokehDepthY) + uv * float2(BokehDepthWidth, BokehDepthHeight);
+    }
+    return depthUV;
+}
+
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
 float4 BokehPickTarget(float4 first, float4 second, float4 third, float4 fourth)
 {
@@ -395,13 +406,15 @@ float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
-    float2 depthUV = BokehToTexture(uv);
-    if (BOKEH_FOCUS_CONTROLS > 0)
+    float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
+    float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(uv)));
+    float3 neighbor = BokehBrightNeighbor(BokehColorSamp, uv, imageSize);
+    if (neighbor.z > 0.0)
     {
-        depthUV = float2(BokehDepthX, BokehDepthY) + uv * float2(BokehDepthWidth, BokehDepthHeight);
+        float2 lightUV = BokehDepthUV(uv + neighbor.xy);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
     }
-    float4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(uv));
-    return BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
+    return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(uv)), CoC);
 }
 
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT

@@ -29,16 +29,16 @@
 //
 //   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. The 1 selects
 //      standard depth: 0 at the near plane, 1 at the far plane.
-//          struct Camera { nearPlane: f32, farPlane: f32,
+//          struct Camera { imageSize: vec2f, nearPlane: f32, farPlane: f32,
 //              apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
 //          @group(0) @binding(0) var<uniform> camera: Camera;
 //          @group(0) @binding(1) var Color: texture_2d<f32>;
 //          @group(0) @binding(2) var Depth: texture_2d<f32>;
 //          @fragment fn map(@location(0) uv: vec2f) -> @location(0) vec4f
 //          {
-//              return BokehSignedCoCMap(Color, Depth, uv, uv,
+//              return BokehSignedCoCMap(Color, Depth, uv, uv, camera.imageSize,
 //                  BokehMakeLens(camera.apertureDiameter, camera.focalLength,
-//                  camera.focusDistance), 1, camera.nearPlane, camera.farPlane);
+//                  camera.focusDistance), 1, vec2f(camera.nearPlane, camera.farPlane));
 //          }
 //
 //   2. First pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
@@ -85,14 +85,14 @@
 //                                              holds; lower, it is the clamp against fireflies
 //
 //   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, colour
-//   and depth, in the three passes of the exact hexagon. Smooth: up to this CoC in pixels samples
-//   are as close as the spacing.
+//   and depth, in the three passes of the exact hexagon; beside a light, one more of depth. Smooth:
+//   up to this CoC in pixels samples are as close as the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
-//   BOKEH_PRESET_LOW        5          2.0      24       20
-//   BOKEH_PRESET_MEDIUM     9          1.5      40       27      the default
-//   BOKEH_PRESET_HIGH       17         1.0      72       34
-//   BOKEH_PRESET_ULTRA      33         1.0      136      66
+//   BOKEH_PRESET_LOW        5          2.0      28       20
+//   BOKEH_PRESET_MEDIUM     9          1.5      44       27      the default
+//   BOKEH_PRESET_HIGH       17         1.0      76       34
+//   BOKEH_PRESET_ULTRA      33         1.0      140      66
 
 override BOKEH_NUM_SAMPLES: i32 = 9;
 override BOKEH_SPACING: f32 = 1.5;
@@ -302,18 +302,96 @@ fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
         BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
+// Listing 1: sum of the channels of a colour, made safe as in the map
+fn BokehBrightness(color: vec4f) -> f32
+{
+    let safe: vec4f = BokehPackCoC(color, 0.0);
+    return safe.r + safe.g + safe.b;
+}
+
+// Listing 1: of two pixels next to this one the brighter
+//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
+//   color         of one more; direction: of that, pixels
+fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
+{
+    var result: vec3f = brightest;
+    let brightness: f32 = BokehBrightness(color);
+    if (brightness > brightest.z)
+    {
+        result = vec3f(direction, brightness);
+    }
+    return result;
+}
+
+// Listing 1: the brightest of the four pixels next to this one, where it is a light beside it
+//   The later passes filter the map. Between a small light and the pixels around it they get a
+//   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
+//   gives those pixels the CoC of the light, so that the mixture has it too.
+//   color         of this pixel; right, left, below, above: of those; below is the next row in
+//                 memory; across the border of the image: of this pixel again
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
+//                 times the brightness of this pixel, 1 from 8 times
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+{
+    let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
+    var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
+    brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
+    brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
+    brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+    return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+
+// Listing 1: the same from a texture
+//   imageSize     width, height; pixels
+//   returns       as BokehLightBeside, but xy = offset in uv
+fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
+{
+    let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
+    let right: vec2f = vec2f(pixel.x, 0.0);
+    let below: vec2f = vec2f(0.0, pixel.y);
+    let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+        BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+    return vec3f(brightest.xy * pixel, brightest.z);
+}
+
+// Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
+//   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
+//   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
+//   weight        from BokehBrightNeighbor or BokehLightBeside
+fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
+{
+    let sharper: f32 = min(abs(CoC), abs(lightCoC));
+    let blurred: f32 = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+    return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+}
+
 // Listing 1: the map, first pass of `exact` and of the layers; no other sees the engine's textures
 //   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
 //   depthUV       its place in the depth buffer: uv, or with BOKEH_VIEWPORT 1 BokehToTexture(uv);
-//                 where depth has a rectangle of its own, in that; plus the camera's jitter where
-//                 temporal anti-aliasing has resolved colour, and depth is jittered
+//                 plus the camera's jitter where temporal anti-aliasing has resolved colour, and
+//                 depth is jittered. Depth of another rectangle or size: the pass of bokeh_passes
+//   imageSize     width, height; pixels
+//   planes        near, far plane of the camera: BokehLinearDepth
 //   returns       rgb = colour, a = signed CoC
 fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-    depthUV: vec2f, lens: BokehLens, kind: i32, near: f32, far: f32) -> vec4f
+    depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> vec4f
 {
-    let depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
-    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
-        lens));
+    var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
+        planes.y);
+    var CoC: f32 = BokehSignedCoC(depth, lens);
+    let neighbor: vec3f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (neighbor.z > 0.0)
+    {
+        let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+            planes.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+    }
+    return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -323,7 +401,8 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
 //   aspectRatio   width / height of the image; imageHeight: pixels
 //   spacing       pixels between samples, > 0; with BOKEH_SPACING 0.0 it does not count
 //   jitter        noise, -0.5 .. 0.5, where samples are farther apart than a pixel; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
+//                 neither this nor bleedingMult has an effect on the hexagon of [5]
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
 struct BokehFilter
 {
@@ -551,25 +630,94 @@ fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
         polygon);
 }
 
+// Exact: the line of edge k of a hexagon: a ray that starts at the pixel
+//   The three parallelograms of a hexagon share a corner in its middle. Drawn from there, all lines
+//   start at the pixel, and a light is on the same ray whatever its CoC: BokehRayWeight only has to
+//   compare a distance. Of a hexagon that is cut off, or has edges of several lengths, the shared
+//   corner is not the middle: the second pass moves the picture by the difference.
+//   returns       as BokehEdgeLine; sample 0 is the one next to the pixel
+fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+{
+    var halfEdge: vec2f = BokehEdge(k, polygon) * -0.5;
+    // edge 2 runs towards the shared corner, edges 1 and 3 away from it
+    if (k == 2)
+    {
+        halfEdge = -halfEdge;
+    }
+    var middle: vec2f = halfEdge;
+    if (secondPass)
+    {
+        middle -= polygon.corner + BokehEdge(2, polygon);
+    }
+    let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge,
+        polygon.axis));
+    return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+}
+
+// Exact: weight of sample i on a ray: whether the blur of the sample itself reaches this pixel
+//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only
+//   that part of the ray which its CoC has in the CoC of this pixel, and is denser there: the light
+//   keeps its own size and its energy, and a sharp object in front does not leak. Below a quarter
+//   the density stops growing: so few samples would show as dots.
+//   In front of the focus every sample reaches this pixel, with half the weight where it is sharp
+//   or lies behind the focus: a near light is as dense on its own pixels as beside them. The half
+//   sets in over an eighth of this pixel's CoC, since a step would show in a focus pull.
+//   samples       on the ray, from BokehCells
+//   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
+//                 surface of this pixel: all of it at the same CoC, none below 3/4
+fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
+{
+    // below 0 on the other side of the focus
+    let side: f32 = sampleCoC / centerCoC;
+    let ratio: f32 = min(abs(side), 1.0);
+    var reached: f32 = clamp(ratio * samples - f32(i), 0.0, 1.0);
+    var density: f32 = 1.0 / max(ratio, 0.25);
+    if (centerCoC < 0.0)
+    {
+        let sharp: f32 = clamp(0.5 + 4.0 * side, 0.5, 1.0);
+        reached = clamp(samples - f32(i), 0.0, 1.0) * max(ratio, sharp);
+        density = 1.0;
+    }
+    let weight: f32 = reached * density;
+    return vec3f(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+}
+
+// Exact: what the samples on one line add up to
+//   sum           rgb = mean of colour times weight, a = mean weight, in the second pass times the
+//                 area of the edge's parallelograms; 0 where the pixel is in focus
+//   reached       brightness of the sum without the density of BokehRayWeight
+struct BokehLine
+{
+    sum: vec4f,
+    reached: f32,
+}
+
 // Exact: the samples along edge k, as many as its CoC needs
 //   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
 //   all of it rejected, must not come back at full strength (docs/methods/exact.md).
-//   returns       rgb = mean of colour times weight, a = mean weight, in the second pass times the
-//                 area of the edge's parallelograms; 0 where the pixel is in focus
+//   On a ray the density can bring the weights to more than one a sample. Dividing by them would
+//   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
+//   rays          whether the lines are those of BokehRay
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-    centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+    rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
 {
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var reached: f32 = 0.0;
     let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
     if (CoC > 0.0)
     {
-        let segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+        var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+        if (rays)
+        {
+            segment = BokehRay(k, polygon, secondPass);
+        }
         let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
         let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
         let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
         let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
         let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
@@ -579,26 +727,60 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
             let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
             let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
                 BokehLinearClamp);
-            let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
-            sum += vec4f(samplePixel.rgb, 1.0) * weight;
+            if (rays)
+            {
+                let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+                sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
+                reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+                surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+            }
+            else
+            {
+                let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
+                    settings);
+                sum += vec4f(samplePixel.rgb, 1.0) * weight;
+            }
+        }
+        if (rays)
+        {
+            let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+            sum -= surface * covered;
+            reached -= (surface.r + surface.g + surface.b) * covered;
         }
         sum = sum / cells;
+        reached = reached / cells;
         if (secondPass)
         {
             sum *= BokehEdgeArea(k, polygon);
         }
     }
-    return sum;
+    var result: BokehLine;
+    result.sum = sum;
+    result.reached = reached;
+    return result;
 }
 
 // Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
-//   their parallelograms and divided once, by the sum of all weights; a = CoC of this pixel
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
-    centerPixel: vec4f) -> vec4f
+//   their parallelograms and divided once, by the sum of all weights
+//   The second pass spreads this further by the CoC in alpha. Where most of the light came from a
+//   nearer pixel with a smaller CoC, that is the one it needs: the share of the brightness that
+//   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
+//   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
+//   returns       rgb = colour, a = signed CoC
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+    L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
     let weights: vec4f = BokehEdgeWeights(k, polygon);
-    let sum: vec4f = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
-    return BokehResolved(sum, centerPixel);
+    let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
+        weights.w;
+    var result: vec4f = BokehResolved(sum, centerPixel);
+    let gathered: f32 = sum.r + sum.g + sum.b;
+    if (rays && gathered > 0.0)
+    {
+        let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
+        result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+    }
+    return result;
 }
 
 // Exact: first pass, of any polygon
@@ -608,27 +790,36 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
     let CoC: f32 = centerPixel.a;
-    let L1: vec4f = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings, BokehLinearClamp);
-    var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var L3: vec4f = L2;
-    var L4: vec4f = L2;
+    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    var rays: bool = false;
+    if (last < 4)
+    {
+        rays = polygon.sides == 6;
+    }
+    let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
+        BokehLinearClamp);
+    var L2: BokehLine;
+    L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
+    L2.reached = 0.0;
+    var L3: BokehLine = L2;
+    var L4: BokehLine = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     var targets: BokehTargets;
-    targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
@@ -647,8 +838,8 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-        BokehLinearClamp);
+    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -664,9 +855,10 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
     polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-        BokehLinearClamp);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -683,10 +875,12 @@ fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-        BokehLinearClamp);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }
 
@@ -703,10 +897,13 @@ fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-        BokehLinearClamp);
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp);
+    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
+    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp).sum;
     return BokehResolved(sum, pixel);
 }

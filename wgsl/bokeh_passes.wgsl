@@ -266,6 +266,18 @@ fn BokehPassDepth(depthUV: vec2f) -> f32
         bokehParameters.BokehNear, bokehParameters.BokehFar);
 }
 
+// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+fn BokehDepthUV(uv: vec2f) -> vec2f
+{
+    var depthUV: vec2f = BokehToTexture(uv);
+    if (BOKEH_FOCUS_CONTROLS > 0)
+    {
+        depthUV = vec2f(bokehParameters.BokehDepthX, bokehParameters.BokehDepthY) + uv *
+            vec2f(bokehParameters.BokehDepthWidth, bokehParameters.BokehDepthHeight);
+    }
+    return depthUV;
+}
+
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
 fn BokehPickTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> vec4f
 {
@@ -368,14 +380,15 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 @fragment fn BokehSignedCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
-    var depthUV: vec2f = BokehToTexture(input.uv);
-    if (BOKEH_FOCUS_CONTROLS > 0)
+    let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
+    var CoC: f32 = BokehPassCoC(BokehPassDepth(BokehDepthUV(input.uv)));
+    let neighbor: vec3f = BokehBrightNeighbor(BokehColorSamp, input.uv, imageSize);
+    if (neighbor.z > 0.0)
     {
-        depthUV = vec2f(bokehParameters.BokehDepthX, bokehParameters.BokehDepthY) + input.uv *
-            vec2f(bokehParameters.BokehDepthWidth, bokehParameters.BokehDepthHeight);
+        let lightUV: vec2f = BokehDepthUV(input.uv + neighbor.xy);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
     }
-    let color: vec4f = BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv));
-    return BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
+    return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv)), CoC);
 }
 
 @fragment fn BokehConstantCoC_PS(input: BokehVertex) -> @location(0) vec4f

@@ -8,7 +8,7 @@ PolygonBokeh.__index = PolygonBokeh
 -- A frame is a table of passes. A row has the canvases that it writes, 1 / their size, and the call, which names the
 -- canvases that it reads: docs/reference/passes.md. `color` and `depth` are the scene's; 1 is OpenGL's kind of depth. Where a row
 -- writes several canvases, the struct that the call returns follows, and its members.
-local COC_MAP = { { "coc" }, 1, "BokehSignedCoCMap(color, depth, uv, uv, lens, 1, zNear, zFar)" }
+local COC_MAP = { { "coc" }, 1, "BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, 1, vec2(zNear, zFar))" }
 -- Drawn by depthAt only
 local METRES = { { "metres" }, 1, "vec4(BokehLinearDepth(BokehFetchDepth(depth, uv), 1, zNear, zFar))" }
 

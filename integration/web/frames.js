@@ -11,15 +11,18 @@
 
 // How BokehLinearDepth reads the depth buffer: uniforms, or literals of a class whose engine has one kind of depth
 const DEPTH = 'depthKind, nearPlane, farPlane';
-const metresOf = (depth) => `BokehLinearDepth(BokehFetchDepth(depth, uv), ${depth})`;
+const metresOf = (depth, at = 'uv') => `BokehLinearDepth(BokehFetchDepth(depth, ${at}), ${depth})`;
 
 // Depth in metres for paper, in a texture of its own, where the engine has none
 export const METRES = [['metres'], 1, `vec4(${metresOf(DEPTH)})`];
 
 // The first pass of a method
 function cocMap(method, focusRange, depth) {
-  const focused = `BokehPackCoC(BokehFetchTexel(color, uv), BokehFocusedCoC(${metresOf(depth)}, lens, focus))`;
-  const signed = `BokehSignedCoCMap(color, depth, uv, uv, lens, ${depth})`;
+  const focusedAt = (at) => `BokehFocusedCoC(${metresOf(depth, at)}, lens, focus)`;
+  const focusedCoC = `BokehLightCoC(${focusedAt('uv')}, ${focusedAt('uv + neighbor.xy')}, neighbor.z, imageSize.y)`;
+  const focused = `BokehPackCoC(BokehFetchTexel(color, uv), ${focusedCoC})`;
+  const [kind, near, far] = depth.split(', ');
+  const signed = `BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, ${kind}, vec2(${near}, ${far}))`;
   return [['coc'], 1, method === 'paper' ? 'BokehCoCMap(color, metres, uv, lens)' : focusRange ? focused : signed];
 }
 
@@ -49,6 +52,7 @@ const structs = ({ sides, extras }, jitter) => ({
   ],
   layers: ['BokehLayers', 'BokehMakeLayers(uv, imageSize, maxCoC)', jitter && `layers.jitter = ${jitter};`],
   settings: ['BokehFilter', 'BokehDefaultFilter(imageSize)', jitter && `settings.jitter = ${jitter};`],
+  neighbor: ['vec3', 'BokehBrightNeighbor(color, uv, imageSize)', ''],
   focus: [
     'BokehFocus',
     'BokehFocus(vec2(frontRange, backRange), vec2(nearScale, farScale), vec2(nearMaxCoC, farMaxCoC))',

@@ -203,12 +203,63 @@ vec4 BokehPackCoC(vec4 color, float CoC)
 return vec4(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
 BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
-vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec2 depthUV, BokehLens lens, int kind, float near, float far)
+float BokehBrightness(vec4 color)
 {
-float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
-lens));
+vec4 safe = BokehPackCoC(color, 0.0);
+return safe.r + safe.g + safe.b;
+}
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+{
+vec3 result = brightest;
+float brightness = BokehBrightness(color);
+if (brightness > brightest.z)
+{
+result = vec3(direction, brightness);
+}
+return result;
+}
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+vec3 brightest = vec3(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+{
+vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
+vec2 right = vec2(pixel.x, 0.0);
+vec2 below = vec2(0.0, pixel.y);
+vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3(brightest.xy * pixel, brightest.z);
+}
+float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+{
+float sharper = min(abs(CoC), abs(lightCoC));
+float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+}
+vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
+vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
+{
+float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
+float CoC = BokehSignedCoC(depth, lens);
+vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+if (neighbor.z > 0.0)
+{
+vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+planes.y);
+CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+}
+return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
 struct BokehFilter
 {
@@ -366,20 +417,61 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 return dot(BokehEdgeWeights(k, polygon), vec4(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
 polygon);
 }
-vec4 BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-float centerCoC, BokehFilter settings)
+vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
+{
+vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
+{
+halfEdge = -halfEdge;
+}
+vec2 middle = halfEdge;
+if (secondPass)
+{
+middle -= polygon.corner + BokehEdge(2, polygon);
+}
+vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
+return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+}
+vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
+{
+float side = sampleCoC / centerCoC;
+float ratio = min(abs(side), 1.0);
+float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
+float density = 1.0 / max(ratio, 0.25);
+if (centerCoC < 0.0)
+{
+float sharp = clamp(0.5 + 4.0 * side, 0.5, 1.0);
+reached = clamp(samples - float(i), 0.0, 1.0) * max(ratio, sharp);
+density = 1.0;
+}
+float weight = reached * density;
+return vec3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+}
+struct BokehLine
+{
+vec4 sum;
+float reached;
+};
+BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
+bool rays, float centerCoC, BokehFilter settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+float reached = 0.0;
 float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 vec4 segment = BokehEdgeLine(k, polygon, secondPass);
+if (rays)
+{
+segment = BokehRay(k, polygon, secondPass);
+}
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
 float cells = BokehCells(lengthInPixels, settings.spacing);
 float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && float(i) >= cells)
@@ -388,50 +480,84 @@ break;
 }
 float cell = clamp(cells - float(i), 0.0, 1.0);
 vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
+if (rays)
+{
+vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+sum += vec4(samplePixel.rgb, 1.0) * weights.x;
+reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+surface += vec4(samplePixel.rgb, 1.0) * weights.z;
+}
+else
+{
 float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
 sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
+}
+if (rays)
+{
+float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+sum -= surface * covered;
+reached -= (surface.r + surface.g + surface.b) * covered;
+}
 sum = sum / cells;
+reached = reached / cells;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
 }
 }
-return sum;
+BokehLine result;
+result.sum = sum;
+result.reached = reached;
+return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4,
-vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
 vec4 weights = BokehEdgeWeights(k, polygon);
-vec4 sum = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
-return BokehResolved(sum, centerPixel);
+vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
+vec4 result = BokehResolved(sum, centerPixel);
+float gathered = sum.r + sum.g + sum.b;
+if (rays && gathered > 0.0)
+{
+float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
+result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+}
+return result;
 }
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
 BokehFilter settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
 float CoC = centerPixel.a;
-vec4 L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
-vec4 L2 = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 L3 = L2;
-vec4 L4 = L2;
+bool rays = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+BokehLine L2;
+L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
+L2.reached = 0.0;
+BokehLine L3 = L2;
+BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -442,7 +568,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -454,8 +580,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
 BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -467,9 +593,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -481,10 +607,10 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 `,
@@ -1806,12 +1932,64 @@ fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
 return vec4f(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
 BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
-fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-depthUV: vec2f, lens: BokehLens, kind: i32, near: f32, far: f32) -> vec4f
+fn BokehBrightness(color: vec4f) -> f32
 {
-let depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
-lens));
+let safe: vec4f = BokehPackCoC(color, 0.0);
+return safe.r + safe.g + safe.b;
+}
+fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
+{
+var result: vec3f = brightest;
+let brightness: f32 = BokehBrightness(color);
+if (brightness > brightest.z)
+{
+result = vec3f(direction, brightness);
+}
+return result;
+}
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+{
+let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
+var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
+{
+let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
+let right: vec2f = vec2f(pixel.x, 0.0);
+let below: vec2f = vec2f(0.0, pixel.y);
+let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3f(brightest.xy * pixel, brightest.z);
+}
+fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
+{
+let sharper: f32 = min(abs(CoC), abs(lightCoC));
+let blurred: f32 = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+}
+fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
+depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> vec4f
+{
+var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
+planes.y);
+var CoC: f32 = BokehSignedCoC(depth, lens);
+let neighbor: vec3f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+if (neighbor.z > 0.0)
+{
+let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+planes.y);
+CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+}
+return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
 struct BokehFilter
 {
@@ -1970,20 +2148,62 @@ fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
 return dot(BokehEdgeWeights(k, polygon), vec4f(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
 polygon);
 }
+fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+{
+var halfEdge: vec2f = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
+{
+halfEdge = -halfEdge;
+}
+var middle: vec2f = halfEdge;
+if (secondPass)
+{
+middle -= polygon.corner + BokehEdge(2, polygon);
+}
+let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge,
+polygon.axis));
+return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+}
+fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
+{
+let side: f32 = sampleCoC / centerCoC;
+let ratio: f32 = min(abs(side), 1.0);
+var reached: f32 = clamp(ratio * samples - f32(i), 0.0, 1.0);
+var density: f32 = 1.0 / max(ratio, 0.25);
+if (centerCoC < 0.0)
+{
+let sharp: f32 = clamp(0.5 + 4.0 * side, 0.5, 1.0);
+reached = clamp(samples - f32(i), 0.0, 1.0) * max(ratio, sharp);
+density = 1.0;
+}
+let weight: f32 = reached * density;
+return vec3f(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+}
+struct BokehLine
+{
+sum: vec4f,
+reached: f32,
+}
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
 {
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+var reached: f32 = 0.0;
 let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
-let segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+if (rays)
+{
+segment = BokehRay(k, polygon, secondPass);
+}
 let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
 let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
 let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
 let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
 let first: vec2f = uv + (segment.xy - segment.zw) * scale;
 let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
@@ -1993,50 +2213,87 @@ break;
 let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
 let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
 BokehLinearClamp);
-let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+if (rays)
+{
+let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
+reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+}
+else
+{
+let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
+settings);
 sum += vec4f(samplePixel.rgb, 1.0) * weight;
 }
+}
+if (rays)
+{
+let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+sum -= surface * covered;
+reached -= (surface.r + surface.g + surface.b) * covered;
+}
 sum = sum / cells;
+reached = reached / cells;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
 }
 }
-return sum;
+var result: BokehLine;
+result.sum = sum;
+result.reached = reached;
+return result;
 }
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f, L4: vec4f,
-centerPixel: vec4f) -> vec4f
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
 let weights: vec4f = BokehEdgeWeights(k, polygon);
-let sum: vec4f = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
-return BokehResolved(sum, centerPixel);
+let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
+weights.w;
+var result: vec4f = BokehResolved(sum, centerPixel);
+let gathered: f32 = sum.r + sum.g + sum.b;
+if (rays && gathered > 0.0)
+{
+let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
+result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+}
+return result;
 }
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
 {
 let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
 let CoC: f32 = centerPixel.a;
-let L1: vec4f = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings, BokehLinearClamp);
-var L2: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var L3: vec4f = L2;
-var L4: vec4f = L2;
+var rays: bool = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
+BokehLinearClamp);
+var L2: BokehLine;
+L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
+L2.reached = 0.0;
+var L3: BokehLine = L2;
+var L4: BokehLine = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings, BokehLinearClamp);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings, BokehLinearClamp);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings, BokehLinearClamp);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
 }
 var targets: BokehTargets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2048,8 +2305,8 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-BokehLinearClamp);
+let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2061,9 +2318,10 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
 polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-BokehLinearClamp);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2076,10 +2334,12 @@ Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFil
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-BokehLinearClamp);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -2092,11 +2352,14 @@ Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: Boke
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings,
-BokehLinearClamp);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings, BokehLinearClamp);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings, BokehLinearClamp);
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings, BokehLinearClamp);
+var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+BokehLinearClamp).sum;
 return BokehResolved(sum, pixel);
 }
 `,

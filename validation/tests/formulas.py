@@ -7,11 +7,12 @@ other. Textures are (H, W, 4): linear colour, CoC in alpha.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+import rays
 from lines import Line, lines
 
 from bokeh_validation.frame.methods import FOCUS, LENS
 from bokeh_validation.reference import listings, sampling
-from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, GRID, LATERAL, LINE, SECOND, STEADY, TABLE, VIEW
+from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, STEADY, TABLE, VIEW
 from bokeh_validation.shaders.passes import Pass
 
 # Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times
@@ -60,11 +61,27 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
         if entry == "BokehSignedCoCMap":
             depth = _of_image(depth, values)
         coc = _signed_coc(listings.linear_depth(depth, round(kind), near, far), values)
-        if entry == "BokehCoCMap":
-            coc = np.abs(coc)
+        coc = np.abs(coc) if entry == "BokehCoCMap" else _beside_lights(color, coc)
     value = np.empty((*color.shape[:2], 4))
     value[..., :3], value[..., 3] = listings.safe_color(color[..., :3]), coc
     return value
+
+
+def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
+    """The CoC of the brightest of the four neighbours, where that is nearer: from 4 times the brightness to 8.
+
+    Where the sharper of the two has a CoC of a pixel or less, each keeps its own, and from two pixels on none does.
+    """
+    light = listings.safe_color(color[..., :3]).sum(axis=-1)
+    around, of_them = (
+        np.array([padded[1:-1, 2:], padded[1:-1, :-2], padded[2:, 1:-1], padded[:-2, 1:-1]])
+        for padded in (np.pad(light, 1, mode="edge"), np.pad(coc, 1, mode="edge"))
+    )
+    brightest = around.argmax(axis=0)[None]
+    brightness, other = (np.take_along_axis(values, brightest, 0)[0] for values in (around, of_them))
+    beside = np.clip(brightness / np.maximum(4.0 * light, 1e-7) - 1.0, 0.0, 1.0)
+    blurred = np.clip(np.minimum(np.abs(coc), np.abs(other)) * len(coc) - 1.0, 0.0, 1.0)
+    return coc + (np.minimum(coc, other) - coc) * beside * blurred
 
 
 def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
@@ -134,22 +151,44 @@ def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray
     """`BokehAdaptive` and the passes of exact polygons: for each target the lines that have a share in it."""
     values, size = item.given(), inputs["ColorSamp"].shape[1::-1]
     found, targets = lines(item, size), []
+    if is_hexagon(item):
+        return _along_rays(item, inputs, found)
     slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in found)]))
     blur_coc = item.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
     sources = [inputs[slot] for slot in slots]
     for target in range(len(found[0].shares)):
         samples = (
-            (slots.index(line.slot), x, y, weight * line.shares[target])
+            (slots.index(line.slot), x, y, (end - begin) * line.shares[target])
             for line in found
             if np.any(line.shares[target])
-            for x, y, weight in _cells(item, line, sources[0][..., 3])
+            for x, y, begin, end in cells(item, line, sources[0][..., 3])
         )
         targets.append(gather(sources, depth, samples, values, blur_coc))
     return targets
 
 
-def _cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Samples of a line, one in each of its cells: x and y, texels, and the share of the line that is the cell's.
+def is_hexagon(item: Pass) -> bool:
+    """Whether a pass is one of an exact hexagon's: its lines are rays."""
+    sides = item.spec.sides or round(item.given()["BokehSides"])
+    return item.spec.role in (FIRST, SECOND, EDGE) and not item.spec.layers and sides == 6
+
+
+def _along_rays(item: Pass, inputs: Mapping[str, np.ndarray], found: Sequence[Line]) -> list[np.ndarray]:
+    center, is_first = inputs["ColorSamp"], item.spec.role != SECOND
+    coc = center[..., 3]
+    along = [rays.gathered(cells(item, line, coc), inputs[line.slot], coc) for line in found]
+    # a line of no length has gathered nothing
+    sharp = filter_coc(np.abs(coc), len(coc), item.spacing) == 0.0
+    targets = []
+    for target in range(len(found[0].shares)):
+        shares = [line.shares[target] for line in found]
+        value = rays.target(list(zip(along, shares, strict=True)), center, is_first)
+        targets.append(np.where(sharp[..., None], center, value))
+    return targets
+
+
+def cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
+    """Samples of a line, one in each of its cells: x and y, texels, and the shares of the line where its cell is.
 
     With a spacing, cells have that length, counted from the line's beginning, and the last one is shorter.
     """
@@ -157,19 +196,19 @@ def _cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[tuple[np.ndarray
     spacing = item.spacing
     used = filter_coc(np.abs(coc), height, spacing)
     length = 2.0 * segment.half_length * used * height
-    cells = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
+    count = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
     # the exact passes know which they are
     index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
     jitter = max(values["BokehJitter"], 0.0) * noise((width, height), values["BokehFrame"], index)
-    phase = 0.5 + jitter * np.clip(length / cells - 1.0, 0.0, 1.0)
+    phase = 0.5 + jitter * np.clip(length / count - 1.0, 0.0, 1.0)
     middle, half = (field.reshape(2, *(field.shape[1:] or (1, 1))) for field in (segment.middle, segment.half))
     across, down = _texels(item, (width, height))
-    for i in range(int(np.ceil(cells.max()))):
-        begin = np.minimum(i, cells)
-        width_of_cell = np.minimum(i + 1.0, cells) - begin
-        t = 2.0 * (begin + width_of_cell * phase) / cells - 1.0
+    for i in range(int(np.ceil(count.max()))):
+        begin = np.minimum(i, count)
+        end = np.minimum(i + 1.0, count)
+        t = 2.0 * (begin + (end - begin) * phase) / count - 1.0
         x, y = (middle + half * t) * used
-        yield x * across, y * down, width_of_cell / cells
+        yield x * across, y * down, begin / count, end / count
 
 
 def filter_coc(coc, image_height: float, spacing: float):

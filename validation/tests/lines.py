@@ -97,6 +97,9 @@ def polygon_edge(
     The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k, its middle is M_k.
     The first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
     put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
+
+    The parallelograms of a hexagon share the corner V_0 + e_2. Drawn from there, every line begins at the pixel: edge 1
+    and 3 the one way, edge 2 the other; the second pass moves the picture by that corner, 0 in a regular hexagon.
     """
     step, count = 2.0 * pi / sides, sides // 2
     along = [aperture_shapes.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
@@ -105,11 +108,14 @@ def polygon_edge(
     for edge in edges:
         corner.append(corner[-1] + edge)
     middles = [(corner[j] + corner[j + 1]) / 2 for j in range(count)]
-    middle = middles[k - 1] - sum(middles[:-1]) / (count - 1)
+    middle, half = middles[k - 1] - sum(middles[:-1]) / (count - 1), 0.5 * edges[k - 1]
     if second_pass:
         middle = -middle - corner[0]
+    if sides == 6:
+        half = half if k == 2 else -half
+        middle = half - (corner[0] + edges[1]) if second_pass else half
     shape = np.array([squeeze, 1.0]).reshape(2, *(1 for _ in middle.shape[1:]))
-    return Segment(middle * shape, 0.5 * edges[k - 1] * shape)
+    return Segment(middle * shape, half * shape)
 
 
 def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray) -> float | np.ndarray:

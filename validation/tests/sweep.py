@@ -9,6 +9,11 @@ The bound, for one line of a pass between two frames, leakage test off. In units
     its middle.
   * The line has x cells and then x': the weights change by |x' - x| in all. With s the samples and M their mean,
     M' - M = sum((w' - w)(s - M)) / x', at most |x' - x| / x' of the contrast.
+  * On a ray of a hexagon a sample weighs f instead of g, what its cell is of one: f follows its own CoC, against the
+    pixel's, and both change in a focus pull, where the samples change places besides. f' - f is (g' - g) and
+    (f' - g') - (f - g), and the sum of the weights is that of f'. So it is (|x' - x| + D) / sum(f') of the contrast,
+    D the sum of |(f' - g') - (f - g)|, and no more than all of it. D is 0 where the CoC is the same everywhere. That f
+    itself has no step is test_a_ray_has_no_step.
 
 Slope, contrast and change are the largest within the line's reach. Of pictures that are mixed or combined by min or
 max, the result changes by no more than the one that changes most.
@@ -17,8 +22,9 @@ max, the result changes by no more than the one that changes most.
 from collections.abc import Mapping
 
 import numpy as np
-from formulas import filter_coc
-from lines import Segment, lines
+import rays
+from formulas import cells, filter_coc, is_hexagon
+from lines import Line, Segment, lines
 
 from bokeh_validation.numerics import precision
 from bokeh_validation.shaders.entries import ADAPTIVE, LINE
@@ -37,32 +43,52 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     center = item.inputs["ColorSamp"]
     # its size: it is signed in the passes of exact
     coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
-    read = ((line.segment, item.inputs[line.slot]) for line in lines(item))
-    found = [_line_change(segment, item, before[name], after[name], coc) for segment, name in read]
+    found = []
+    for line in lines(item):
+        read = [frame[item.inputs[line.slot]] for frame in (before, after)]
+        weights = None
+        if is_hexagon(item):
+            weights = _ray_weights(item, line, read, [frame[center][..., -1] for frame in (before, after)])
+        found.append(_line_change(line.segment, item, *read, coc, weights))
     if "ColorSampB" in item.inputs and item.spec.role in (LINE, ADAPTIVE):
         other = item.inputs["ColorSampB"]
         found.append(np.abs(after[other] - before[other])[..., :-1])
     return np.max(found, axis=0)
 
 
-def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc) -> np.ndarray:
-    """The sum in the module's text, for one line."""
+def _ray_weights(item: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray]:
+    """D and sum(f') of the module's text, (H, W) each; in units of cells."""
+    found = []
+    for source, center in zip(read, coc, strict=True):
+        ray = rays.gathered(cells(item, line, center), source, center)
+        # the first cell is a whole one
+        found.append((ray.weights / ray.cells[0], (ray.weights - ray.cells) / ray.cells[0]))
+    (_, before), (weights, after) = found
+    count = max(len(before), len(after))
+    before, after = (np.pad(one, ((0, count - len(one)), (0, 0), (0, 0))) for one in (before, after))
+    return np.abs(after - before).sum(axis=0), weights.sum(axis=0)
+
+
+def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc, weights) -> np.ndarray:
+    """The sum in the module's text, for one line; `weights` from _ray_weights, or None."""
     (height, width), spacing = before.shape[:2], item.spacing
     used = [filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
     reach = np.abs(line.middle) + np.abs(line.half)
     # a sample reads the texels around it
     radius = [int(np.ceil(r * max(u.max() for u in used))) + 1 for r in reach]
-    cells = [np.full(moved.shape, float(item.samples))] * 2
+    count = [np.full(moved.shape, float(item.samples))] * 2
     if spacing > 0.0:
-        cells = [np.clip(2 * line.half_length * u / spacing, 1.0, item.samples) for u in used]
+        count = [np.clip(2 * line.half_length * u / spacing, 1.0, item.samples) for u in used]
     change = largest_within(np.abs(after - before), radius)
     across = largest_within(np.abs(np.diff(after, axis=1, append=after[:, -1:])), radius)
     down = largest_within(np.abs(np.diff(after, axis=0, append=after[-1:])), radius)
     place = 2 * precision.SOFTWARE.place(max(width, height))
     change += (reach[0] * moved + place)[..., None] * across + (reach[1] * moved + place)[..., None] * down
     contrast = largest_within(after, radius) + largest_within(-after, radius)
-    change += (np.abs(cells[1] - cells[0]) / cells[1])[..., None] * contrast
+    reweighed, total = (0.0, count[1]) if weights is None else weights
+    share = (np.abs(count[1] - count[0]) + reweighed) / np.maximum(total, 1e-9)
+    change += np.minimum(share, 1.0)[..., None] * contrast
     change += (STORE_STEP + 2 * (item.samples + 8) * precision.FLOAT_STEP) * largest_within(after + change, radius)
     return change[..., :-1]
 

@@ -201,12 +201,63 @@ vec4 BokehPackCoC(vec4 color, float CoC)
 return vec4(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
 BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
-vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec2 depthUV, BokehLens lens, int kind, float near, float far)
+float BokehBrightness(vec4 color)
 {
-float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, near, far);
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), BokehSignedCoC(depth,
-lens));
+vec4 safe = BokehPackCoC(color, 0.0);
+return safe.r + safe.g + safe.b;
+}
+vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+{
+vec3 result = brightest;
+float brightness = BokehBrightness(color);
+if (brightness > brightest.z)
+{
+result = vec3(direction, brightness);
+}
+return result;
+}
+vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+{
+float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
+vec3 brightest = vec3(0.0, 0.0, minBrightness);
+brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
+brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
+brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
+brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+}
+vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+{
+vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
+vec2 right = vec2(pixel.x, 0.0);
+vec2 below = vec2(0.0, pixel.y);
+vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
+return vec3(brightest.xy * pixel, brightest.z);
+}
+float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+{
+float sharper = min(abs(CoC), abs(lightCoC));
+float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+}
+vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
+vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
+{
+float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
+float CoC = BokehSignedCoC(depth, lens);
+vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+if (neighbor.z > 0.0)
+{
+vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+planes.y);
+CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+}
+return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
 struct BokehFilter
 {
@@ -364,20 +415,61 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 return dot(BokehEdgeWeights(k, polygon), vec4(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
 polygon);
 }
-vec4 BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-float centerCoC, BokehFilter settings)
+vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
+{
+vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+if (k == 2)
+{
+halfEdge = -halfEdge;
+}
+vec2 middle = halfEdge;
+if (secondPass)
+{
+middle -= polygon.corner + BokehEdge(2, polygon);
+}
+vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
+return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+}
+vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
+{
+float side = sampleCoC / centerCoC;
+float ratio = min(abs(side), 1.0);
+float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
+float density = 1.0 / max(ratio, 0.25);
+if (centerCoC < 0.0)
+{
+float sharp = clamp(0.5 + 4.0 * side, 0.5, 1.0);
+reached = clamp(samples - float(i), 0.0, 1.0) * max(ratio, sharp);
+density = 1.0;
+}
+float weight = reached * density;
+return vec3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+}
+struct BokehLine
+{
+vec4 sum;
+float reached;
+};
+BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
+bool rays, float centerCoC, BokehFilter settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+float reached = 0.0;
 float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 vec4 segment = BokehEdgeLine(k, polygon, secondPass);
+if (rays)
+{
+segment = BokehRay(k, polygon, secondPass);
+}
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
 float cells = BokehCells(lengthInPixels, settings.spacing);
 float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && float(i) >= cells)
@@ -386,50 +478,84 @@ break;
 }
 float cell = clamp(cells - float(i), 0.0, 1.0);
 vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
+if (rays)
+{
+vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+sum += vec4(samplePixel.rgb, 1.0) * weights.x;
+reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+surface += vec4(samplePixel.rgb, 1.0) * weights.z;
+}
+else
+{
 float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
 sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
+}
+if (rays)
+{
+float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+sum -= surface * covered;
+reached -= (surface.r + surface.g + surface.b) * covered;
+}
 sum = sum / cells;
+reached = reached / cells;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
 }
 }
-return sum;
+BokehLine result;
+result.sum = sum;
+result.reached = reached;
+return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4,
-vec4 centerPixel)
+vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
 vec4 weights = BokehEdgeWeights(k, polygon);
-vec4 sum = L1 * weights.x + L2 * weights.y + L3 * weights.z + L4 * weights.w;
-return BokehResolved(sum, centerPixel);
+vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
+vec4 result = BokehResolved(sum, centerPixel);
+float gathered = sum.r + sum.g + sum.b;
+if (rays && gathered > 0.0)
+{
+float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
+result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+}
+return result;
 }
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
 BokehFilter settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
 float CoC = centerPixel.a;
-vec4 L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, CoC, settings);
-vec4 L2 = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 L3 = L2;
-vec4 L4 = L2;
+bool rays = false;
+if (last < 4)
+{
+rays = polygon.sides == 6;
+}
+BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+BokehLine L2;
+L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
+L2.reached = 0.0;
+BokehLine L3 = L2;
+BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, CoC, settings);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, CoC, settings);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, CoC, settings);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -440,7 +566,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -452,8 +578,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
 BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -465,9 +591,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -479,10 +605,10 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, pixel.a, settings);
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, pixel.a, settings);
+vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
+sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
 return BokehResolved(sum, pixel);
 }
 #ifndef BOKEH_VIEWPORT
@@ -1924,6 +2050,15 @@ float BokehPassDepth(vec2 depthUV)
 float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
 return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
+vec2 BokehDepthUV(vec2 uv)
+{
+vec2 depthUV = BokehToTexture(uv);
+if (BOKEH_FOCUS_CONTROLS > 0)
+{
+depthUV = vec2(BokehDepthX, BokehDepthY) + uv * vec2(BokehDepthWidth, BokehDepthHeight);
+}
+return depthUV;
+}
 vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 {
 vec4 picked = first;
@@ -2005,14 +2140,15 @@ BokehResult = vec4(depth, depth, depth, 1.0);
 void main()
 {
 BokehUseViewport();
-vec2 depthUV = BokehToTexture(BokehUV);
-if (BOKEH_FOCUS_CONTROLS > 0)
+vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
+float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(BokehUV)));
+vec3 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
+if (neighbor.z > 0.0)
 {
-depthUV = vec2(BokehDepthX, BokehDepthY) + BokehUV * vec2(BokehDepthWidth,
-BokehDepthHeight);
+vec2 lightUV = BokehDepthUV(BokehUV + neighbor.xy);
+CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
 }
-vec4 color = BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV));
-BokehResult = BokehPackCoC(color, BokehPassCoC(BokehPassDepth(depthUV)));
+BokehResult = BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV)), CoC);
 }
 #elif BOKEH_PASS == BOKEH_CONSTANT_COC
 void main()

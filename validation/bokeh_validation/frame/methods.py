@@ -130,10 +130,12 @@ class Plan:
     result: str = "result"
 
 
-def _coc_pass(settings: Settings, entry: str = "BokehCoCMap") -> Pass:
+def _coc_pass(settings: Settings, size: tuple[int, int], entry: str = "BokehCoCMap") -> Pass:
     lens = settings.camera.parameters()
     if settings.focus and entry == "BokehSignedCoCMap":
         lens |= settings.focus.parameters()
+    if settings.coc is None and entry == "BokehSignedCoCMap":
+        lens |= {"BokehImageWidth": float(size[0]), "BokehImageHeight": float(size[1])}
     if settings.coc is None:
         return Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", lens)
     return Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", lens | {"BokehConstantCoC": settings.coc})
@@ -193,7 +195,7 @@ def _line_passes(
     """The CoC map and the lines, each of these with noise of its own."""
     common = _filter_parameters(settings, size)
     names = [f"line {number}" for number in range(1, len(lines))] + ["result"]
-    passes = [_coc_pass(settings)]
+    passes = [_coc_pass(settings, size)]
     for index, (line, name) in enumerate(zip(lines, names, strict=True)):
         inputs = {"ColorSamp": "coc" if line.reads is None else names[line.reads], "DepthSamp": "depth"}
         parameters, final = {**common, **line.parameters(), "BokehPassIndex": float(index)}, ""
@@ -214,7 +216,7 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
     defines = {"BOKEH_SPACING": EXACT_PRESETS[settings.preset][1]} if settings.has_preset else {}
     names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
-    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
+    passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
     if settings.targets:
         passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count, defines))
     else:
@@ -240,7 +242,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
         "BokehAngle": radians(settings.rotation),
         "BokehSides": float(sides),
     }
-    passes = [_coc_pass(settings, "BokehSignedCoCMap")]
+    passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
 
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
         values = {**common, **changed}
@@ -290,7 +292,7 @@ def naive(settings: Settings, size: tuple[int, int]) -> Plan:
     table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation)
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     gather = Pass("BokehNaiveGather", inputs, "result", _filter_parameters(settings, size), len(table))
-    return Plan((_coc_pass(settings), gather), {"kernel": kernel_texture(table)})
+    return Plan((_coc_pass(settings, size), gather), {"kernel": kernel_texture(table)})
 
 
 def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
@@ -299,7 +301,7 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
     angles = [radians(angle + settings.rotation) for angle in (shape.first, shape.second)]
     parameters = _filter_parameters(settings, size) | dict(zip(("BokehAngle", "BokehAngleB"), angles, strict=True))
     gather = Pass("BokehNaiveGrid", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters, settings.count)
-    return Plan((_coc_pass(settings), gather), {})
+    return Plan((_coc_pass(settings, size), gather), {})
 
 
 def steadied(full: Plan, size: tuple[int, int], blend: float) -> Plan:

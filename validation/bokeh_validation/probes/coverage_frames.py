@@ -206,7 +206,7 @@ IN_A_PART = {
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
     "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayers(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
-    "BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, end, end, lens, 0, 0.1, 1.0).r": 4.0,
+    "BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, end, end, end, lens, 0, end).r": 4.0,
 }
 
 

@@ -99,6 +99,7 @@ def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] =
 DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
     *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
+    Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(
         Drawing(

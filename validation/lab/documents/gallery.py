@@ -6,6 +6,8 @@ import numpy as np
 
 from bokeh_validation import pictures
 from bokeh_validation.drivers.base import Driver
+from bokeh_validation.probes import lights_apart
+from bokeh_validation.probes.model import drawn as drawn_case
 from bokeh_validation.truth import ray_traced
 
 CAMERA = ray_traced.MARKET.camera
@@ -91,3 +93,25 @@ def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
         [pictures.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
     ]
     return {name: pictures.grid(panels)}
+
+
+# Lights over a plane of CoC 40, one that is blurred less and one that is blurred more, by method and polygon
+APART = (("exact", "hexagon"), ("exact", "octagon"), ("exact", "square"), ("layered", "hexagon"))
+APART_LIGHTS = (lights_apart.Apart(27, 4), lights_apart.Apart(60, 4))
+
+
+def apart(driver: Driver) -> dict[str, np.ndarray]:
+    """Lights whose CoC is not that of their background: flat and of their own size, or not."""
+    panels = []
+    for light in APART_LIGHTS:
+        # of a flat polygon of the light's own size
+        plateau = lights_apart.LIGHT * light.pixels**2 / (0.65 * light.coc**2)
+        row = []
+        for method, aperture in APART:
+            result = drawn_case(driver, light.case(lights_apart.settings(method, aperture)))
+            blue = (result[..., 2] - lights_apart.AMBIENT) / plateau
+            grey = pictures.display(np.repeat(0.3 * blue[28:100, 28:100, None].clip(0.0), 3, axis=-1))
+            caption = f"{method}, {aperture}: CoC {light.coc:g} on 40"
+            row.append(pictures.Captioned(pictures.enlarged(grey, 3), caption))
+        panels.append(row)
+    return {"lights_apart": pictures.grid(panels)}

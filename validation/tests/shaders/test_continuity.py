@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import rays
 import sweep
 from support import LANGUAGES, load
 from support_cases import everything, float_result, noise_case
@@ -97,6 +98,24 @@ def test_rack_focus(method):
     settings = (replace(base, camera=replace(camera, focus_distance=float(s))) for s in FOCUS)
     shares = worst(load("egl"), case, settings)
     assert max(shares) <= 1.0, (FOCUS[int(np.argmax(shares))], max(shares))
+
+
+def test_a_ray_has_no_step():
+    """The weights of a ray change by no more than the derivative of their formula times the change of the CoC.
+
+    Both CoC enter by r alone, the sample's over the pixel's. Behind the focus sample i of N weighs
+    clamp(|r| N - i, 0, 1) / max(|r|, 1/4): per unit of r the clamp changes that by 4 N, and 1 / |r| by 16. In front of
+    it the weight changes by 4, where the half sets in over an eighth. What belongs to the pixel's surface is the weight,
+    at most 4, times a ramp of slope 4.
+    """
+    count, step = 9.0, 1e-5
+    begin, end = (np.arange(9)[:, None] + np.array([0.0, 1.0])).T[..., None] / count
+    ratio = np.arange(-2.0, 2.0, step)
+    steepest = 4.0 * count + 16.0
+    for center in (0.04, -0.04):
+        weight, reached, own = rays.weights(ratio * center, np.float64(center), begin, end)
+        for values, slope in ((weight, steepest), (reached, count), (own, steepest + 16.0)):
+            assert np.abs(np.diff(values * count)).max() <= 1.001 * slope * step
 
 
 def planes(settings: methods.Settings) -> Case:

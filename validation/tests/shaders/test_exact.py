@@ -8,7 +8,7 @@ from formulas import noise
 from support import in_each_language, load
 from support_cases import CAMERA, float_result, noise_case, result
 
-from bokeh_validation import metrics
+from bokeh_validation import metrics, truth
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.probes import exact, highlight, shapes
@@ -49,15 +49,27 @@ def test_light_on_float_targets(aperture, driver):
             assert check.ok, f"{check.name}: {check.value}"
 
 
-@pytest.mark.parametrize("aperture", ["hexagon", "octagon"])
-@pytest.mark.parametrize(("scene", "better"), [("street_11", (7.0, 5.0)), ("canopy_12", (5.0, 2.0))])
-def test_nearer_to_brute_force_than_paper(scene, better, aperture):
-    """Tone-mapped PSNR against 900 and more samples of the same polygon: so many dB above the paper's method."""
+@pytest.mark.parametrize(("scene", "better"), [("street_11", 5.0), ("canopy_12", 2.0)])
+def test_nearer_to_brute_force_than_paper(scene, better):
+    """An octagon: tone-mapped PSNR against 900 and more samples of the same polygon is so many dB above the paper's."""
     driver = load("egl")
     chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)
-    cases = {method: ray_traced.scene_case(chosen, method, aperture) for method in ("paper", "exact")}
+    cases = {method: ray_traced.scene_case(chosen, method, "octagon") for method in ("paper", "exact")}
     found = {m: metrics.psnr(result(driver, one), shapes.brute_force(driver, one)) for m, one in cases.items()}
-    assert found["exact"] - found["paper"] >= better[aperture == "octagon"], found
+    assert found["exact"] - found["paper"] >= better, found
+
+
+@pytest.mark.parametrize(("scene", "better"), [("street_11", 1.2), ("canopy_12", 0.8)])
+def test_nearer_to_the_truth_than_brute_force(scene, better):
+    """A hexagon: a sample counts by its own CoC, which the brute-force gather does not know.
+
+    So it is held to what a lens sees: tone-mapped PSNR above brute force's, and so many dB above the paper's.
+    """
+    driver = load("egl")
+    chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)
+    lens = ray_traced.truth(chosen, "hexagon")
+    found = {m: metrics.psnr(truth.picture(driver, chosen, m), lens) for m in ("paper", "gather", "exact")}
+    assert found["exact"] >= max(found["gather"], found["paper"] + better), found
 
 
 # ----------------------------------------------------------------------------------------------------------------------

@@ -196,8 +196,13 @@ def test_orthographic_camera_with_a_near_plane_below_zero(kind, driver):
 
 @pytest.mark.parametrize("method", ["exact", "layered"])
 def test_glass_with_a_coc_of_its_own(method):
-    """Recipe 3 of docs/inputs.md: its CoC drawn into the map's alpha gives, to the bit, what its depth would give."""
+    """Recipe 3 of docs/inputs.md: its CoC drawn into the map's alpha gives, to the bit, what its depth would give.
+
+    No pixel is 4 times as bright as its neighbour: beside such a light the map has the light's CoC, which the recipe
+    does not draw.
+    """
     case, driver = noise_case((48, 32), methods.Settings(method, "hexagon", camera=CAMERA)), load("egl")
+    case.color[..., :3] = case.color[..., :3].clip(1.0, 3.0)
     (first, *rest), glass = case.plan.passes, (slice(8, 24), slice(10, 30))
     depth = case.depth.copy()
     depth[glass] = 2.5

@@ -48,6 +48,8 @@ NOTICED = {
     "near-edge-hexagon": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}, {"squeeze": 0.8}],
     "near-edge-octagon": [{"aperture": "square"}],
     "layered-light-9": [{"rotation": 30.0}, {"camera": replace(near_edges.CAMERA, aperture_diameter=1.2)}],
+    # as wide as the background's, by the camera; and another polygon
+    "lights-apart-exact": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.1)}, {"aperture": "octagon"}],
     "silhouette-light": [{"coc": 0.3}],
     "covered-light": [{"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}],
     # no cut, half of one, and a CoC that is too small; no colour, too little, and red for blue

@@ -245,7 +245,7 @@ func _frame() -> Array[Array]:
 		rows.append(["metres", 1, "vec4(min(SceneDepth(UV), 65000.0), 0.0, 0.0, 1.0)"])
 		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), abs(BokehSignedCoC(BokehPaperDepth(metres, UV), %s)))" % LENS])
 	else:
-		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), BokehSignedCoC(SceneDepth(UV), %s))" % LENS])
+		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), SceneCoC(UV, image_size, %s))" % LENS])
 	for row: Array in passes[sides]:
 		rows.append(row)
 	return rows

@@ -1,0 +1,142 @@
+"""A light whose CoC is not that of its background: its polygon, its light, and whether anything shows inside it."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from bokeh_validation.frame import geometry, methods
+from bokeh_validation.probes.highlight import Bokeh, polygon_of
+from bokeh_validation.probes.lights import mean_spread
+from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
+from bokeh_validation.probes.near_edges import CAMERA, checker, metres
+
+LIGHT, AMBIENT = 200.0, 0.125
+SIZE = (128, 128)
+BACKGROUND = 40  # CoC in pixels, below 0 in front of the focus
+# The rim is a pixel and a light wide; ripple is looked for in the rest of the polygon
+INSIDE = 0.75
+
+
+@dataclass(frozen=True)
+class Apart:
+    """A light of some pixels on a side, over a plane of another CoC, flat or a checker."""
+
+    coc: float
+    pixels: int
+    background: float = BACKGROUND
+    textured: bool = False
+
+    @property
+    def label(self) -> str:
+        """For reports."""
+        plane = "a checker" if self.textured else "a plane"
+        return f"{self.pixels} px of CoC {self.coc:g} on {plane} of {self.background:g}"
+
+    def case(self, chosen: methods.Settings) -> Case:
+        """The light is blue; the plane is red and green, and a little blue."""
+        color, depth = flat(SIZE), depth_of(SIZE, metres(self.background, SIZE[1]))
+        color[..., :3] = 0.01, 0.01, AMBIENT
+        if self.textured:
+            color[..., :2] = checker(SIZE)[..., None]
+        light = (slice(self.first, self.first + self.pixels),) * 2
+        color[light][..., :3] = 0.0, 0.0, LIGHT + AMBIENT
+        depth[light] = metres(self.coc, SIZE[1])
+        return Case(self.label, chosen, color, depth)
+
+    @property
+    def first(self) -> int:
+        """Its first row and column."""
+        return SIZE[0] // 2 - self.pixels // 2
+
+    def measured(self, result: np.ndarray, aperture: str = "hexagon") -> tuple[float, float, float]:
+        """Overlap with the light's own polygon, ripple inside the smaller of its and the plane's, light kept."""
+        blue, total = result[..., 2] - AMBIENT, LIGHT * self.pixels**2
+        one = Bokeh(polygon_of(aperture, 0.0, self.coc), SIZE, pixel_center(self.first, self.first))
+        smaller = INSIDE * polygon_of(aperture, 0.0, min(abs(self.coc), abs(self.background)))
+        middle = (self.first + self.pixels / 2,) * 2
+        inside = blue[geometry.coverage(smaller, SIZE, middle) == 1.0]
+        seen = overlap(blue.clip(0.0) / blue.sum(), mean_spread(one, self.pixels))
+        return seen, float(inside.std() / inside.mean()), float(blue.sum() / total)
+
+
+# Behind the focus with a smaller CoC than the plane, what research found reachable and the task asked for: CoC of the
+# light -> least overlap
+ASKED = {20: 0.77, 27: 0.85, 31: 0.88, 36: 0.90}
+RIPPLE, LIGHT_KEPT = 0.15, (0.90, 1.05)
+SMALLER = tuple(Apart(coc, pixels) for coc in ASKED for pixels in (2, 4))
+ALONE = Apart(27, 1)
+TEXTURED = Apart(27, 4, textured=True)
+WIDER = tuple(Apart(coc, 4) for coc in (48, 60, 80))
+IN_FRONT = (Apart(-27, 4, -BACKGROUND), Apart(-60, 4, -BACKGROUND))
+ACROSS = (Apart(-20, 4), Apart(-31, 2), Apart(-31, 4), Apart(-60, 4), Apart(27, 4, -BACKGROUND))
+CASES = (*SMALLER, ALONE, TEXTURED, *WIDER, *IN_FRONT, *ACROSS)
+
+
+def settings(method: str, aperture: str = "hexagon", **changes) -> methods.Settings:
+    """A method with its defaults; the leakage test, of 1080 rows, as far as it is in these."""
+    scale = 1080 / SIZE[1]
+    leakage = {"bleeding_bias": 0.02 * scale, "bleeding_mult": 30.0 / scale}
+    return methods.Settings(method, aperture, camera=CAMERA, **leakage, **changes)
+
+
+METHODS = ("paper", "exact", "layered")
+# Overlap, ripple, light kept of each of METHODS, measured on llvmpipe; docs/results.md has them too
+# fmt: off
+RECORDED = {
+    "2 px of CoC 20 on a plane of 40": ((0.15, 0.81, 0.72), (0.79, 0.10, 0.97), (0.36, 1.00, 1.04)),
+    "4 px of CoC 20 on a plane of 40": ((0.18, 0.42, 0.76), (0.91, 0.03, 1.00), (0.76, 0.31, 1.04)),
+    "2 px of CoC 27 on a plane of 40": ((0.26, 0.82, 0.71), (0.86, 0.09, 1.01), (0.78, 0.02, 1.04)),
+    "4 px of CoC 27 on a plane of 40": ((0.30, 0.30, 0.75), (0.95, 0.03, 1.01), (0.94, 0.03, 1.01)),
+    "2 px of CoC 31 on a plane of 40": ((0.34, 0.78, 0.71), (0.89, 0.10, 1.00), (0.83, 0.02, 1.04)),
+    "4 px of CoC 31 on a plane of 40": ((0.41, 0.30, 0.75), (0.95, 0.03, 1.00), (0.95, 0.02, 1.01)),
+    "2 px of CoC 36 on a plane of 40": ((0.43, 0.81, 0.71), (0.92, 0.09, 0.98), (0.90, 0.02, 1.02)),
+    "4 px of CoC 36 on a plane of 40": ((0.57, 0.29, 0.74), (0.96, 0.04, 0.98), (0.94, 0.02, 1.01)),
+    "1 px of CoC 27 on a plane of 40": ((0.17, 1.90, 0.68), (0.48, 0.70, 1.09), (0.53, 0.05, 1.11)),
+    "4 px of CoC 27 on a checker of 40": ((0.30, 0.30, 0.75), (0.94, 0.03, 1.01), (0.85, 0.02, 1.04)),
+    "4 px of CoC 48 on a plane of 40": ((0.68, 0.29, 0.70), (0.59, 0.06, 0.98), (0.88, 0.01, 0.98)),
+    "4 px of CoC 60 on a plane of 40": ((0.39, 0.29, 0.70), (0.33, 0.10, 0.97), (0.80, 0.01, 0.95)),
+    "4 px of CoC 80 on a plane of 40": ((0.19, 0.28, 0.69), (0.17, 0.14, 0.96), (0.76, 0.02, 0.94)),
+    "4 px of CoC -27 on a plane of -40": ((0.30, 0.30, 0.75), (0.38, 0.24, 1.05), (0.94, 0.03, 1.01)),
+    "4 px of CoC -60 on a plane of -40": ((0.39, 0.29, 0.70), (0.33, 0.17, 0.94), (0.81, 0.06, 0.95)),
+    "4 px of CoC -20 on a plane of 40": ((0.18, 0.42, 0.76), (0.88, 0.13, 1.00), (0.90, 0.04, 1.00)),
+    "2 px of CoC -31 on a plane of 40": ((0.34, 0.78, 0.71), (0.82, 0.27, 1.01), (0.89, 0.02, 1.00)),
+    "4 px of CoC -31 on a plane of 40": ((0.41, 0.30, 0.75), (0.92, 0.14, 1.02), (0.94, 0.02, 1.00)),
+    "4 px of CoC -60 on a plane of 40": ((0.39, 0.29, 0.70), (0.33, 0.15, 1.00), (0.94, 0.06, 1.00)),
+    "4 px of CoC 27 on a plane of -40": ((0.30, 0.30, 0.75), (0.36, 0.91, 0.79), (0.57, 0.08, 0.58)),
+}
+# fmt: on
+# Drivers differ by less; a change of a method has to be seen
+KNOWN = 0.02
+
+
+def _bounds(apart: Apart, method: str) -> tuple[tuple[float, float, float, float], str]:
+    """(least overlap, most ripple, least light, most light), and why."""
+    if method == "exact" and (apart in SMALLER or apart == TEXTURED):
+        return (ASKED[round(apart.coc)], RIPPLE, *LIGHT_KEPT), "asked for"
+    seen, ripple, light = RECORDED[apart.label][METHODS.index(method)]
+    return (seen - KNOWN, ripple + KNOWN, light - KNOWN, light + KNOWN), "recorded, for a change to be seen"
+
+
+def _judge(method: str, outputs: dict[str, Outputs]) -> list[Check]:
+    checks = []
+    for apart in CASES:
+        seen, ripple, light = apart.measured(outputs[apart.label]["result"])
+        (least, most, dimmest, brightest), why = _bounds(apart, method)
+        checks += [
+            Check(f"overlap with the polygon, {apart.label}", seen, least, 1.0, why),
+            Check(f"ripple inside, {apart.label}", ripple, 0.0, most, why),
+            Check(f"light kept, {apart.label}", light, dimmest, brightest, why),
+        ]
+    return checks
+
+
+def probe(method: str) -> Probe:
+    """The probe of one method."""
+    title = f"A light keeps its own size whatever is behind it, {method}"
+    shows = "A flat hexagon of the light's CoC; of exact, one of the background's where that has the smaller CoC."
+    cases = tuple(apart.case(settings(method)) for apart in CASES)
+    return Probe(f"lights-apart-{method}", title, shows, cases, partial(_judge, method), method == "exact")
+
+
+PROBES = tuple(probe(method) for method in METHODS)

@@ -1,0 +1,90 @@
+"""The lines of an exact hexagon, in float64: they start at the pixel, and a sample counts by its own CoC.
+
+A cell is a piece of a line, from `begin` to `end` of it, 0 at the pixel and 1 at the far end, with one sample.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bokeh_validation.reference import sampling
+
+# the place of a sample relative to the pixel, texels; begin and end of its cell
+Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+# Behind the focus: the most that a light is denser than its surroundings. In front of it: what a sharp sample weighs
+MOST_DENSITY, SHARP = 4.0, 0.5
+# From this share of the pixel's CoC on a sample begins to belong to its surface
+SURFACE = 0.75
+# Rounding must not change a constant CoC
+HANDED_ON = 1.001
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """What one line gathers.
+
+    samples  (N, H, W, C)
+    cells    (N, H, W): the share of the line that each sample stands for
+    weights  (N, H, W)
+    reached  (N, H, W): weights without the density
+    """
+
+    samples: np.ndarray
+    cells: np.ndarray
+    weights: np.ndarray
+    reached: np.ndarray
+
+
+def weights(sample_coc, center_coc, begin, end):
+    """(weight, weight without density, part of the weight that is the pixel's own surface) of a cell.
+
+    Behind the focus the blur of a sample of CoC s reaches s / c of the line of a pixel of CoC c. In front of the focus
+    it reaches all of it: a sample weighs by its size, at least half; what is in front of the focus too, at least as
+    much more as its CoC is an eighth of the pixel's.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        side = np.where(center_coc == 0.0, 1.0, sample_coc / center_coc)
+    ratio = np.minimum(np.abs(side), 1.0)
+    is_near = center_coc < 0.0
+    reached = np.where(
+        is_near,
+        (end - begin) * np.maximum(ratio, np.clip(SHARP + 4.0 * side, SHARP, 1.0)),
+        np.minimum(end, ratio) - np.minimum(begin, ratio),
+    )
+    weight = reached * np.where(is_near, 1.0, np.minimum(1.0 / np.maximum(ratio, 1e-9), MOST_DENSITY))
+    return weight, reached, weight * np.clip((side - SURFACE) / (1.0 - SURFACE), 0.0, 1.0)
+
+
+def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) -> Gathered:
+    """A line through a texture, CoC in the last channel.
+
+    Where the weights come to more than the line, the pixel's own surface gives up as much.
+    """
+    row, column = np.mgrid[0 : len(source), 0 : source.shape[1]] + 0.5
+    samples, found, widths = [], [], []
+    for x, y, begin, end in cells:
+        samples.append(sampling.bilinear(source, column + x, row + y))
+        found.append(weights(samples[-1][..., -1], center_coc, begin, end))
+        widths.append(np.broadcast_to(end - begin, center_coc.shape))
+    weight, reached, own = np.moveaxis(np.array(found), 1, 0)
+    covered = np.clip((weight.sum(axis=0) - 1.0) / np.maximum(own.sum(axis=0), 1e-5), 0.0, 1.0)
+    return Gathered(np.array(samples), np.array(widths), weight - covered * own, reached - covered * own)
+
+
+def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:
+    """The mean of several lines, each with its share; the pixel itself where nothing reached it.
+
+    hands_on  alpha is less than the pixel's CoC where brightness came from what has a smaller one
+    """
+    color, total, light, reached = np.zeros_like(center[..., :3]), 0.0, 0.0, 0.0
+    for line, share in lines:
+        brightness = line.samples[..., :3].sum(axis=-1)
+        color = color + np.asarray(share)[..., None] * (line.samples[..., :3] * line.weights[..., None]).sum(axis=0)
+        total = total + share * line.weights.sum(axis=0)
+        light = light + share * (line.weights * brightness).sum(axis=0)
+        reached = reached + share * (line.reached * brightness).sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(total[..., None] > 0.0, color / total[..., None], center[..., :3])
+        smaller = np.where(light > 0.0, np.minimum(reached / light * HANDED_ON, 1.0), 1.0)
+    return np.concatenate([mean, (center[..., 3] * (smaller if hands_on else 1.0))[..., None]], axis=-1)
