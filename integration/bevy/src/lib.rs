@@ -170,7 +170,7 @@ impl Plugin for BokehPlugin {
         let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
         let shaders = [("bokeh.wgsl", text.to_string()), ("bokeh_multisampled.wgsl", text.replace(DEPTH[0], DEPTH[1]))]
             .map(|(name, text)| shaders.add(Shader::from_wgsl(text, name)));
-        app.register_type::<Bokeh>().add_plugins(ExtractComponentPlugin::<Bokeh, RenderApp>::default()).add_systems(PostUpdate, let_depth_be_read);
+        app.register_type::<Bokeh>().add_plugins(ExtractComponentPlugin::<Bokeh>::default()).add_systems(PostUpdate, let_depth_be_read);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -69,7 +69,7 @@ impl Plugin for CapturePlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Folder(self.folder.clone()))
             .init_resource::<Latest>()
-            .add_plugins(ExtractResourcePlugin::<Copies, RenderApp>::default())
+            .add_plugins(ExtractResourcePlugin::<Copies>::default())
             .add_systems(PostStartup, prepare)
             .add_systems(Last, next_shot);
         app.sub_app_mut(RenderApp).add_systems(
@@ -91,7 +91,7 @@ fn prepare(
     let mut picture = Image::new_target_texture(SMALL.x, SMALL.y, TextureFormat::Rgba8UnormSrgb, None);
     picture.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     let picture = images.add(picture);
-    let copies = buffers.add(ShaderBuffer::with_size(7 * texels(SIZE, 1) * 8, RenderAssetUsages::default()));
+    let copies = buffers.add(ShaderBuffer::with_size((7 * texels(SIZE, 1) * 8) as u64, RenderAssetUsages::default()));
     for (name, readback) in
         [("picture", Readback::texture(picture.clone())), ("copies", Readback::buffer(copies.clone()))]
     {
