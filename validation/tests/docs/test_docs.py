@@ -96,17 +96,21 @@ def test_results_of_the_readme():
 
 
 def test_engines_of_the_readme():
-    """Each engine of integration/README.md, with whether it has `layered`."""
+    """The README has each engine of integration/README.md, with the same methods, and says which were never run."""
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| \[([^]]+?)(?: 3\.3)?\]\([^|]*\|[^|]*\| ([^|]*) \|$", table, re.MULTILINE)
-    shown = re.findall(r"^\* \*\*(`layered`, )?`exact`\*\*: ([^*]*)$", text, re.MULTILINE)
-    found = {
-        name: bool(layered)
-        for layered, names in shown
-        for name in re.split(r"[,;]\s+", re.sub(r" \(.*", "", names).strip())
-    }
-    assert found == {name: "layered" in methods for name, methods in rows}
+    rows = re.findall(r"^\| \[.+?\]\((\w+/README\.md)\)[^|]*\| ([^|]*) \| ([^|]*) \|$", table, re.MULTILINE)
+    shown = re.findall(r"^\| \[.+?\]\(integration/(\w+/README\.md)\)([^|]*)\| ([^|]*) \|", text, re.MULTILINE)
+    wanted = {guide: (methods, "compile-checked" in version) for guide, version, methods in rows}
+    assert {guide: (methods, "compile-checked" in more) for guide, more, methods in shown} == wanted
+    assert len(wanted) >= 18
+
+
+def test_readme_shows_the_sample():
+    """The README's lines for three.js are those of the sample, which test_engines.py runs."""
+    text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```js\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert block in (paths.ROOT / "integration/threejs/webgl.js").read_text(encoding="utf-8")
 
 
 # What docs/troubleshooting.md says that a user sees -> the tests that keep this package from it. What is not named here
