@@ -6,6 +6,7 @@ import numpy as np
 
 from bokeh_validation import pictures
 from bokeh_validation.drivers.base import Driver
+from bokeh_validation.frame import methods
 from bokeh_validation.probes import lights_apart
 from bokeh_validation.probes.model import drawn as drawn_case
 from bokeh_validation.truth import ray_traced
@@ -23,6 +24,39 @@ LENSES = {"plain lens": {"axial": (-0.005, 0.011)}, "achromat": {"axial": (-0.00
 
 # The loop: metres that are focused first and last, frames on the way, milliseconds of each, quality of the WebP
 NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = 0.9, 8.0, 24, 70, 75
+
+# docs/artists.md: the left lights and the leaves, smaller; the lens is f/2.8 at a bokeh scale of 4
+LIGHTS = (626, 20, 240, 200)
+
+
+def wider(stop: float, scale: float, **changes: float) -> methods.Camera:
+    """The lens of the scene at another f-stop and bokeh scale."""
+    return replace(CAMERA, aperture_diameter=scale * CAMERA.focal_length / stop, **changes)
+
+
+# Control -> caption -> what drawn() takes
+CONTROLS = {
+    "f_stop": {f"f/{stop}": {"camera": wider(stop, 4.0), "cut": LIGHTS} for stop in (8.0, 5.6, 2.8)},
+    "bokeh_scale": {f"bokeh scale {scale}": {"camera": wider(2.8, scale), "cut": LIGHTS} for scale in (0.0, 1.0, 4.0)},
+    "focus_distance": {
+        f"focus at {metres} m": {"camera": replace(CAMERA, focus_distance=metres), "width": 240}
+        for metres in (1.0, 2.42, 8.0)
+    },
+    "focus_range": {
+        "no sharp range": {"width": 240},
+        "20 m behind stay sharp": {"focus": methods.Focus(sharp=(0.0, 20.0)), "width": 240},
+        "near scale 0": {"focus": methods.Focus(scale=(0.0, 1.0)), "width": 240},
+    },
+    "polygon": {f"{name}": {"aperture": name, "cut": LIGHTS} for name in ("square", "hexagon", "octagon", "decagon")},
+    "rotation": {f"{degrees:g} degrees": {"rotation": degrees, "cut": LIGHTS} for degrees in (0.0, 15.0, 30.0)},
+    "squeeze": {f"squeeze {squeeze}": {"squeeze": squeeze, "cut": LIGHTS} for squeeze in (1.0, 0.75, 0.5)},
+    "cats_eye": {f"cat's eye {amount}": {"cats_eye": amount, "cut": CORNER} for amount in (0.0, 0.4, 0.8)},
+    "roundness": {
+        f"roundness {amount}": {"aperture": "octagon", "roundness": amount, "cut": LIGHTS} for amount in (0.0, 0.5, 1.0)
+    },
+    "lateral": {f"lateral colour {amount}": {"lateral": amount, "cut": CORNER} for amount in (0.0, 0.003, 0.01)},
+    "preset": {f"preset {name.upper()}": {"preset": name, "cut": LIGHTS} for name in ("low", "medium", "high")},
+}
 
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
@@ -46,6 +80,7 @@ PICTURES = {
         {"lateral colour, 0.01": {**LATERAL, "lateral": 0.01}}
         | {f"axial colour, {lens}: near lights": AXIAL | axial | {"camera": NEAR} for lens, axial in LENSES.items()},
     ],
+    **{f"control_{name}": [views] for name, views in CONTROLS.items()},
     "layers": [
         {name: {"target": name, "width": 240} for name in names}
         for names in (("near", "near blurred", "middle"), ("far", "far blurred", "back"))
