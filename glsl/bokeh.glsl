@@ -902,8 +902,8 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polyg
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+    return BokehResolved(L2.sum, pixel);
 }
 
 // Exact: first pass of a hexagon
@@ -918,9 +918,9 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
     BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings);
+    return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
 // Exact: first pass of an octagon
@@ -935,10 +935,10 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+    return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
 // Exact: first pass of a decagon
@@ -953,9 +953,9 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
     BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
     vec4 pixel = BokehFetch(Edge2Samp, uv);
-    vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+    BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings);
+    return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

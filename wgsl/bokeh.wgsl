@@ -838,9 +838,9 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    return BokehResolved(sum, pixel);
+    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    return BokehResolved(L2.sum, pixel);
 }
 
 // Exact: first pass of a hexagon
@@ -855,11 +855,11 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
     polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
-        BokehLinearClamp).sum;
-    return BokehResolved(sum, pixel);
+    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+        BokehLinearClamp);
+    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+        BokehLinearClamp);
+    return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
 // Exact: first pass of an octagon
@@ -875,13 +875,13 @@ fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    return BokehResolved(sum, pixel);
+    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
 // Exact: first pass of a decagon
@@ -897,13 +897,13 @@ fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
     settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
-        BokehLinearClamp).sum;
-    return BokehResolved(sum, pixel);
+    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    let L5: BokehLine = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+        BokehLinearClamp);
+    return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

@@ -89,13 +89,13 @@ float3 Expanded(float3 color)
     float3 low = color / 12.92;
     float3 high = pow(abs(color + 0.055) / 1.055, 2.4);
     float3 light = color <= 0.04045 ? low : high;
-    return light / (1.0 - Highlights * min(BokehLightBeside(light), 1.0));
+    return light / (1.0 - Highlights * min(BokehBrightest(light), 1.0));
 }
 
 // The other way round
 float3 Compressed(float3 light)
 {
-    light = light / (1.0 + Highlights * BokehLightBeside(light));
+    light = light / (1.0 + Highlights * BokehBrightest(light));
     float3 low = light * 12.92;
     float3 high = 1.055 * pow(abs(light), 1.0 / 2.4) - 0.055;
     return light <= 0.0031308 ? low : high;

@@ -568,8 +568,8 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-return BokehResolved(sum, pixel);
+BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+return BokehResolved(L2.sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
 BokehFilter settings)
@@ -580,9 +580,9 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 u
 BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings).sum;
-return BokehResolved(sum, pixel);
+BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings);
+return BokehResolved(L2.sum + L3.sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
 BokehFilter settings)
@@ -593,10 +593,10 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
-return BokehResolved(sum, pixel);
+BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
 BokehFilter settings)
@@ -607,11 +607,11 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
 {
 vec4 pixel = BokehFetch(Edge2Samp, uv);
-vec4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings).sum;
-return BokehResolved(sum, pixel);
+BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings);
+return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
 `,
   bokeh_paper: `
@@ -2305,9 +2305,9 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum, pixel);
 }
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -2318,11 +2318,11 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
 polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum, pixel);
 }
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -2334,13 +2334,13 @@ Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFil
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -2352,15 +2352,15 @@ Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: Boke
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L5: BokehLine = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
 `,
   bokeh_paper: `

@@ -12,7 +12,20 @@ from lines import Line, lines
 
 from bokeh_validation.frame.methods import FOCUS, LENS
 from bokeh_validation.reference import listings, sampling
-from bokeh_validation.shaders.entries import ADAPTIVE, COPY, DEPTH, EDGE, FIRST, GRID, LATERAL, LINE, SECOND, STEADY, TABLE, VIEW
+from bokeh_validation.shaders.entries import (
+    ADAPTIVE,
+    COPY,
+    DEPTH,
+    EDGE,
+    FIRST,
+    GRID,
+    LATERAL,
+    LINE,
+    SECOND,
+    STEADY,
+    TABLE,
+    VIEW,
+)
 from bokeh_validation.shaders.passes import Pass
 
 # Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times

@@ -930,9 +930,9 @@ float4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, float2 uv, BokehPolygon polygo
     BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
-        settings BOKEH_LINEAR).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    return BokehResolved(L2.sum, pixel);
 }
 
 // Exact: first pass of a hexagon
@@ -947,10 +947,11 @@ float4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, floa
     BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a,
-        settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings BOKEH_LINEAR).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings
+        BOKEH_LINEAR);
+    return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
 // Exact: first pass of an octagon
@@ -965,11 +966,13 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKE
     float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
-        settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
 // Exact: first pass of a decagon
@@ -984,10 +987,13 @@ float4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKE
     BOKEH_TEXTURE Edge5Samp, float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    float4 sum = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a,
-        settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
-    sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings BOKEH_LINEAR).sum;
-    return BokehResolved(sum, pixel);
+    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings
+        BOKEH_LINEAR);
+    return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

@@ -32,7 +32,9 @@ def of_pass(item: Pass) -> dict[str, int]:
     samples = item.samples if "KernelSamp" in item.inputs else lines(item) * item.samples
     # red and blue; the 3 x 3 around the pixel, and two other textures; the four pixels next to this one, and depth only
     # of the one that is a light
-    others += 2 * (item.spec.role == LATERAL) + 11 * (item.spec.role == STEADY) + 4 * (item.entry == "BokehSignedCoCMap")
+    others += (
+        2 * (item.spec.role == LATERAL) + 11 * (item.spec.role == STEADY) + 4 * (item.entry == "BokehSignedCoCMap")
+    )
     depth = 1 + samples if "DepthSamp" in item.inputs else 0
     return {
         "color": 0 if item.spec.role == DEPTH else 1 + others + samples,

@@ -20,7 +20,20 @@ from bokeh_validation.probes import (  # fmt: skip
 )
 from bokeh_validation.probes.model import Check, Probe
 
-_ROOMS = (impulse, two_points, scenes, exact, halo, near_edges, lights, lights_apart, flatness, sweep, character, border)
+_ROOMS = (
+    impulse,
+    two_points,
+    scenes,
+    exact,
+    halo,
+    near_edges,
+    lights,
+    lights_apart,
+    flatness,
+    sweep,
+    character,
+    border,
+)
 PROBES: tuple[Probe, ...] = tuple(probe for room in _ROOMS for probe in room.PROBES)
 REAL = tuple(name for name in drivers.NAMES if name != "reference")
 

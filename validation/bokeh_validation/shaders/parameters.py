@@ -27,7 +27,9 @@ BLOCK = {
     "BokehAspectRatio": Parameter(1.0, "", "width / height of the image"),
     "BokehAngle": Parameter(0.0, "radians", "of the polygon; paper: of the line"),
     "BokehAngleB": Parameter(0.0, "radians", "NaiveGrid: the other side"),
-    "BokehBleedingBias": Parameter(0.02, "height", "CoC difference let pass; 2: no leakage test; exact: not the hexagon"),
+    "BokehBleedingBias": Parameter(
+        0.02, "height", "CoC difference let pass; 2: no leakage test; exact: not the hexagon"
+    ),
     "BokehBleedingMult": Parameter(30.0, "1/height", "weight per CoC; exact: not the hexagon"),
     "BokehBlurCoC": Parameter(1.0, "", "paper: 1 averages the CoC with the colour"),
     "BokehUseMax": Parameter(0.0, "", "paper: 0 min, 1 max"),

@@ -105,8 +105,8 @@ def test_a_ray_has_no_step():
 
     Both CoC enter by r alone, the sample's over the pixel's. Behind the focus sample i of N weighs
     clamp(|r| N - i, 0, 1) / max(|r|, 1/4): per unit of r the clamp changes that by 4 N, and 1 / |r| by 16. In front of
-    it the weight changes by 4, where the half sets in over an eighth. What belongs to the pixel's surface is the weight,
-    at most 4, times a ramp of slope 4.
+    it the weight changes by 4, where the half sets in over an eighth. What belongs to the pixel's surface is the
+    weight, at most 4, times a ramp of slope 4.
     """
     count, step = 9.0, 1e-5
     begin, end = (np.arange(9)[:, None] + np.array([0.0, 1.0])).T[..., None] / count
