@@ -511,9 +511,9 @@ fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygo
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum, pixel);
 }
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -524,11 +524,11 @@ fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv
 polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum, pixel);
 }
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -540,13 +540,13 @@ Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFil
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
@@ -558,15 +558,15 @@ Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: Boke
 settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-var sum: vec4f = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-sum += BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
-BokehLinearClamp).sum;
-return BokehResolved(sum, pixel);
+let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+let L5: BokehLine = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+BokehLinearClamp);
+return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
 override BOKEH_PAPER_SAMPLES: i32 = 13;
 fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
