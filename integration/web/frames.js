@@ -16,14 +16,19 @@ const metresOf = (depth, at = 'uv') => `BokehLinearDepth(BokehFetchDepth(depth, 
 // Depth in metres for paper, in a texture of its own, where the engine has none
 export const METRES = [['metres'], 1, `vec4(${metresOf(DEPTH)})`];
 
-// The first pass of a method
-function cocMap(method, focusRange, depth) {
-  const focusedAt = (at) => `BokehFocusedCoC(${metresOf(depth, at)}, lens, focus)`;
-  const focusedCoC = `BokehLightCoC(${focusedAt('uv')}, ${focusedAt('uv + neighbor.xy')}, neighbor.z, imageSize.y)`;
-  const focused = `BokehPackCoC(BokehFetchTexel(color, uv), ${focusedCoC})`;
+// The first pass of a method. With alpha, a pixel beside a brighter one keeps its own circle of confusion: what the page
+// adds behind it is not there yet, so a brighter pixel need not be a light.
+function cocMap({ method, extras, alpha }, depth) {
+  if (method === 'paper') return [['coc'], 1, 'BokehCoCMap(color, metres, uv, lens)'];
+  const focusRange = extras.includes('focusRange');
+  const cocAt = (at) =>
+    focusRange ? `BokehFocusedCoC(${metresOf(depth, at)}, lens, focus)` : `BokehSignedCoC(${metresOf(depth, at)}, lens)`;
+  const packed = (coc) => [['coc'], 1, `BokehPackCoC(BokehFetchTexel(color, uv), ${coc})`];
+  if (alpha) return packed(cocAt('uv'));
+  const ofLight = `BokehLightCoC(${cocAt('uv')}, ${cocAt('uv + neighbor.xy')}, neighbor.z, imageSize.y)`;
+  if (focusRange) return packed(ofLight);
   const [kind, near, far] = depth.split(', ');
-  const signed = `BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, ${kind}, vec2(${near}, ${far}))`;
-  return [['coc'], 1, method === 'paper' ? 'BokehCoCMap(color, metres, uv, lens)' : focusRange ? focused : signed];
+  return [['coc'], 1, `BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, ${kind}, vec2(${near}, ${far}))`];
 }
 
 // In place of the result of a method, [depth, circle of confusion, near and far field]: grey, 0.5 at the focus distance;
@@ -219,7 +224,7 @@ function withAlpha(rows) {
 // All passes of a method for 4, 6, 8 or 10 sides; paper has those of 6 and 8. The last one writes `result`.
 export function frame({ method, sides, extras = [], alpha = false }, depth = DEPTH) {
   const others = { layered: LAYERED, exact: EXACT, paper: PAPER }[method][sides];
-  let rows = [cocMap(method, extras.includes('focusRange'), depth), ...others];
+  let rows = [cocMap({ method, extras, alpha }, depth), ...others];
   if (alpha) rows = withAlpha(rows);
   if (!extras.includes('lateral')) return rows;
   return [...rows.map((row) => renamed(row, 'plain')), [['result'], 1, 'BokehLateralColor(plain, uv, lateral)']];

@@ -71,32 +71,32 @@ precision highp sampler2D;
 #define BOKEH_DEPTH_TEXTURE sampler2D
 #define BOKEH_DEPTH_SIZE(tex) textureSize(tex, 0)
 #endif
-vec4 BokehFetchTexture(BOKEH_TEXTURE tex, vec2 coords)
+vec4 BokehFetchTexture(BOKEH_TEXTURE tex,vec2 coords)
 {
-return textureLod(tex, coords, 0.0);
+return textureLod(tex,coords,0.0);
 }
-vec4 BokehFetchTexel(BOKEH_TEXTURE tex, vec2 coords)
+vec4 BokehFetchTexel(BOKEH_TEXTURE tex,vec2 coords)
 {
-ivec2 size = textureSize(tex, 0);
-ivec2 texel = ivec2(clamp(coords, 0.0, 1.0) * vec2(size));
-return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0);
+ivec2 size = textureSize(tex,0);
+ivec2 texel = ivec2(clamp(coords,0.0,1.0) * vec2(size));
+return texelFetch(tex,min(texel,size - ivec2(1,1)),0);
 }
-float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
+float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords)
 {
 ivec2 size = BOKEH_DEPTH_SIZE(tex);
-ivec2 texel = ivec2(clamp(coords, 0.0, 1.0) * vec2(size));
-return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0).r;
+ivec2 texel = ivec2(clamp(coords,0.0,1.0) * vec2(size));
+return texelFetch(tex,min(texel,size - ivec2(1,1)),0).r;
 }
 #endif
-vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
-vec4 BokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
-void BokehSetViewport(vec4 viewport, vec2 textureSize)
+vec4 BokehViewport = vec4(0.0,0.0,1.0,1.0);
+vec4 BokehViewportBounds = vec4(0.0,0.0,1.0,1.0);
+void BokehSetViewport(vec4 viewport,vec2 textureSize)
 {
 if (BOKEH_VIEWPORT > 0)
 {
-vec2 inset = min(vec2(0.5078125, 0.5078125), viewport.zw * 0.5);
+vec2 inset = min(vec2(0.5078125,0.5078125),viewport.zw * 0.5);
 BokehViewport = viewport / textureSize.xyxy;
-BokehViewportBounds = vec4(viewport.xy + inset, viewport.xy + viewport.zw - inset) /
+BokehViewportBounds = vec4(viewport.xy + inset,viewport.xy + viewport.zw - inset) /
 textureSize.xyxy;
 }
 }
@@ -105,14 +105,14 @@ vec2 BokehToTexture(vec2 uv)
 vec2 coords = uv;
 if (BOKEH_VIEWPORT > 0)
 {
-coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy,
+coords = clamp(BokehViewport.xy + uv * BokehViewport.zw,BokehViewportBounds.xy,
 BokehViewportBounds.zw);
 }
 return coords;
 }
-vec4 BokehFetch(BOKEH_TEXTURE tex, vec2 uv)
+vec4 BokehFetch(BOKEH_TEXTURE tex,vec2 uv)
 {
-return BokehFetchTexture(tex, BokehToTexture(uv));
+return BokehFetchTexture(tex,BokehToTexture(uv));
 }
 struct BokehLens
 {
@@ -122,7 +122,7 @@ float focusDistance;
 float sensorHeight;
 float maxCoC;
 };
-BokehLens BokehMakeLens(float apertureDiameter, float focalLength, float focusDistance)
+BokehLens BokehMakeLens(float apertureDiameter,float focalLength,float focusDistance)
 {
 BokehLens lens;
 lens.apertureDiameter = apertureDiameter;
@@ -132,28 +132,28 @@ lens.sensorHeight = 0.024;
 lens.maxCoC = 0.1;
 return lens;
 }
-float BokehSignedCoC(float depth, BokehLens lens)
+float BokehSignedCoC(float depth,BokehLens lens)
 {
-float focus = min(lens.focusDistance, BOKEH_MAX_DEPTH);
-float magnification = lens.focalLength / max(focus - lens.focalLength, BOKEH_MIN_DEPTH);
+float focus = min(lens.focusDistance,BOKEH_MAX_DEPTH);
+float magnification = lens.focalLength / max(focus - lens.focalLength,BOKEH_MIN_DEPTH);
 float c = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
-float CoC = clamp(c / max(lens.sensorHeight, BOKEH_MIN_DEPTH), 0.0, lens.maxCoC);
+float CoC = clamp(c / max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
 if (depth < focus)
 {
 CoC = -CoC;
 }
 return CoC;
 }
-float BokehSafe(float value, float least, float most)
+float BokehSafe(float value,float least,float most)
 {
 float safe = least;
 if (value >= least)
 {
-safe = min(value, most);
+safe = min(value,most);
 }
 return safe;
 }
-float BokehLinearDepth(float stored, int kind, float near, float far)
+float BokehLinearDepth(float stored,int kind,float near,float far)
 {
 float depth = stored;
 if (kind == 1)
@@ -196,70 +196,70 @@ if (stored >= 0.0)
 depth = exp2(stored * log2(far + 1.0)) - 1.0;
 }
 }
-return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+return BokehSafe(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
 }
-vec4 BokehPackCoC(vec4 color, float CoC)
+vec4 BokehPackCoC(vec4 color,float CoC)
 {
-return vec4(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
-BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+return vec4(BokehSafe(color.r,0.0,BOKEH_MAX_COLOR),BokehSafe(color.g,0.0,BOKEH_MAX_COLOR),
+BokehSafe(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
 float BokehBrightness(vec4 color)
 {
-vec4 safe = BokehPackCoC(color, 0.0);
+vec4 safe = BokehPackCoC(color,0.0);
 return safe.r + safe.g + safe.b;
 }
-vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+vec3 BokehBrighter(vec3 brightest,vec4 color,vec2 direction)
 {
 vec3 result = brightest;
 float brightness = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3(direction, brightness);
+result = vec3(direction,brightness);
 }
 return result;
 }
-vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+vec3 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
 {
-float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-vec3 brightest = vec3(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
-brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
-brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
-brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
-return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+float minBrightness = max(4.0 * BokehBrightness(color),0.0000001);
+vec3 brightest = vec3(0.0,0.0,minBrightness);
+brightest = BokehBrighter(brightest,right,vec2(1.0,0.0));
+brightest = BokehBrighter(brightest,left,vec2(-1.0,0.0));
+brightest = BokehBrighter(brightest,below,vec2(0.0,1.0));
+brightest = BokehBrighter(brightest,above,vec2(0.0,-1.0));
+return vec3(brightest.xy,min(brightest.z / minBrightness - 1.0,1.0));
 }
-vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
 {
-vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
-vec2 right = vec2(pixel.x, 0.0);
-vec2 below = vec2(0.0, pixel.y);
-vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-return vec3(brightest.xy * pixel, brightest.z);
+vec2 pixel = 1.0 / max(imageSize,vec2(1.0,1.0));
+vec2 right = vec2(pixel.x,0.0);
+vec2 below = vec2(0.0,pixel.y);
+vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv - below)));
+return vec3(brightest.xy * pixel,brightest.z);
 }
-float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+float BokehLightCoC(float CoC,float lightCoC,float weight,float imageHeight)
 {
-float sharper = min(abs(CoC), abs(lightCoC));
-float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+float sharper = min(abs(CoC),abs(lightCoC));
+float blurred = clamp(sharper * imageHeight - 1.0,0.0,1.0);
+return CoC + (min(lightCoC,CoC) - CoC) * (weight * blurred);
 }
-vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
+vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
+vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
 {
-float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
-float CoC = BokehSignedCoC(depth, lens);
-vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
+float CoC = BokehSignedCoC(depth,lens);
+vec3 neighbor = BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if (neighbor.z > 0.0)
 {
 vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV + offset),kind,planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
 struct BokehFilter
 {
@@ -281,37 +281,37 @@ settings.bleedingBias = 0.02;
 settings.bleedingMult = 30.0;
 return settings;
 }
-float BokehFilterCoC(float CoC, float imageHeight)
+float BokehFilterCoC(float CoC,float imageHeight)
 {
 float filterCoC = CoC;
 if (BOKEH_SPACING > 0.0)
 {
-filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
+filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
 }
 return filterCoC;
 }
-float BokehCells(float lengthInPixels, float spacing)
+float BokehCells(float lengthInPixels,float spacing)
 {
 float cells = float(BOKEH_NUM_SAMPLES);
 if (BOKEH_SPACING > 0.0)
 {
-cells = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
+cells = clamp(lengthInPixels / spacing,1.0,float(BOKEH_NUM_SAMPLES));
 }
 return cells;
 }
-float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
+float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehFilter settings)
 {
-float scale = 1.0 / max(settings.bleedingBias, 0.001);
-float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-float weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+float scale = 1.0 / max(settings.bleedingBias,0.001);
+float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
+float weight = clamp(abs(sampleCoC) * settings.bleedingMult,0.0,1.0);
 return 1.0 - rejected * (1.0 - weight * weight);
 }
-vec4 BokehResolved(vec4 sum, vec4 centerPixel)
+vec4 BokehResolved(vec4 sum,vec4 centerPixel)
 {
 vec4 result = centerPixel;
 if (sum.a > 0.0)
 {
-result = vec4(sum.rgb / sum.a, centerPixel.a);
+result = vec4(sum.rgb / sum.a,centerPixel.a);
 }
 return result;
 }
@@ -333,33 +333,33 @@ vec4 edge3;
 vec4 edge4;
 vec4 edge5;
 };
-BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
+BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze)
 {
 float halfStep = 3.14159265 / float(sides);
 float edge = sin(halfStep);
 BokehPolygon polygon;
 polygon.sides = sides;
-polygon.axis = vec2(cos(rotation), sin(rotation));
+polygon.axis = vec2(cos(rotation),sin(rotation));
 polygon.squeeze = squeeze;
-polygon.lengths = vec4(edge, edge, edge, edge);
+polygon.lengths = vec4(edge,edge,edge,edge);
 polygon.fifth = edge;
-polygon.corner = vec2(0.5 * cos(halfStep), 0.5 * edge);
-polygon.mean = vec2(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * float(sides) -
+polygon.corner = vec2(0.5 * cos(halfStep),0.5 * edge);
+polygon.mean = vec2(0.0,0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * float(sides) -
 1.0)));
 polygon.area = 0.25 * float(sides) * edge * cos(halfStep);
 return polygon;
 }
-vec2 BokehRotated(vec2 direction, vec2 axis)
+vec2 BokehRotated(vec2 direction,vec2 axis)
 {
-return vec2(direction.x * axis.x - direction.y * axis.y, direction.x * axis.y + direction.y *
+return vec2(direction.x * axis.x - direction.y * axis.y,direction.x * axis.y + direction.y *
 axis.x);
 }
-vec2 BokehTurn(float k, BokehPolygon polygon)
+vec2 BokehTurn(float k,BokehPolygon polygon)
 {
 float angle = 6.28318531 / float(polygon.sides) * k;
-return vec2(cos(angle), sin(angle));
+return vec2(cos(angle),sin(angle));
 }
-float BokehEdgeLength(int k, BokehPolygon polygon)
+float BokehEdgeLength(int k,BokehPolygon polygon)
 {
 int edge = k;
 if (k > polygon.sides / 2)
@@ -385,41 +385,41 @@ edgeLength = polygon.fifth;
 }
 return edgeLength;
 }
-vec2 BokehEdge(int k, BokehPolygon polygon)
+vec2 BokehEdge(int k,BokehPolygon polygon)
 {
-vec2 outwards = BokehTurn(float(k), polygon);
-return vec2(-outwards.y, outwards.x) * BokehEdgeLength(k, polygon);
+vec2 outwards = BokehTurn(float(k),polygon);
+return vec2(-outwards.y,outwards.x) * BokehEdgeLength(k,polygon);
 }
-vec4 BokehEdgeLine(int k, BokehPolygon polygon, bool secondPass)
+vec4 BokehEdgeLine(int k,BokehPolygon polygon,bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k, polygon) * 0.5;
+vec2 halfEdge = BokehEdge(k,polygon) * 0.5;
 vec2 middle = polygon.corner - polygon.mean + halfEdge;
-vec4 before = clamp(float(k) - vec4(1.0, 2.0, 3.0, 4.0), vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
-1.0, 1.0, 1.0));
-middle += BokehEdge(1, polygon) * before.x + BokehEdge(2, polygon) * before.y + BokehEdge(3,
-polygon) * before.z + BokehEdge(4, polygon) * before.w;
+vec4 before = clamp(float(k) - vec4(1.0,2.0,3.0,4.0),vec4(0.0,0.0,0.0,0.0),vec4(1.0,
+1.0,1.0,1.0));
+middle += BokehEdge(1,polygon) * before.x + BokehEdge(2,polygon) * before.y + BokehEdge(3,
+polygon) * before.z + BokehEdge(4,polygon) * before.w;
 if (secondPass)
 {
 middle = -middle - polygon.corner;
 }
-vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
-return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+vec4 segment = vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment * vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-vec4 BokehEdgeWeights(int k, BokehPolygon polygon)
+vec4 BokehEdgeWeights(int k,BokehPolygon polygon)
 {
 float angle = 6.28318531 / float(polygon.sides);
-vec4 steps = max(vec4(float(k) - 1.0, float(k) - 2.0, float(k) - 3.0, float(k) - 4.0), vec4(0.0,
-0.0, 0.0, 0.0));
-return max(sin(steps * angle), vec4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+vec4 steps = max(vec4(float(k) - 1.0,float(k) - 2.0,float(k) - 3.0,float(k) - 4.0),vec4(0.0,
+0.0,0.0,0.0));
+return max(sin(steps * angle),vec4(0.0,0.0,0.0,0.0)) * polygon.lengths;
 }
-float BokehEdgeArea(int k, BokehPolygon polygon)
+float BokehEdgeArea(int k,BokehPolygon polygon)
 {
-return dot(BokehEdgeWeights(k, polygon), vec4(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
+return dot(BokehEdgeWeights(k,polygon),vec4(1.0,1.0,1.0,1.0)) * BokehEdgeLength(k,
 polygon);
 }
-vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
+vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k, polygon) * -0.5;
+vec2 halfEdge = BokehEdge(k,polygon) * -0.5;
 if (k == 2)
 {
 halfEdge = -halfEdge;
@@ -427,75 +427,75 @@ halfEdge = -halfEdge;
 vec2 middle = halfEdge;
 if (secondPass)
 {
-middle -= polygon.corner + BokehEdge(2, polygon);
+middle -= polygon.corner + BokehEdge(2,polygon);
 }
-vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
-return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+vec4 segment = vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment * vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
+vec3 BokehRayWeight(float sampleCoC,float centerCoC,float samples,int i)
 {
 float side = sampleCoC / centerCoC;
-float ratio = min(abs(side), 1.0);
-float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
-float density = 1.0 / max(ratio, 0.25);
+float ratio = min(abs(side),1.0);
+float reached = clamp(ratio * samples - float(i),0.0,1.0);
+float density = 1.0 / max(ratio,0.25);
 if (centerCoC < 0.0)
 {
-float sharp = clamp(0.5 + 4.0 * side, 0.5, 1.0);
-reached = clamp(samples - float(i), 0.0, 1.0) * max(ratio, sharp);
+float sharp = clamp(0.5 + 4.0 * side,0.5,1.0);
+reached = clamp(samples - float(i),0.0,1.0) * max(ratio,sharp);
 density = 1.0;
 }
 float weight = reached * density;
-return vec3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+return vec3(weight,reached,weight * clamp(4.0 * side - 3.0,0.0,1.0));
 }
 struct BokehLine
 {
 vec4 sum;
 float reached;
 };
-BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-bool rays, float centerCoC, BokehFilter settings)
+BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,
+bool rays,float centerCoC,BokehFilter settings)
 {
-vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 sum = vec4(0.0,0.0,0.0,0.0);
 float reached = 0.0;
-float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
+float CoC = BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if (CoC > 0.0)
 {
-vec4 segment = BokehEdgeLine(k, polygon, secondPass);
+vec4 segment = BokehEdgeLine(k,polygon,secondPass);
 if (rays)
 {
-segment = BokehRay(k, polygon, secondPass);
+segment = BokehRay(k,polygon,secondPass);
 }
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels, settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
+float cells = BokehCells(lengthInPixels,settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 cellLength = segment.zw * scale * (2.0 / cells);
-vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 surface = vec4(0.0,0.0,0.0,0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && float(i) >= cells)
 {
 break;
 }
-float cell = clamp(cells - float(i), 0.0, 1.0);
-vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
+float cell = clamp(cells - float(i),0.0,1.0);
+vec4 samplePixel = BokehFetch(tex,first + cellLength * (float(i) + cell * phase));
 if (rays)
 {
-vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
-sum += vec4(samplePixel.rgb, 1.0) * weights.x;
+vec3 weights = BokehRayWeight(samplePixel.a,centerCoC,cells,i);
+sum += vec4(samplePixel.rgb,1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4(samplePixel.rgb, 1.0) * weights.z;
+surface += vec4(samplePixel.rgb,1.0) * weights.z;
 }
 else
 {
-float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
-sum += vec4(samplePixel.rgb, 1.0) * weight;
+float weight = cell * BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
+sum += vec4(samplePixel.rgb,1.0) * weight;
 }
 }
 if (rays)
 {
-float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+float covered = clamp((sum.a - cells) / max(surface.a,0.0001),0.0,1.0);
 sum -= surface * covered;
 reached -= (surface.r + surface.g + surface.b) * covered;
 }
@@ -503,7 +503,7 @@ sum = sum / cells;
 reached = reached / cells;
 if (secondPass)
 {
-sum *= BokehEdgeArea(k, polygon);
+sum *= BokehEdgeArea(k,polygon);
 }
 }
 BokehLine result;
@@ -511,107 +511,107 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
-BokehLine L3, BokehLine L4, vec4 centerPixel)
+vec4 BokehExactTarget(int k,BokehPolygon polygon,bool rays,BokehLine L1,BokehLine L2,
+BokehLine L3,BokehLine L4,vec4 centerPixel)
 {
-vec4 weights = BokehEdgeWeights(k, polygon);
+vec4 weights = BokehEdgeWeights(k,polygon);
 vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
-vec4 result = BokehResolved(sum, centerPixel);
+vec4 result = BokehResolved(sum,centerPixel);
 float gathered = sum.r + sum.g + sum.b;
 if (rays && gathered > 0.0)
 {
-float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+float reached = dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result = vec4(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
 }
 return result;
 }
-BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
+BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,
 BokehFilter settings)
 {
-vec4 centerPixel = BokehFetch(MapSamp, uv);
+vec4 centerPixel = BokehFetch(MapSamp,uv);
 float CoC = centerPixel.a;
 bool rays = false;
 if (last < 4)
 {
 rays = polygon.sides == 6;
 }
-BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+BokehLine L1 = BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings);
 BokehLine L2;
-L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
+L2.sum = vec4(0.0,0.0,0.0,0.0);
 L2.reached = 0.0;
 BokehLine L3 = L2;
 BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
+L2 = BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
+L3 = BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
+L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.edge2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
-BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
+BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehFilter settings)
 {
-return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
+return BokehExactFirst(MapSamp,uv,2,polygon,settings);
 }
-vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp,vec2 uv,BokehPolygon polygon,BokehFilter settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-return BokehResolved(L2.sum, pixel);
+vec4 pixel = BokehFetch(Edge2Samp,uv);
+BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
+return BokehResolved(L2.sum,pixel);
 }
-BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
+BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehFilter settings)
 {
-return BokehExactFirst(MapSamp, uv, 3, polygon, settings);
+return BokehExactFirst(MapSamp,uv,3,polygon,settings);
 }
-vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 uv,
-BokehPolygon polygon, BokehFilter settings)
+vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,vec2 uv,
+BokehPolygon polygon,BokehFilter settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings);
-return BokehResolved(L2.sum + L3.sum, pixel);
+vec4 pixel = BokehFetch(Edge2Samp,uv);
+BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,true,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,true,pixel.a,settings);
+return BokehResolved(L2.sum + L3.sum,pixel);
 }
-BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
+BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehFilter settings)
 {
-return BokehExactFirst(MapSamp, uv, 4, polygon, settings);
+return BokehExactFirst(MapSamp,uv,4,polygon,settings);
 }
-vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
+vec2 uv,BokehPolygon polygon,BokehFilter settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
-return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
+vec4 pixel = BokehFetch(Edge2Samp,uv);
+BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4 = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings);
+return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
 }
-BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
+BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehFilter settings)
 {
-return BokehExactFirst(MapSamp, uv, 5, polygon, settings);
+return BokehExactFirst(MapSamp,uv,5,polygon,settings);
 }
-vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
+BOKEH_TEXTURE Edge5Samp,vec2 uv,BokehPolygon polygon,BokehFilter settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
-BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings);
-return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
+vec4 pixel = BokehFetch(Edge2Samp,uv);
+BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4 = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings);
+BokehLine L5 = BokehLineSum(Edge5Samp,uv,5,polygon,true,false,pixel.a,settings);
+return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 }
 `,
   bokeh_paper: `
@@ -625,42 +625,42 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 #if BOKEH_PAPER_SAMPLES < 2
 #error BOKEH_PAPER_SAMPLES must be 2 or more: a line has two ends
 #endif
-float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
+float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv)
 {
-return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+return BokehSafe(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
-vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, BokehLens lens)
+vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens)
 {
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
-abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
 }
-vec2 BokehLineEnd(float angle, float aspectRatio)
+vec2 BokehLineEnd(float angle,float aspectRatio)
 {
-return vec2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+return vec2(0.5 * cos(angle) / aspectRatio,0.5 * sin(angle));
 }
-vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
+vec2 BokehMakeOffsets(vec2 lineEnd,int i,int numSamples)
 {
-int last = max(numSamples, 2) - 1;
+int last = max(numSamples,2) - 1;
 float t = float(2 * i - last) / float(last);
 return lineEnd * t;
 }
-vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
+vec4 BokehSegment(float angle,float lineLength,vec2 lineCenter,float squeeze)
 {
-vec2 halfLine = vec2(cos(angle), sin(angle)) * 0.5 * lineLength;
-return vec4(lineCenter, halfLine) * vec4(squeeze, 1.0, squeeze, 1.0);
+vec2 halfLine = vec2(cos(angle),sin(angle)) * 0.5 * lineLength;
+return vec4(lineCenter,halfLine) * vec4(squeeze,1.0,squeeze,1.0);
 }
-float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
+float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,
 BokehFilter settings)
 {
 float weight = 1.0;
 if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
 {
-weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
+weight = clamp(sampleCoC * settings.bleedingMult,0.0,1.0);
 }
 return weight;
 }
-vec4 BokehResolve(vec4 color, float totalWeight, vec4 centerPixel, bool blurCoC)
+vec4 BokehResolve(vec4 color,float totalWeight,vec4 centerPixel,bool blurCoC)
 {
 vec4 result = centerPixel;
 if (totalWeight > 0.0)
@@ -669,46 +669,46 @@ result = color / totalWeight;
 }
 if (!blurCoC)
 {
-result = vec4(result.rgb, centerPixel.a);
+result = vec4(result.rgb,centerPixel.a);
 }
 return result;
 }
-vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec2 lineEnd, BokehFilter settings, bool blurCoC)
+vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
+vec2 lineEnd,BokehFilter settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp, uv);
-float centerDepth = BokehPaperDepth(DepthSamp, uv);
-vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 centerPixel = BokehFetch(ColorSamp,uv);
+float centerDepth = BokehPaperDepth(DepthSamp,uv);
+vec4 color = vec4(0.0,0.0,0.0,0.0);
 float totalWeight = 0.0;
 for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-vec2 offset = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
+vec2 offset = BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords = uv + offset * centerPixel.a;
-vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
-vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec4 segment, BokehFilter settings, bool blurCoC)
+vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
+vec4 segment,BokehFilter settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp, uv);
+vec4 centerPixel = BokehFetch(ColorSamp,uv);
 vec4 result = centerPixel;
-float CoC = BokehFilterCoC(centerPixel.a, settings.imageHeight);
+float CoC = BokehFilterCoC(centerPixel.a,settings.imageHeight);
 if (CoC > 0.0)
 {
-float centerDepth = BokehPaperDepth(DepthSamp, uv);
+float centerDepth = BokehPaperDepth(DepthSamp,uv);
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels, settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
+float cells = BokehCells(lengthInPixels,settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 cellLength = segment.zw * scale * (2.0 / cells);
-vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 color = vec4(0.0,0.0,0.0,0.0);
 float totalWeight = 0.0;
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
@@ -716,80 +716,80 @@ if (BOKEH_SPACING > 0.0 && float(i) >= cells)
 {
 break;
 }
-float cell = clamp(cells - float(i), 0.0, 1.0);
+float cell = clamp(cells - float(i),0.0,1.0);
 vec2 sampleCoords = first + cellLength * (float(i) + cell * phase);
-vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-float weight = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-centerPixel.a, settings);
+vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight = cell * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
+result = BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 return result;
 }
-vec4 BokehCombine(vec4 a, vec4 b, bool useMax)
+vec4 BokehCombine(vec4 a,vec4 b,bool useMax)
 {
-vec4 result = min(a, b);
+vec4 result = min(a,b);
 if (useMax)
 {
-result = max(a, b);
+result = max(a,b);
 }
 return result;
 }
-vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE CompareSamp, vec2 uv, vec2 lineEnd, BokehFilter settings, bool blurCoC,
+vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
+BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehFilter settings,bool blurCoC,
 bool useMax)
 {
-vec4 a = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC);
-return BokehCombine(a, BokehFetch(CompareSamp, uv), useMax);
+vec4 a = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
+return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);
 }
-vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE KernelSamp, vec2 uv, BokehFilter settings, bool blurCoC)
+vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
+BOKEH_TEXTURE KernelSamp,vec2 uv,BokehFilter settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp, uv);
-float centerDepth = BokehPaperDepth(DepthSamp, uv);
-vec2 scale = vec2(centerPixel.a / settings.aspectRatio, centerPixel.a);
-vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 centerPixel = BokehFetch(ColorSamp,uv);
+float centerDepth = BokehPaperDepth(DepthSamp,uv);
+vec2 scale = vec2(centerPixel.a / settings.aspectRatio,centerPixel.a);
+vec4 color = vec4(0.0,0.0,0.0,0.0);
 float totalWeight = 0.0;
 for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-vec2 offset = BokehFetchTexel(KernelSamp, vec2((float(i) + 0.5) /
-float(BOKEH_PAPER_SAMPLES), 0.5)).rg;
+vec2 offset = BokehFetchTexel(KernelSamp,vec2((float(i) + 0.5) /
+float(BOKEH_PAPER_SAMPLES),0.5)).rg;
 vec2 sampleCoords = uv + offset * scale;
-vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
-vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, vec2 lineEndU,
-vec2 lineEndV, BokehFilter settings, bool blurCoC)
+vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,
+vec2 lineEndV,BokehFilter settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp, uv);
-float centerDepth = BokehPaperDepth(DepthSamp, uv);
-vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 centerPixel = BokehFetch(ColorSamp,uv);
+float centerDepth = BokehPaperDepth(DepthSamp,uv);
+vec4 color = vec4(0.0,0.0,0.0,0.0);
 float totalWeight = 0.0;
 for (int j = 0; j < BOKEH_PAPER_SAMPLES; j++)
 {
-vec2 rowOffset = BokehMakeOffsets(lineEndV, j, BOKEH_PAPER_SAMPLES);
+vec2 rowOffset = BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
 for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-vec2 offset = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
+vec2 offset = rowOffset + BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords = uv + offset * centerPixel.a;
-vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-centerPixel.a, settings);
+vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 `,
   bokeh_layers: `
@@ -846,12 +846,12 @@ vec2 texel;
 float largest;
 float jitter;
 };
-BokehLayers BokehMakeLayers(vec2 uv, vec2 imageSize, float maxCoC)
+BokehLayers BokehMakeLayers(vec2 uv,vec2 imageSize,float maxCoC)
 {
 BokehLayers layers;
 layers.uv = uv;
 layers.size = imageSize;
-layers.origin = vec2(0.0, 0.0);
+layers.origin = vec2(0.0,0.0);
 layers.texel = 1.0 / imageSize;
 layers.largest = maxCoC * imageSize.y;
 layers.jitter = 0.0;
@@ -865,7 +865,7 @@ grid.origin = layers.origin;
 grid.texel = layers.texel;
 return grid;
 }
-BokehGrid BokehReducedGrid(BokehLayers layers, float scale)
+BokehGrid BokehReducedGrid(BokehLayers layers,float scale)
 {
 BokehGrid grid;
 grid.size = ceil(layers.size / scale);
@@ -877,81 +877,81 @@ grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
 }
 return grid;
 }
-vec2 BokehGridCoords(vec2 place, BokehGrid grid)
+vec2 BokehGridCoords(vec2 place,BokehGrid grid)
 {
 vec2 coords = place;
 if (BOKEH_VIEWPORT > 0)
 {
-vec2 inset = min(vec2(0.5078125, 0.5078125), grid.size * 0.5);
-coords = grid.origin + clamp(place, inset, grid.size - inset);
+vec2 inset = min(vec2(0.5078125,0.5078125),grid.size * 0.5);
+coords = grid.origin + clamp(place,inset,grid.size - inset);
 }
 return coords * grid.texel;
 }
-vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
+vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid)
 {
-return BokehFetchTexture(tex, BokehGridCoords(place, grid));
+return BokehFetchTexture(tex,BokehGridCoords(place,grid));
 }
-vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 uv, vec2 offset, BokehGrid grid)
+vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 uv,vec2 offset,BokehGrid grid)
 {
 vec2 coords = uv + offset * grid.texel;
 if (BOKEH_VIEWPORT > 0)
 {
-coords = BokehGridCoords(uv * grid.size + offset, grid);
+coords = BokehGridCoords(uv * grid.size + offset,grid);
 }
-return BokehFetchTexture(tex, coords);
+return BokehFetchTexture(tex,coords);
 }
 float BokehBrightest(vec3 color)
 {
-return max(max(color.r, color.g), color.b);
+return max(max(color.r,color.g),color.b);
 }
-float BokehLayerSlope(float largest, float none, float whole)
+float BokehLayerSlope(float largest,float none,float whole)
 {
-float gate = clamp((largest - none) / (whole - none), 0.001, 1.0);
-return 5.0 / max(largest / gate, 2.0);
+float gate = clamp((largest - none) / (whole - none),0.001,1.0);
+return 5.0 / max(largest / gate,2.0);
 }
 float BokehNearSlope(float largest)
 {
-return BokehLayerSlope(largest, 6.0, 12.0);
+return BokehLayerSlope(largest,6.0,12.0);
 }
 float BokehFarSlope(float largest)
 {
-return BokehLayerSlope(largest, 10.0, 16.0);
+return BokehLayerSlope(largest,10.0,16.0);
 }
-float BokehLayerShare(float CoC, float slope)
+float BokehLayerShare(float CoC,float slope)
 {
-return clamp(CoC * slope - 2.0, 0.0, 1.0);
+return clamp(CoC * slope - 2.0,0.0,1.0);
 }
-vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers)
+vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayers layers)
 {
-vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5, 0.5);
-vec3 found = vec3(0.0, 0.0, 0.0);
+vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5,0.5);
+vec3 found = vec3(0.0,0.0,0.0);
 for (int y = 0; y < 8; y++)
 {
 for (int x = 0; x < 8; x++)
 {
-vec2 place = first + vec2(float(x), float(y));
-vec4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers));
+vec2 place = first + vec2(float(x),float(y));
+vec4 pixel = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
 float s = pixel.a * layers.size.y;
-float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
-found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
+float level = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_LEVEL));
+found = vec3(max(found.r,-s),max(found.g,s),found.b + level);
 }
 }
-return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
+return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
 }
-vec2 BokehReaching(vec2 CoC, float tiles)
+vec2 BokehReaching(vec2 CoC,float tiles)
 {
-vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
-return CoC * clamp(share, vec2(0.0, 0.0), vec2(1.0, 1.0));
+vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
+return CoC * clamp(share,vec2(0.0,0.0),vec2(1.0,1.0));
 }
 float BokehReachTiles(BokehLayers layers)
 {
-return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
+return min(ceil(layers.largest / 16.0) + 2.0,127.0);
 }
-vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayers layers)
+vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayers layers)
 {
-BokehGrid grid = BokehReducedGrid(layers, 8.0);
+BokehGrid grid = BokehReducedGrid(layers,8.0);
 float radius = BokehReachTiles(layers);
-vec2 found = vec2(0.0, 0.0);
+vec2 found = vec2(0.0,0.0);
 float level = 0.0;
 for (int i = 0; i < 255; i++)
 {
@@ -960,17 +960,17 @@ if (tiles > radius)
 {
 break;
 }
-vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
-found = max(found, BokehReaching(tile.rg, abs(tiles)));
+vec4 tile = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid);
+found = max(found,BokehReaching(tile.rg,abs(tiles)));
 level += tile.b;
 }
-return vec4(found, level / (2.0 * radius + 1.0), 1.0);
+return vec4(found,level / (2.0 * radius + 1.0),1.0);
 }
-vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float unit, float heaviest)
+vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float unit,float heaviest)
 {
-vec4 brightest = vec4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
+vec4 brightest = vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),
 BokehBrightest(d.rgb));
-return min(0.01 + brightest * unit, vec4(heaviest, heaviest, heaviest, heaviest));
+return min(0.01 + brightest * unit,vec4(heaviest,heaviest,heaviest,heaviest));
 }
 struct BokehPrefiltered
 {
@@ -979,96 +979,96 @@ vec4 farLayer;
 vec4 kernelSums;
 vec4 leftovers;
 };
-vec4 BokehLayerShares(vec4 CoC, float slope)
+vec4 BokehLayerShares(vec4 CoC,float slope)
 {
-return clamp(CoC * slope - 2.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0, 1.0, 1.0, 1.0));
+return clamp(CoC * slope - 2.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,1.0,1.0,1.0));
 }
-vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearShare, float nearest)
+vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearShare,float nearest)
 {
-vec4 result = vec4(min(found.rgb, pixel.rgb), found.a);
+vec4 result = vec4(min(found.rgb,pixel.rgb),found.a);
 if (nearShare < 0.5 * nearest)
 {
-result = vec4(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
+result = vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-vec4 BokehNearPixel(vec4 pixel, float nearShare, vec4 around)
+vec4 BokehNearPixel(vec4 pixel,float nearShare,vec4 around)
 {
-vec4 result = vec4(pixel.rgb, nearShare);
+vec4 result = vec4(pixel.rgb,nearShare);
 float brightest = BokehBrightest(pixel.rgb);
 float limit = BokehBrightest(around.rgb);
 if (around.a > brightest)
 {
-result = vec4(min(pixel.rgb, around.rgb), nearShare);
+result = vec4(min(pixel.rgb,around.rgb),nearShare);
 if (brightest > limit)
 {
-result = vec4(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+result = vec4(result.rgb,nearShare * (around.a - brightest) / (around.a - limit));
 }
 }
 return result;
 }
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE ReachSamp,BokehLayers layers)
 {
 BokehGrid full = BokehFullGrid(layers);
-vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0, 1.0);
-vec4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0));
+vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0,1.0);
+vec4 reach = BokehFetchGrid(ReachSamp,middle / 8.0,BokehReducedGrid(layers,8.0));
 float nearSlope = BokehNearSlope(reach.r);
 float farSlope = BokehFarSlope(reach.g);
 float unit = exp2(-reach.b);
-float heaviest = 500000.0 / max(layers.largest, 50.0);
-vec4 a = BokehFetchGrid(MapSamp, middle + vec2(-0.5, -0.5), full);
-vec4 b = BokehFetchGrid(MapSamp, middle + vec2(0.5, -0.5), full);
-vec4 c = BokehFetchGrid(MapSamp, middle + vec2(-0.5, 0.5), full);
-vec4 d = BokehFetchGrid(MapSamp, middle + vec2(0.5, 0.5), full);
-vec4 s = vec4(a.a, b.a, c.a, d.a) * full.size.y;
-vec4 nearShares = BokehLayerShares(-s, nearSlope);
-vec4 farShares = BokehLayerShares(s, farSlope);
-vec4 far = vec4(a.rgb, 1.0) * farShares.x + vec4(b.rgb, 1.0) * farShares.y + vec4(c.rgb, 1.0) *
-farShares.z + vec4(d.rgb, 1.0) * farShares.w;
-vec4 weights = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
-vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
-vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-vec4 nearLeft = -s * min(4.0 - 4.0 * nearShares, one);
-vec4 farLeft = s * min(4.0 - 4.0 * farShares, one);
-vec2 left = max(max(vec2(nearLeft.x, farLeft.x), vec2(nearLeft.y, farLeft.y)),
-max(vec2(nearLeft.z, farLeft.z), vec2(nearLeft.w, farLeft.w)));
-float nearest = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
-vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
+float heaviest = 500000.0 / max(layers.largest,50.0);
+vec4 a = BokehFetchGrid(MapSamp,middle + vec2(-0.5,-0.5),full);
+vec4 b = BokehFetchGrid(MapSamp,middle + vec2(0.5,-0.5),full);
+vec4 c = BokehFetchGrid(MapSamp,middle + vec2(-0.5,0.5),full);
+vec4 d = BokehFetchGrid(MapSamp,middle + vec2(0.5,0.5),full);
+vec4 s = vec4(a.a,b.a,c.a,d.a) * full.size.y;
+vec4 nearShares = BokehLayerShares(-s,nearSlope);
+vec4 farShares = BokehLayerShares(s,farSlope);
+vec4 far = vec4(a.rgb,1.0) * farShares.x + vec4(b.rgb,1.0) * farShares.y + vec4(c.rgb,1.0) *
+farShares.z + vec4(d.rgb,1.0) * farShares.w;
+vec4 weights = farShares * BokehBlurWeights(a,b,c,d,unit,heaviest);
+vec4 one = vec4(1.0,1.0,1.0,1.0);
+vec4 sums = vec4(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
+vec4 nearLeft = -s * min(4.0 - 4.0 * nearShares,one);
+vec4 farLeft = s * min(4.0 - 4.0 * farShares,one);
+vec2 left = max(max(vec2(nearLeft.x,farLeft.x),vec2(nearLeft.y,farLeft.y)),
+max(vec2(nearLeft.z,farLeft.z),vec2(nearLeft.w,farLeft.w)));
+float nearest = max(max(nearShares.x,nearShares.y),max(nearShares.z,nearShares.w));
+vec4 near = vec4(0.0,0.0,0.0,0.0);
 if (nearest > 0.0)
 {
-vec4 around = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
-around = BokehSurroundings(around, a, nearShares.x, nearest);
-around = BokehSurroundings(around, b, nearShares.y, nearest);
-around = BokehSurroundings(around, c, nearShares.z, nearest);
-around = BokehSurroundings(around, d, nearShares.w, nearest);
+vec4 around = vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+around = BokehSurroundings(around,a,nearShares.x,nearest);
+around = BokehSurroundings(around,b,nearShares.y,nearest);
+around = BokehSurroundings(around,c,nearShares.z,nearest);
+around = BokehSurroundings(around,d,nearShares.w,nearest);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
 {
-vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
-if (max(abs(offset.x), abs(offset.y)) > 1.0)
+vec2 offset = vec2(float(x) - 1.5,float(y) - 1.5);
+if (max(abs(offset.x),abs(offset.y)) > 1.0)
 {
-vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
-around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
-full.size.y, nearSlope), nearest);
+vec4 pixel = BokehFetchGrid(MapSamp,middle + offset,full);
+around = BokehSurroundings(around,pixel,BokehLayerShare(-pixel.a *
+full.size.y,nearSlope),nearest);
 }
 }
 }
-a = BokehNearPixel(a, nearShares.x, around);
-b = BokehNearPixel(b, nearShares.y, around);
-c = BokehNearPixel(c, nearShares.z, around);
-d = BokehNearPixel(d, nearShares.w, around);
-near = vec4(a.rgb, 1.0) * a.a + vec4(b.rgb, 1.0) * b.a + vec4(c.rgb, 1.0) * c.a +
-vec4(d.rgb, 1.0) * d.a;
-weights = vec4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
-sums = vec4(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
+a = BokehNearPixel(a,nearShares.x,around);
+b = BokehNearPixel(b,nearShares.y,around);
+c = BokehNearPixel(c,nearShares.z,around);
+d = BokehNearPixel(d,nearShares.w,around);
+near = vec4(a.rgb,1.0) * a.a + vec4(b.rgb,1.0) * b.a + vec4(c.rgb,1.0) * c.a +
+vec4(d.rgb,1.0) * d.a;
+weights = vec4(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,unit,heaviest);
+sums = vec4(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
 }
 BokehPrefiltered targets;
 targets.nearLayer = near * 0.25;
 targets.farLayer = far * 0.25;
 float most = BOKEH_MAX_COLOR;
-targets.kernelSums = min(sums * 0.25, vec4(most, most, most, most));
-targets.leftovers = vec4(clamp(left, vec2(0.0, 0.0), vec2(most, most)), 0.0, 1.0);
+targets.kernelSums = min(sums * 0.25,vec4(most,most,most,most));
+targets.leftovers = vec4(clamp(left,vec2(0.0,0.0),vec2(most,most)),0.0,1.0);
 return targets;
 }
 struct BokehKernels
@@ -1076,36 +1076,36 @@ struct BokehKernels
 vec4 leftovers;
 vec4 sums;
 };
-BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE LeftSamp, BokehLayers layers)
+BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE LeftSamp,BokehLayers layers)
 {
-BokehGrid halves = BokehReducedGrid(layers, 2.0);
-vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5, 0.5);
-vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 left = vec2(0.0, 0.0);
+BokehGrid halves = BokehReducedGrid(layers,2.0);
+vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5,0.5);
+vec4 sums = vec4(0.0,0.0,0.0,0.0);
+vec2 left = vec2(0.0,0.0);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
 {
-vec2 place = first + vec2(float(x), float(y));
-sums += BokehFetchGrid(SumsSamp, place, halves);
-left = max(left, BokehFetchGrid(LeftSamp, place, halves).rg);
+vec2 place = first + vec2(float(x),float(y));
+sums += BokehFetchGrid(SumsSamp,place,halves);
+left = max(left,BokehFetchGrid(LeftSamp,place,halves).rg);
 }
 }
 BokehKernels targets;
-targets.leftovers = vec4(left, 0.0, 1.0);
+targets.leftovers = vec4(left,0.0,1.0);
 targets.sums = sums / 16.0;
 return targets;
 }
-BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, vec2 axis, BokehLayers layers)
+BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE ReachSamp,vec2 axis,BokehLayers layers)
 {
-BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
-vec2 sigma = max(reach * 0.0375, vec2(0.6, 0.6));
+BokehGrid grid = BokehReducedGrid(layers,8.0);
+vec2 reach = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid).rg;
+vec2 sigma = max(reach * 0.0375,vec2(0.6,0.6));
 float radius = BokehReachTiles(layers);
-vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 left = vec2(0.0, 0.0);
-vec2 total = vec2(0.0, 0.0);
+vec4 sums = vec4(0.0,0.0,0.0,0.0);
+vec2 left = vec2(0.0,0.0);
+vec2 total = vec2(0.0,0.0);
 for (int i = 0; i < 255; i++)
 {
 float tiles = float(i) - radius;
@@ -1115,53 +1115,53 @@ break;
 }
 vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+sums += BokehFetchGrid(SumsSamp,place,grid) * vec4(weight.x,weight.x,weight.y,
 weight.y);
-left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid).rg, abs(tiles)));
+left = max(left,BokehReaching(BokehFetchGrid(LeftSamp,place,grid).rg,abs(tiles)));
 total += weight;
 }
 BokehKernels targets;
-targets.leftovers = vec4(left, 0.0, 1.0);
-targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
+targets.leftovers = vec4(left,0.0,1.0);
+targets.sums = sums / vec4(total.x,total.x,total.y,total.y);
 return targets;
 }
-BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE ReachSamp,BokehLayers layers)
 {
-return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(1.0, 0.0), layers);
+return BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2(1.0,0.0),layers);
 }
 struct BokehSizes
 {
 vec4 reach;
 vec4 sizes;
 };
-BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE ReachSamp,BokehLayers layers)
 {
-BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
-BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(0.0, 1.0), layers);
+BokehGrid grid = BokehReducedGrid(layers,8.0);
+vec2 reach = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid).rg;
+BokehKernels kernels = BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2(0.0,1.0),layers);
 vec4 sums = kernels.sums;
-vec2 sizes = vec2(0.0, 0.0);
+vec2 sizes = vec2(0.0,0.0);
 if (sums.g > 0.0001 && reach.r > 6.0)
 {
-sizes = vec2(8.0 * sums.r / sums.g, 0.0);
+sizes = vec2(8.0 * sums.r / sums.g,0.0);
 }
 if (sums.a > 0.0001 && reach.g > 10.0)
 {
-sizes = vec2(sizes.x, 8.0 * sums.b / sums.a);
+sizes = vec2(sizes.x,8.0 * sums.b / sums.a);
 }
 BokehSizes targets;
-targets.reach = vec4(reach, kernels.leftovers.rg);
-targets.sizes = vec4(sizes, 0.0, 1.0);
+targets.reach = vec4(reach,kernels.leftovers.rg);
+targets.sizes = vec4(sizes,0.0,1.0);
 return targets;
 }
-vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers)
+vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp,BokehLayers layers)
 {
 vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
-return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0)).rg;
+return BokehFetchGrid(SizesSamp,place,BokehReducedGrid(layers,8.0)).rg;
 }
-vec3 BokehLayerBlur(vec2 sizes, bool isFar, BokehPolygon polygon)
+vec3 BokehLayerBlur(vec2 sizes,bool isFar,BokehPolygon polygon)
 {
 float CoC = 0.5 * sizes.r;
 float least = 1.5;
@@ -1170,7 +1170,7 @@ if (isFar)
 {
 CoC = 0.5 * sizes.g;
 least = 1.15;
-own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+own = clamp(0.06 * CoC * CoC,7.5,22.0);
 }
 float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
 float hard = 0.4;
@@ -1182,24 +1182,24 @@ hard = 0.2;
 float side = -1.0;
 if (spacing > least)
 {
-side = clamp(0.25 * spacing - hard, 0.0, 0.6);
+side = clamp(0.25 * spacing - hard,0.0,0.6);
 own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
 }
-return vec3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+return vec3(sqrt(max(CoC * CoC - own,0.25)),max(spacing,1.0),side);
 }
-vec4 BokehLevel(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayers layers)
+vec4 BokehLevel(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayers layers)
 {
-BokehGrid halves = BokehReducedGrid(layers, 2.0);
-vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+BokehGrid halves = BokehReducedGrid(layers,2.0);
+vec4 sum = vec4(0.0,0.0,0.0,0.0);
 if (side > 0.0)
 {
 for (int y = 0; y < 3; y++)
 {
 for (int x = 0; x < 3; x++)
 {
-vec2 offset = vec2(float(x) - 1.0, float(y) - 1.0);
+vec2 offset = vec2(float(x) - 1.0,float(y) - 1.0);
 vec2 weight = 1.0 - (1.0 - side) * abs(offset);
-sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves) * (weight.x *
+sum += BokehFetchGrid(LayerSamp,center + 2.0 * offset,halves) * (weight.x *
 weight.y);
 }
 }
@@ -1207,7 +1207,7 @@ sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
 }
 else
 {
-sum = BokehFetchGrid(LayerSamp, center, halves);
+sum = BokehFetchGrid(LayerSamp,center,halves);
 }
 return sum;
 }
@@ -1218,55 +1218,55 @@ vec4 far;
 vec4 nearLevel;
 vec4 farLevel;
 };
-BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SizesSamp, BokehPolygon polygon, BokehLayers layers)
+BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE ReachSamp,BOKEH_TEXTURE NearSamp,
+BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE SizesSamp,BokehPolygon polygon,BokehLayers layers)
 {
 BokehGrid full = BokehFullGrid(layers);
-vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5, 0.5);
-vec2 middlePlace = first + vec2(1.5, 1.5);
-vec4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0));
+vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5,0.5);
+vec2 middlePlace = first + vec2(1.5,1.5);
+vec4 reach = BokehFetchGrid(ReachSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0));
 float nearSlope = BokehNearSlope(reach.r);
 float farSlope = BokehFarSlope(reach.g);
 float unit = exp2(-reach.b);
-vec4 middle = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 middle = vec4(0.0,0.0,0.0,0.0);
+vec4 far = vec4(0.0,0.0,0.0,0.0);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
 {
-vec2 place = first + vec2(float(x), float(y));
-vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+vec2 place = first + vec2(float(x),float(y));
+vec4 pixel = BokehFetchGrid(MapSamp,place,full);
 float s = pixel.a * full.size.y;
-float nearShare = BokehLayerShare(-s, nearSlope);
-float notNear = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
-float farShare = BokehLayerShare(s, farSlope);
+float nearShare = BokehLayerShare(-s,nearSlope);
+float notNear = max(1.0 - 2.0 * nearShare,0.0625 - 0.0625 * nearShare);
+float farShare = BokehLayerShare(s,farSlope);
 float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-middle += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
-far += vec4(pixel.rgb, 1.0) * (weight * farShare);
+middle += vec4(pixel.rgb,1.0) * (weight * (1.0 - farShare));
+far += vec4(pixel.rgb,1.0) * (weight * farShare);
 }
 }
 vec2 center = 0.5 * middlePlace;
-vec2 sizes = BokehLayerSizes(SizesSamp, layers);
+vec2 sizes = BokehLayerSizes(SizesSamp,layers);
 BokehLevels targets;
 targets.middle = middle / 16.0;
 targets.far = far / 16.0;
-targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
+targets.nearLevel = BokehLevel(NearSamp,center,BokehLayerBlur(sizes,false,polygon).z,
 layers);
-targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers);
+targets.farLevel = BokehLevel(FarSamp,center,BokehLayerBlur(sizes,true,polygon).z,layers);
 return targets;
 }
-vec2 BokehEdgeDirection(int k, BokehPolygon polygon)
+vec2 BokehEdgeDirection(int k,BokehPolygon polygon)
 {
-vec2 outwards = BokehTurn(float(k), polygon);
-return BokehRotated(vec2(-outwards.y, outwards.x), polygon.axis);
+vec2 outwards = BokehTurn(float(k),polygon);
+return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);
 }
-int BokehOnEdge(int ring, BokehPolygon polygon)
+int BokehOnEdge(int ring,BokehPolygon polygon)
 {
-return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
+return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5,1.0));
 }
-vec2 BokehHoleShares(vec4 middle, vec4 far, float unit)
+vec2 BokehHoleShares(vec4 middle,vec4 far,float unit)
 {
-return vec2(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
+return vec2(middle.a + BokehBrightest(middle.rgb) * unit,far.a + BokehBrightest(far.rgb) *
 unit);
 }
 struct BokehFilled
@@ -1274,169 +1274,169 @@ struct BokehFilled
 vec4 middle;
 vec4 back;
 };
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE ReachSamp,
-BokehPolygon polygon, BokehLayers layers)
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE ReachSamp,
+BokehPolygon polygon,BokehLayers layers)
 {
-BokehGrid grid = BokehReducedGrid(layers, 4.0);
+BokehGrid grid = BokehReducedGrid(layers,4.0);
 vec2 center = layers.uv * grid.size;
-vec4 tile = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0));
+vec4 tile = BokehFetchGrid(ReachSamp,center / 2.0,BokehReducedGrid(layers,8.0));
 float reach = tile.r;
 float unit = exp2(-tile.b);
-vec2 corner = BokehRotated(polygon.corner, polygon.axis);
-vec2 direction = BokehEdgeDirection(1, polygon);
-vec2 turn = BokehTurn(1.0, polygon);
-vec4 middle = BokehFetchGrid(MiddleSamp, center, grid);
-vec4 far = BokehFetchGrid(FarSamp, center, grid);
-vec2 shares = BokehHoleShares(middle, far, unit);
+vec2 corner = BokehRotated(polygon.corner,polygon.axis);
+vec2 direction = BokehEdgeDirection(1,polygon);
+vec2 turn = BokehTurn(1.0,polygon);
+vec4 middle = BokehFetchGrid(MiddleSamp,center,grid);
+vec4 far = BokehFetchGrid(FarSamp,center,grid);
+vec2 shares = BokehHoleShares(middle,far,unit);
 for (int ring = 1; ring < 3; ring++)
 {
 if (reach < 6.0)
 {
 break;
 }
-float diameter = max(reach / 8.0, 2.0) * float(ring);
+float diameter = max(reach / 8.0,2.0) * float(ring);
 float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
-vec2 scale = vec2(polygon.squeeze * diameter, diameter);
-int onEdge = BokehOnEdge(ring, polygon);
+vec2 scale = vec2(polygon.squeeze * diameter,diameter);
+int onEdge = BokehOnEdge(ring,polygon);
 for (int edge = 1; edge <= polygon.sides; edge++)
 {
-vec2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
+vec2 along = direction * (BokehEdgeLength(edge,polygon) / float(onEdge));
 for (int i = 0; i < onEdge; i++)
 {
 vec2 place = center + corner * scale;
-vec4 middleTexel = BokehFetchGrid(MiddleSamp, place, grid);
-vec4 farTexel = BokehFetchGrid(FarSamp, place, grid);
+vec4 middleTexel = BokehFetchGrid(MiddleSamp,place,grid);
+vec4 farTexel = BokehFetchGrid(FarSamp,place,grid);
 middle += middleTexel * weight;
 far += farTexel * weight;
-shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
+shares += BokehHoleShares(middleTexel,farTexel,unit) * weight;
 corner += along;
 }
-direction = BokehRotated(direction, turn);
+direction = BokehRotated(direction,turn);
 }
 }
-vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
-float share = shares.r / max(shares.r + shares.g, 0.000001);
+vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a,0.000001);
+float share = shares.r / max(shares.r + shares.g,0.000001);
 BokehFilled targets;
-targets.middle = vec4(both, share);
-targets.back = vec4(both, 1.0);
+targets.middle = vec4(both,share);
+targets.back = vec4(both,1.0);
 if (middle.a > 0.000001)
 {
-targets.middle = vec4(middle.rgb / middle.a, share);
+targets.middle = vec4(middle.rgb / middle.a,share);
 }
 if (far.a > 0.000001)
 {
-targets.back = vec4(far.rgb / far.a, 1.0);
+targets.back = vec4(far.rgb / far.a,1.0);
 }
 return targets;
 }
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-bool secondPass, vec3 blur, BokehLayers layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE LevelSamp,int k,BokehPolygon polygon,
+bool secondPass,vec3 blur,BokehLayers layers)
 {
 float scale = 2.0;
 if (blur.z > -0.5)
 {
 scale = 4.0;
 }
-BokehGrid grid = BokehReducedGrid(layers, scale);
-vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
-float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
-float phase = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+BokehGrid grid = BokehReducedGrid(layers,scale);
+vec4 segment = BokehEdgeLine(k,polygon,secondPass) * blur.x;
+float cells = max(2.0 * length(segment.zw) / blur.y,2.0);
+float phase = 0.5 + layers.jitter * min(blur.y - 1.0,1.0);
 vec2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
 vec2 cellLength = segment.zw * (4.0 / (scale * cells));
-vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 sum = vec4(0.0,0.0,0.0,0.0);
 for (int i = 0; i < int(ceil(cells)); i++)
 {
-float cell = clamp(cells - float(i), 0.0, 1.0);
+float cell = clamp(cells - float(i),0.0,1.0);
 vec2 place = first + cellLength * (float(i) + cell * phase);
-vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 texel = vec4(0.0,0.0,0.0,0.0);
 if (blur.z > -0.5)
 {
-texel = BokehFetchGrid(LevelSamp, place, grid);
+texel = BokehFetchGrid(LevelSamp,place,grid);
 }
 else
 {
-texel = BokehFetchGrid(tex, place, grid);
+texel = BokehFetchGrid(tex,place,grid);
 }
 sum += cell * texel;
 }
 sum = sum / cells;
 if (secondPass)
 {
-sum *= BokehEdgeArea(k, polygon);
+sum *= BokehEdgeArea(k,polygon);
 }
 return sum;
 }
-vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
+vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4)
 {
-vec4 w = BokehEdgeWeights(k, polygon);
+vec4 w = BokehEdgeWeights(k,polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, vec2 sizes,
-bool isFar, int last, BokehPolygon polygon, BokehLayers layers)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE LevelSamp,vec2 sizes,
+bool isFar,int last,BokehPolygon polygon,BokehLayers layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 none = vec4(0.0,0.0,0.0,0.0);
 BokehTargets targets;
-vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
+vec3 blur = BokehLayerBlur(sizes,isFar,polygon);
 if (blur.x > 0.51)
 {
 vec4 L2 = none;
 vec4 L3 = none;
 vec4 L4 = none;
-vec4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers);
+vec4 L1 = BokehLayerLine(LayerSamp,LevelSamp,1,polygon,false,blur,layers);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers);
+L2 = BokehLayerLine(LayerSamp,LevelSamp,2,polygon,false,blur,layers);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers);
+L3 = BokehLayerLine(LayerSamp,LevelSamp,3,polygon,false,blur,layers);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers);
+L4 = BokehLayerLine(LayerSamp,LevelSamp,4,polygon,false,blur,layers);
 }
 targets.edge2 = L1;
-targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+targets.edge3 = BokehLayerTarget(3,polygon,L1,L2,none,none);
+targets.edge4 = BokehLayerTarget(4,polygon,L1,L2,L3,none);
+targets.edge5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0));
+targets.edge2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
 targets.edge3 = targets.edge2;
 targets.edge4 = targets.edge2;
 targets.edge5 = targets.edge2;
 }
 return targets;
 }
-vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp, vec2 sizes, bool isFar, BokehPolygon polygon, BokehLayers layers)
+vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
+BOKEH_TEXTURE Edge5Samp,vec2 sizes,bool isFar,BokehPolygon polygon,BokehLayers layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
-vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-vec3 own = vec3(blur.x, blur.y, -1.0);
+vec4 result = vec4(0.0,0.0,0.0,0.0);
+vec3 blur = BokehLayerBlur(sizes,isFar,polygon);
+vec3 own = vec3(blur.x,blur.y,-1.0);
 if (blur.x > 0.51)
 {
-result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers);
+result = BokehLayerLine(Edge2Samp,Edge2Samp,2,polygon,true,own,layers);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers);
+result += BokehLayerLine(Edge3Samp,Edge3Samp,3,polygon,true,own,layers);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers);
+result += BokehLayerLine(Edge4Samp,Edge4Samp,4,polygon,true,own,layers);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers);
+result += BokehLayerLine(Edge5Samp,Edge5Samp,5,polygon,true,own,layers);
 }
 result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0));
+result = BokehFetchGrid(Edge2Samp,center,BokehReducedGrid(layers,2.0));
 }
 return result;
 }
@@ -1447,14 +1447,14 @@ vec4 far2;
 vec4 near3;
 vec4 far3;
 };
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearLevelSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarLevelSamp, vec2 sizes, BokehPolygon polygon,
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearLevelSamp,
+BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarLevelSamp,vec2 sizes,BokehPolygon polygon,
 BokehLayers layers)
 {
 int last = polygon.sides / 2;
-BokehTargets near = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+BokehTargets near = BokehLayerFirst(NearSamp,NearLevelSamp,sizes,false,last,polygon,
 layers);
-BokehTargets far = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon, layers);
+BokehTargets far = BokehLayerFirst(FarSamp,FarLevelSamp,sizes,true,last,polygon,layers);
 BokehLayersTargets targets;
 targets.near2 = near.edge2;
 targets.far2 = far.edge2;
@@ -1467,20 +1467,20 @@ struct BokehBlurred
 vec4 near;
 vec4 far;
 };
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp, BOKEH_TEXTURE Far2Samp,
-BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, vec2 sizes, BokehPolygon polygon,
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp,BOKEH_TEXTURE Far2Samp,
+BOKEH_TEXTURE Near3Samp,BOKEH_TEXTURE Far3Samp,vec2 sizes,BokehPolygon polygon,
 BokehLayers layers)
 {
 BokehBlurred targets;
-targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
-polygon, layers);
-targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
+targets.near = BokehLayerSecond(Near2Samp,Near3Samp,Near3Samp,Near3Samp,sizes,false,
+polygon,layers);
+targets.far = BokehLayerSecond(Far2Samp,Far3Samp,Far3Samp,Far3Samp,sizes,true,polygon,
 layers);
 return targets;
 }
-vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid halves)
+vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid halves)
 {
-vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 result = vec4(0.0,0.0,0.0,0.0);
 if (BOKEH_LAYER_CUBIC > 0)
 {
 vec2 texel = floor(place - 0.5) + 0.5;
@@ -1490,94 +1490,94 @@ vec2 w2 = f * (f * (2.0 - 1.5 * f) + 0.5);
 vec2 w3 = f * f * (0.5 * f - 0.5);
 vec2 w12 = 1.0 - w0 - w3;
 vec2 inner = texel + w2 / w12;
-vec4 c = BokehFetchGrid(LayerSamp, inner, halves);
-vec4 l = BokehFetchGrid(LayerSamp, vec2(texel.x - 1.0, inner.y), halves);
-vec4 r = BokehFetchGrid(LayerSamp, vec2(texel.x + 2.0, inner.y), halves);
-vec4 t = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y - 1.0), halves);
-vec4 b = BokehFetchGrid(LayerSamp, vec2(inner.x, texel.y + 2.0), halves);
+vec4 c = BokehFetchGrid(LayerSamp,inner,halves);
+vec4 l = BokehFetchGrid(LayerSamp,vec2(texel.x - 1.0,inner.y),halves);
+vec4 r = BokehFetchGrid(LayerSamp,vec2(texel.x + 2.0,inner.y),halves);
+vec4 t = BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y - 1.0),halves);
+vec4 b = BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y + 2.0),halves);
 vec2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
 vec4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t * (w0.y *
 side.y) + b * (w3.y * side.y);
-result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), max(t, b)));
+result = clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result = BokehFetchGrid(LayerSamp, place, halves);
+result = BokehFetchGrid(LayerSamp,place,halves);
 }
 return result;
 }
 vec2 BokehSpreadInverse(vec2 CoC)
 {
-vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
+vec2 inverse = 1.0 / max(CoC * CoC,vec2(0.000001,0.000001));
 return inverse * (inverse * 9.6 + 4.0);
 }
-float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
+float BokehRingBorder(int ring,float radius,float spacing,float narrowing)
 {
 float even = spacing * (float(ring) + 0.5);
-return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
+return max(even + even * (even / radius - 1.0) * narrowing,min(even,float(ring) + 0.5));
 }
-vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
+vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE TilesSamp,BOKEH_TEXTURE NearSamp,
+BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MiddleSamp,BOKEH_TEXTURE BackSamp,BokehPolygon polygon,
 BokehLayers layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 center = layers.uv * full.size;
-vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
-vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
+vec4 centerPixel = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
+vec4 tile = BokehFetchGrid(TilesSamp,center / 8.0,BokehReducedGrid(layers,8.0));
 vec3 result = centerPixel.rgb;
-if (max(tile.r, tile.g) > 1.0)
+if (max(tile.r,tile.g) > 1.0)
 {
 float height = full.size.y;
 float s = centerPixel.a * height;
 float nearSlope = BokehNearSlope(tile.r);
 float farSlope = BokehFarSlope(tile.g);
-float nearShare = BokehLayerShare(-s, nearSlope);
-float farShare = BokehLayerShare(s, farSlope);
-float ownInverse = BokehSpreadInverse(vec2(s, s)).x;
-float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+float nearShare = BokehLayerShare(-s,nearSlope);
+float farShare = BokehLayerShare(s,farSlope);
+float ownInverse = BokehSpreadInverse(vec2(s,s)).x;
+float restRadius = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
 sqrt(ownInverse);
-float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
-float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+float radius = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
+float narrowing = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
 float rings = float(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+if (BOKEH_LAYER_CUBIC > 0 && max(tile.g,tile.r + 4.0) <= 10.0)
 {
 rings += 1.0;
 }
-float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-float inner = BokehRingBorder(0, radius, spacing, narrowing);
+float spacing = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
+float inner = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
 {
 inner = radius;
 }
 float most = 1.0 / (inner * inner);
 float least = 1.0 / (radius * radius);
-float weight = (1.0 - nearShare) * min(ownInverse / most, 1.0);
+float weight = (1.0 - nearShare) * min(ownInverse / most,1.0);
 float farWeight = weight * farShare;
-vec4 sum = vec4(centerPixel.rgb, 1.0) * (weight - farWeight);
-vec4 front = vec4(0.0, 0.0, 0.0, 0.0);
-float edges = max(tile.r, tile.g - 16.0);
-float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-16.0, 0.0, 1.0);
-vec2 none = vec2(0.0, 0.0);
-vec2 whole = vec2(1.0, 1.0);
-vec2 stretch = vec2(polygon.squeeze, 1.0);
-vec2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-vec2 direction = BokehEdgeDirection(1, polygon) * 2.0;
-vec2 turn = BokehTurn(1.0, polygon);
+vec4 sum = vec4(centerPixel.rgb,1.0) * (weight - farWeight);
+vec4 front = vec4(0.0,0.0,0.0,0.0);
+float edges = max(tile.r,tile.g - 16.0);
+float steepness = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) /
+16.0,0.0,1.0);
+vec2 none = vec2(0.0,0.0);
+vec2 whole = vec2(1.0,1.0);
+vec2 stretch = vec2(polygon.squeeze,1.0);
+vec2 corner = BokehRotated(polygon.corner,polygon.axis) * 2.0;
+vec2 direction = BokehEdgeDirection(1,polygon) * 2.0;
+vec2 turn = BokehTurn(1.0,polygon);
 for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
 if (inner >= radius)
 {
 break;
 }
-float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
 float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
 float current = inner + (outer - inner) * outwards;
 float innerSquare = inner * inner;
 float area = outer * outer - innerSquare;
-int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+int onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
-float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+float phase = layers.jitter * clamp(current / float(ring) - 1.0,0.0,1.0);
 if (ring == 1)
 {
 phase += 0.5;
@@ -1585,7 +1585,7 @@ phase += 0.5;
 vec2 scale = stretch * current;
 for (int edge = 1; 2 * edge <= polygon.sides; edge++)
 {
-vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
+vec2 alongEdge = direction * BokehEdgeLength(edge,polygon);
 float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
 vec2 along = alongEdge * scale / float(onEdge);
 vec2 first = corner * scale + along * phase;
@@ -1594,66 +1594,66 @@ for (int i = 0; i < onEdge; i++)
 vec2 place = first + along * float(i);
 vec2 texel = floor(place);
 vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness, none, whole);
-vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
-vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
-vec2 CoC = vec2(pixel.a, other.a) * height;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 - nearShare);
+steepness,none,whole);
+vec4 pixel = BokehFetchAround(MapSamp,layers.uv,offset,full);
+vec4 other = BokehFetchAround(MapSamp,layers.uv,-offset,full);
+vec2 CoC = vec2(pixel.a,other.a) * height;
+vec2 isBehind = clamp(CoC * 2.0 - 2.0 * s,none,whole) * (1.0 - nearShare);
 vec2 inverse = BokehSpreadInverse(CoC);
 inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse, vec2(least, least), vec2(most, most));
-vec2 covers = edgeCell * max(min(1.0 - innerSquare * inverse, area * inverse),
+inverse = clamp(inverse,vec2(least,least),vec2(most,most));
+vec2 covers = edgeCell * max(min(1.0 - innerSquare * inverse,area * inverse),
 none);
-vec2 inFar = covers * clamp(CoC * farSlope - 2.0, none, whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
+vec2 inFar = covers * clamp(CoC * farSlope - 2.0,none,whole);
+covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0,none,whole)) - inFar;
 farWeight += inFar.x + inFar.y;
-vec4 part = vec4(pixel.rgb, 1.0) * covers.x;
-vec4 otherPart = vec4(other.rgb, 1.0) * covers.y;
+vec4 part = vec4(pixel.rgb,1.0) * covers.x;
+vec4 otherPart = vec4(other.rgb,1.0) * covers.y;
 sum += part + otherPart;
-vec2 before = clamp(s - 0.5 - CoC, none, whole);
+vec2 before = clamp(s - 0.5 - CoC,none,whole);
 front += part * before.x + otherPart * before.y;
 }
 corner += alongEdge;
-direction = BokehRotated(direction, turn);
+direction = BokehRotated(direction,turn);
 }
 inner = outer;
 }
-vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+vec4 near = vec4(0.0,0.0,0.0,0.0);
+vec4 far = vec4(0.0,0.0,0.0,0.0);
+if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
 {
-BokehGrid halves = BokehReducedGrid(layers, 2.0);
-near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
+BokehGrid halves = BokehReducedGrid(layers,2.0);
+near = BokehFetchLayer(NearSamp,0.5 * center,halves);
+far = BokehFetchLayer(FarSamp,0.5 * center,halves);
 }
-sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+sum += far * (farWeight * (1.0 - max(farShare,nearShare)) / max(far.a,0.001));
 vec4 plain = sum + far * farShare;
 if (plain.a >= 0.001)
 {
 float rest = plain.a - front.a;
-float open = max(1.0 - front.a, 0.0) / max(rest, 0.1);
+float open = max(1.0 - front.a,0.0) / max(rest,0.1);
 result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
 0.001);
 }
 if (nearShare > 0.0)
 {
-BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-vec4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters);
-vec4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters);
-float inNear = near.a * min(2.0 - 2.0 * nearShare, 1.0);
-float empty = max(1.0 - sum.a - inNear, 0.0);
-float cover = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-float missing = max(1.0 - 2.0 * far.a, 0.0);
-vec3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
+BokehGrid quarters = BokehReducedGrid(layers,4.0);
+vec4 middle = BokehFetchGrid(MiddleSamp,0.25 * center,quarters);
+vec4 back = BokehFetchGrid(BackSamp,0.25 * center,quarters);
+float inNear = near.a * min(2.0 - 2.0 * nearShare,1.0);
+float empty = max(1.0 - sum.a - inNear,0.0);
+float cover = empty * clamp((middle.a - 0.3) / 0.4,0.0,1.0);
+float missing = max(1.0 - 2.0 * far.a,0.0);
+vec3 background = far.rgb * ((1.0 - missing) / max(far.a,0.000001)) + back.rgb *
 missing;
 vec3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) / max(sum.a +
-empty, 0.000001);
+empty,0.000001);
 result += (stack - result) * nearShare;
 }
-float alpha = clamp(near.a * 1.002, 0.0, 1.0);
-result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+float alpha = clamp(near.a * 1.002,0.0,1.0);
+result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a,0.000001));
 }
-return vec4(result, centerPixel.a);
+return vec4(result,centerPixel.a);
 }
 `,
   bokeh_lens: `
@@ -1664,12 +1664,12 @@ return vec4(result, centerPixel.a);
 BokehPolygon BokehClosed(BokehPolygon polygon)
 {
 BokehPolygon closed = polygon;
-closed.mean = vec2(0.0, 0.0);
+closed.mean = vec2(0.0,0.0);
 closed.area = 0.0;
-vec2 begin = vec2(0.0, 0.0);
+vec2 begin = vec2(0.0,0.0);
 for (int i = 1; i <= polygon.sides / 2; i++)
 {
-vec2 edge = BokehEdge(i, polygon);
+vec2 edge = BokehEdge(i,polygon);
 if (i < polygon.sides / 2)
 {
 closed.mean += (begin + edge * 0.5) / (0.5 * float(polygon.sides) - 1.0);
@@ -1681,57 +1681,57 @@ closed.corner = begin * -0.5;
 closed.mean += closed.corner;
 return closed;
 }
-BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
+BokehPolygon BokehWithRoundness(BokehPolygon polygon,float roundness)
 {
 BokehPolygon result = polygon;
 if (polygon.sides == 8)
 {
-float corner = 0.39269908 * clamp(roundness, 0.0, 1.0);
-float odd = sin(max(corner, 0.001));
+float corner = 0.39269908 * clamp(roundness,0.0,1.0);
+float odd = sin(max(corner,0.001));
 float even = sin(0.78539816 - corner);
-result.lengths = vec4(odd, even, odd, even);
+result.lengths = vec4(odd,even,odd,even);
 result = BokehClosed(result);
 }
 return result;
 }
-float BokehHalfWidth(int k, BokehPolygon polygon, vec2 along)
+float BokehHalfWidth(int k,BokehPolygon polygon,vec2 along)
 {
 float width = 0.0;
 for (int i = 1; i <= polygon.sides / 2; i++)
 {
-width += abs(BokehTurn(float(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+width += abs(BokehTurn(float(i - k),polygon).y) * BokehEdgeLength(i,polygon);
 }
-return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(float(k), polygon))));
+return 0.5 * width * (1.0 - abs(dot(along,BokehTurn(float(k),polygon))));
 }
-float BokehCutLength(int k, BokehPolygon widths)
+float BokehCutLength(int k,BokehPolygon widths)
 {
-float halfWidth = BokehEdgeLength(k, widths);
+float halfWidth = BokehEdgeLength(k,widths);
 int edges = widths.sides / 2;
-vec2 ends = vec2(1.0, 1.0);
+vec2 ends = vec2(1.0,1.0);
 for (int i = 1; i < edges; i++)
 {
-vec2 turn = BokehTurn(float(i), widths);
-vec2 others = vec2(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i, widths));
-ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+vec2 turn = BokehTurn(float(i),widths);
+vec2 others = vec2(BokehEdgeLength(k - i + edges,widths),BokehEdgeLength(k + i,widths));
+ends = min(ends,(others - halfWidth * turn.x) / turn.y);
 }
-return max(ends.x + ends.y, 0.001);
+return max(ends.x + ends.y,0.001);
 }
-BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, float amount)
+BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount)
 {
 vec2 place = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
-vec2 along = BokehRotated(place, vec2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
+vec2 along = BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y)) * clamp(amount,0.0,
 0.9);
 BokehPolygon whole = polygon;
-whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
-1.0, 1.0, 1.0));
+whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,
+1.0,1.0,1.0));
 BokehPolygon widths = polygon;
-widths.lengths = vec4(BokehHalfWidth(1, whole, along), BokehHalfWidth(2, whole, along),
-BokehHalfWidth(3, whole, along), BokehHalfWidth(4, whole, along));
-widths.fifth = BokehHalfWidth(5, whole, along);
+widths.lengths = vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
+BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
+widths.fifth = BokehHalfWidth(5,whole,along);
 BokehPolygon result = polygon;
-result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-widths), BokehCutLength(4, widths));
-result.fifth = BokehCutLength(5, widths);
+result.lengths = vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
+widths),BokehCutLength(4,widths));
+result.fifth = BokehCutLength(5,widths);
 return BokehClosed(result);
 }
 struct BokehFocus
@@ -1740,52 +1740,52 @@ vec2 sharpRange;
 vec2 sideScale;
 vec2 sideMaxCoC;
 };
-float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
+float BokehFocusedCoC(float depth,BokehLens lens,BokehFocus focus)
 {
-float middle = min(lens.focusDistance, BOKEH_MAX_DEPTH);
+float middle = min(lens.focusDistance,BOKEH_MAX_DEPTH);
 BokehLens nearest = lens;
-nearest.focusDistance = clamp(depth, middle - focus.sharpRange.x, middle + focus.sharpRange.y);
-float CoC = BokehSignedCoC(depth, nearest);
-return clamp(min(CoC, 0.0) * focus.sideScale.x + max(CoC, 0.0) * focus.sideScale.y,
--focus.sideMaxCoC.x, focus.sideMaxCoC.y);
+nearest.focusDistance = clamp(depth,middle - focus.sharpRange.x,middle + focus.sharpRange.y);
+float CoC = BokehSignedCoC(depth,nearest);
+return clamp(min(CoC,0.0) * focus.sideScale.x + max(CoC,0.0) * focus.sideScale.y,
+-focus.sideMaxCoC.x,focus.sideMaxCoC.y);
 }
-vec4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXTURE VelocitySamp,
-vec2 uv, vec2 imageSize, float blend)
+vec4 BokehStableMap(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE HistorySamp,BOKEH_TEXTURE VelocitySamp,
+vec2 uv,vec2 imageSize,float blend)
 {
-vec4 pixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+vec4 pixel = BokehFetchTexel(MapSamp,BokehToTexture(uv));
 float nearest = pixel.a;
 for (int y = 0; y < 3; y++)
 {
 for (int x = 0; x < 3; x++)
 {
-vec2 place = uv + (vec2(float(x), float(y)) - 1.0) / imageSize;
-nearest = min(nearest, BokehFetchTexel(MapSamp, BokehToTexture(place)).a);
+vec2 place = uv + (vec2(float(x),float(y)) - 1.0) / imageSize;
+nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
-vec2 velocity = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
-vec2 before = uv - vec2(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0, 2.0));
-float history = BokehSafe(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
-if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
+vec2 velocity = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
+vec2 before = uv - vec2(BokehSafe(velocity.x,-2.0,2.0),BokehSafe(velocity.y,-2.0,2.0));
+float history = BokehSafe(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
+if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
 {
-pixel += vec4(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));
+pixel += vec4(0.0,0.0,0.0,(history - pixel.a) * clamp(1.0 - blend,0.0,1.0));
 }
 return pixel;
 }
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, vec2 uv, float amount)
+vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp,vec2 uv,float amount)
 {
-float larger = clamp(amount, -0.1, 0.1);
+float larger = clamp(amount,-0.1,0.1);
 vec2 place = uv - 0.5;
-vec4 green = BokehFetch(PictureSamp, uv);
-float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
-float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
-return vec4(red, green.g, blue, green.a);
+vec4 green = BokehFetch(PictureSamp,uv);
+float red = BokehFetch(PictureSamp,place / (1.0 + larger) + 0.5).r;
+float blue = BokehFetch(PictureSamp,place / (1.0 - larger) + 0.5).b;
+return vec4(red,green.g,blue,green.a);
 }
 `,
   noise: `
-float BokehNoise(vec2 uv, vec2 imageSize, float frame, float passIndex)
+float BokehNoise(vec2 uv,vec2 imageSize,float frame,float passIndex)
 {
 float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
-float seed = dot(floor(uv * imageSize), vec2(0.06711056, 0.00583715));
+float seed = dot(floor(uv * imageSize),vec2(0.06711056,0.00583715));
 float value = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
 return value - floor(value) - 0.5;
 }
@@ -1794,66 +1794,66 @@ return value - floor(value) - 0.5;
 
 export const WGSL = {
   bokeh: `
-override BOKEH_NUM_SAMPLES: i32 = 9;
-override BOKEH_SPACING: f32 = 1.5;
-override BOKEH_VIEWPORT: i32 = 0;
-const BOKEH_MAX_COLOR: f32 = 65504.0;
-const BOKEH_MIN_DEPTH: f32 = 0.000001;
-const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
+override BOKEH_NUM_SAMPLES:i32 = 9;
+override BOKEH_SPACING:f32 = 1.5;
+override BOKEH_VIEWPORT:i32 = 0;
+const BOKEH_MAX_COLOR:f32 = 65504.0;
+const BOKEH_MIN_DEPTH:f32 = 0.000001;
+const BOKEH_MAX_DEPTH:f32 = 1000000000.0;
 alias BokehDepthTexture = texture_2d<f32>;
-fn BokehFetchTexture(tex: texture_2d<f32>, coords: vec2f, BokehLinearClamp: sampler) -> vec4f
+fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler) -> vec4f
 {
-return textureSampleLevel(tex, BokehLinearClamp, coords, 0.0);
+return textureSampleLevel(tex,BokehLinearClamp,coords,0.0);
 }
-fn BokehFetchTexel(tex: texture_2d<f32>, coords: vec2f) -> vec4f
+fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f) -> vec4f
 {
-let size: vec2i = vec2i(textureDimensions(tex));
-let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
-return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
+let size:vec2i = vec2i(textureDimensions(tex));
+let texel:vec2i = vec2i(saturate(coords) * vec2f(size));
+return textureLoad(tex,min(texel,size - vec2i(1,1)),0);
 }
-fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> f32
+fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f) -> f32
 {
-let size: vec2i = vec2i(textureDimensions(tex));
-let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
-return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).r;
+let size:vec2i = vec2i(textureDimensions(tex));
+let texel:vec2i = vec2i(saturate(coords) * vec2f(size));
+return vec4f(textureLoad(tex,min(texel,size - vec2i(1,1)),0)).r;
 }
-var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
-var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
-fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
+var<private> BokehViewport:vec4f = vec4f(0.0,0.0,1.0,1.0);
+var<private> BokehViewportBounds:vec4f = vec4f(0.0,0.0,1.0,1.0);
+fn BokehSetViewport(viewport:vec4f,textureSize:vec2f)
 {
 if (BOKEH_VIEWPORT > 0)
 {
-let inset: vec2f = min(vec2f(0.5078125, 0.5078125), viewport.zw * 0.5);
+let inset:vec2f = min(vec2f(0.5078125,0.5078125),viewport.zw * 0.5);
 BokehViewport = viewport / textureSize.xyxy;
-BokehViewportBounds = vec4f(viewport.xy + inset, viewport.xy + viewport.zw - inset) /
+BokehViewportBounds = vec4f(viewport.xy + inset,viewport.xy + viewport.zw - inset) /
 textureSize.xyxy;
 }
 }
-fn BokehToTexture(uv: vec2f) -> vec2f
+fn BokehToTexture(uv:vec2f) -> vec2f
 {
-var coords: vec2f = uv;
+var coords:vec2f = uv;
 if (BOKEH_VIEWPORT > 0)
 {
-coords = clamp(BokehViewport.xy + uv * BokehViewport.zw, BokehViewportBounds.xy,
+coords = clamp(BokehViewport.xy + uv * BokehViewport.zw,BokehViewportBounds.xy,
 BokehViewportBounds.zw);
 }
 return coords;
 }
-fn BokehFetch(tex: texture_2d<f32>, uv: vec2f, BokehLinearClamp: sampler) -> vec4f
+fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler) -> vec4f
 {
-return BokehFetchTexture(tex, BokehToTexture(uv), BokehLinearClamp);
+return BokehFetchTexture(tex,BokehToTexture(uv),BokehLinearClamp);
 }
 struct BokehLens
 {
-apertureDiameter: f32,
-focalLength: f32,
-focusDistance: f32,
-sensorHeight: f32,
-maxCoC: f32,
+apertureDiameter:f32,
+focalLength:f32,
+focusDistance:f32,
+sensorHeight:f32,
+maxCoC:f32,
 }
-fn BokehMakeLens(apertureDiameter: f32, focalLength: f32, focusDistance: f32) -> BokehLens
+fn BokehMakeLens(apertureDiameter:f32,focalLength:f32,focusDistance:f32) -> BokehLens
 {
-var lens: BokehLens;
+var lens:BokehLens;
 lens.apertureDiameter = apertureDiameter;
 lens.focalLength = focalLength;
 lens.focusDistance = focusDistance;
@@ -1861,30 +1861,30 @@ lens.sensorHeight = 0.024;
 lens.maxCoC = 0.1;
 return lens;
 }
-fn BokehSignedCoC(depth: f32, lens: BokehLens) -> f32
+fn BokehSignedCoC(depth:f32,lens:BokehLens) -> f32
 {
-let focus: f32 = min(lens.focusDistance, BOKEH_MAX_DEPTH);
-let magnification: f32 = lens.focalLength / max(focus - lens.focalLength, BOKEH_MIN_DEPTH);
-let c: f32 = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
-var CoC: f32 = clamp(c / max(lens.sensorHeight, BOKEH_MIN_DEPTH), 0.0, lens.maxCoC);
+let focus:f32 = min(lens.focusDistance,BOKEH_MAX_DEPTH);
+let magnification:f32 = lens.focalLength / max(focus - lens.focalLength,BOKEH_MIN_DEPTH);
+let c:f32 = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
+var CoC:f32 = clamp(c / max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
 if (depth < focus)
 {
 CoC = -CoC;
 }
 return CoC;
 }
-fn BokehSafe(value: f32, least: f32, most: f32) -> f32
+fn BokehSafe(value:f32,least:f32,most:f32) -> f32
 {
-var safe: f32 = least;
+var safe:f32 = least;
 if (value >= least)
 {
-safe = min(value, most);
+safe = min(value,most);
 }
 return safe;
 }
-fn BokehLinearDepth(stored: f32, kind: i32, near: f32, far: f32) -> f32
+fn BokehLinearDepth(stored:f32,kind:i32,near:f32,far:f32) -> f32
 {
-var depth: f32 = stored;
+var depth:f32 = stored;
 if (kind == 1)
 {
 depth = near * far / (far - stored * (far - near));
@@ -1925,84 +1925,84 @@ if (stored >= 0.0)
 depth = exp2(stored * log2(far + 1.0)) - 1.0;
 }
 }
-return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+return BokehSafe(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
 }
-fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
+fn BokehPackCoC(color:vec4f,CoC:f32) -> vec4f
 {
-return vec4f(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
-BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+return vec4f(BokehSafe(color.r,0.0,BOKEH_MAX_COLOR),BokehSafe(color.g,0.0,BOKEH_MAX_COLOR),
+BokehSafe(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
-fn BokehBrightness(color: vec4f) -> f32
+fn BokehBrightness(color:vec4f) -> f32
 {
-let safe: vec4f = BokehPackCoC(color, 0.0);
+let safe:vec4f = BokehPackCoC(color,0.0);
 return safe.r + safe.g + safe.b;
 }
-fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
+fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f) -> vec3f
 {
-var result: vec3f = brightest;
-let brightness: f32 = BokehBrightness(color);
+var result:vec3f = brightest;
+let brightness:f32 = BokehBrightness(color);
 if (brightness > brightest.z)
 {
-result = vec3f(direction, brightness);
+result = vec3f(direction,brightness);
 }
 return result;
 }
-fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f) -> vec3f
 {
-let minBrightness: f32 = max(4.0 * BokehBrightness(color), 0.0000001);
-var brightest: vec3f = vec3f(0.0, 0.0, minBrightness);
-brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
-brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
-brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
-brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
-return vec3f(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+let minBrightness:f32 = max(4.0 * BokehBrightness(color),0.0000001);
+var brightest:vec3f = vec3f(0.0,0.0,minBrightness);
+brightest = BokehBrighter(brightest,right,vec2f(1.0,0.0));
+brightest = BokehBrighter(brightest,left,vec2f(-1.0,0.0));
+brightest = BokehBrighter(brightest,below,vec2f(0.0,1.0));
+brightest = BokehBrighter(brightest,above,vec2f(0.0,-1.0));
+return vec3f(brightest.xy,min(brightest.z / minBrightness - 1.0,1.0));
 }
-fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
+fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f) -> vec3f
 {
-let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
-let right: vec2f = vec2f(pixel.x, 0.0);
-let below: vec2f = vec2f(0.0, pixel.y);
-let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
-BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-return vec3f(brightest.xy * pixel, brightest.z);
+let pixel:vec2f = 1.0 / max(imageSize,vec2f(1.0,1.0));
+let right:vec2f = vec2f(pixel.x,0.0);
+let below:vec2f = vec2f(0.0,pixel.y);
+let brightest:vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv + right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv - right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv + below)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv - below)));
+return vec3f(brightest.xy * pixel,brightest.z);
 }
-fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
+fn BokehLightCoC(CoC:f32,lightCoC:f32,weight:f32,imageHeight:f32) -> f32
 {
-let sharper: f32 = min(abs(CoC), abs(lightCoC));
-let blurred: f32 = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+let sharper:f32 = min(abs(CoC),abs(lightCoC));
+let blurred:f32 = clamp(sharper * imageHeight - 1.0,0.0,1.0);
+return CoC + (min(lightCoC,CoC) - CoC) * (weight * blurred);
 }
-fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> vec4f
+fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
+depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f) -> vec4f
 {
-var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
+var depth:f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
 planes.y);
-var CoC: f32 = BokehSignedCoC(depth, lens);
-let neighbor: vec3f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+var CoC:f32 = BokehSignedCoC(depth,lens);
+let neighbor:vec3f = BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if (neighbor.z > 0.0)
 {
-let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+let offset:vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV + offset),kind,planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
 struct BokehFilter
 {
-aspectRatio: f32,
-imageHeight: f32,
-spacing: f32,
-jitter: f32,
-bleedingBias: f32,
-bleedingMult: f32,
+aspectRatio:f32,
+imageHeight:f32,
+spacing:f32,
+jitter:f32,
+bleedingBias:f32,
+bleedingMult:f32,
 }
-fn BokehDefaultFilter(imageSize: vec2f) -> BokehFilter
+fn BokehDefaultFilter(imageSize:vec2f) -> BokehFilter
 {
-var settings: BokehFilter;
+var settings:BokehFilter;
 settings.aspectRatio = imageSize.x / imageSize.y;
 settings.imageHeight = imageSize.y;
 settings.spacing = BOKEH_SPACING;
@@ -2011,92 +2011,92 @@ settings.bleedingBias = 0.02;
 settings.bleedingMult = 30.0;
 return settings;
 }
-fn BokehFilterCoC(CoC: f32, imageHeight: f32) -> f32
+fn BokehFilterCoC(CoC:f32,imageHeight:f32) -> f32
 {
-var filterCoC: f32 = CoC;
+var filterCoC:f32 = CoC;
 if (BOKEH_SPACING > 0.0)
 {
-filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
+filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
 }
 return filterCoC;
 }
-fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
+fn BokehCells(lengthInPixels:f32,spacing:f32) -> f32
 {
-var cells: f32 = f32(BOKEH_NUM_SAMPLES);
+var cells:f32 = f32(BOKEH_NUM_SAMPLES);
 if (BOKEH_SPACING > 0.0)
 {
-cells = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
+cells = clamp(lengthInPixels / spacing,1.0,f32(BOKEH_NUM_SAMPLES));
 }
 return cells;
 }
-fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
+fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehFilter) -> f32
 {
-let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
-let rejected: f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-let weight: f32 = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
+let scale:f32 = 1.0 / max(settings.bleedingBias,0.001);
+let rejected:f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
+let weight:f32 = clamp(abs(sampleCoC) * settings.bleedingMult,0.0,1.0);
 return 1.0 - rejected * (1.0 - weight * weight);
 }
-fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
+fn BokehResolved(sum:vec4f,centerPixel:vec4f) -> vec4f
 {
-var result: vec4f = centerPixel;
+var result:vec4f = centerPixel;
 if (sum.a > 0.0)
 {
-result = vec4f(sum.rgb / sum.a, centerPixel.a);
+result = vec4f(sum.rgb / sum.a,centerPixel.a);
 }
 return result;
 }
 struct BokehPolygon
 {
-sides: i32,
-axis: vec2f,
-squeeze: f32,
-lengths: vec4f,
-fifth: f32,
-corner: vec2f,
-mean: vec2f,
-area: f32,
+sides:i32,
+axis:vec2f,
+squeeze:f32,
+lengths:vec4f,
+fifth:f32,
+corner:vec2f,
+mean:vec2f,
+area:f32,
 }
 struct BokehTargets
 {
-edge2: vec4f,
-edge3: vec4f,
-edge4: vec4f,
-edge5: vec4f,
+edge2:vec4f,
+edge3:vec4f,
+edge4:vec4f,
+edge5:vec4f,
 }
-fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
+fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32) -> BokehPolygon
 {
-let halfStep: f32 = 3.14159265 / f32(sides);
-let edge: f32 = sin(halfStep);
-var polygon: BokehPolygon;
+let halfStep:f32 = 3.14159265 / f32(sides);
+let edge:f32 = sin(halfStep);
+var polygon:BokehPolygon;
 polygon.sides = sides;
-polygon.axis = vec2f(cos(rotation), sin(rotation));
+polygon.axis = vec2f(cos(rotation),sin(rotation));
 polygon.squeeze = squeeze;
-polygon.lengths = vec4f(edge, edge, edge, edge);
+polygon.lengths = vec4f(edge,edge,edge,edge);
 polygon.fifth = edge;
-polygon.corner = vec2f(0.5 * cos(halfStep), 0.5 * edge);
-polygon.mean = vec2f(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
+polygon.corner = vec2f(0.5 * cos(halfStep),0.5 * edge);
+polygon.mean = vec2f(0.0,0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
 1.0)));
 polygon.area = 0.25 * f32(sides) * edge * cos(halfStep);
 return polygon;
 }
-fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
+fn BokehRotated(direction:vec2f,axis:vec2f) -> vec2f
 {
-return vec2f(direction.x * axis.x - direction.y * axis.y, direction.x * axis.y + direction.y *
+return vec2f(direction.x * axis.x - direction.y * axis.y,direction.x * axis.y + direction.y *
 axis.x);
 }
-fn BokehTurn(k: f32, polygon: BokehPolygon) -> vec2f
+fn BokehTurn(k:f32,polygon:BokehPolygon) -> vec2f
 {
-let angle: f32 = 6.28318531 / f32(polygon.sides) * k;
-return vec2f(cos(angle), sin(angle));
+let angle:f32 = 6.28318531 / f32(polygon.sides) * k;
+return vec2f(cos(angle),sin(angle));
 }
-fn BokehEdgeLength(k: i32, polygon: BokehPolygon) -> f32
+fn BokehEdgeLength(k:i32,polygon:BokehPolygon) -> f32
 {
-var edge: i32 = k;
+var edge:i32 = k;
 if (k > polygon.sides / 2)
 {
 edge = k - polygon.sides / 2;
 }
-var edgeLength: f32 = polygon.lengths.x;
+var edgeLength:f32 = polygon.lengths.x;
 if (edge == 2)
 {
 edgeLength = polygon.lengths.y;
@@ -2115,121 +2115,121 @@ edgeLength = polygon.fifth;
 }
 return edgeLength;
 }
-fn BokehEdge(k: i32, polygon: BokehPolygon) -> vec2f
+fn BokehEdge(k:i32,polygon:BokehPolygon) -> vec2f
 {
-let outwards: vec2f = BokehTurn(f32(k), polygon);
-return vec2f(-outwards.y, outwards.x) * BokehEdgeLength(k, polygon);
+let outwards:vec2f = BokehTurn(f32(k),polygon);
+return vec2f(-outwards.y,outwards.x) * BokehEdgeLength(k,polygon);
 }
-fn BokehEdgeLine(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool) -> vec4f
 {
-let halfEdge: vec2f = BokehEdge(k, polygon) * 0.5;
-var middle: vec2f = polygon.corner - polygon.mean + halfEdge;
-let before: vec4f = clamp(f32(k) - vec4f(1.0, 2.0, 3.0, 4.0), vec4f(0.0, 0.0, 0.0, 0.0),
-vec4f(1.0, 1.0, 1.0, 1.0));
-middle += BokehEdge(1, polygon) * before.x + BokehEdge(2, polygon) * before.y + BokehEdge(3,
-polygon) * before.z + BokehEdge(4, polygon) * before.w;
+let halfEdge:vec2f = BokehEdge(k,polygon) * 0.5;
+var middle:vec2f = polygon.corner - polygon.mean + halfEdge;
+let before:vec4f = clamp(f32(k) - vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
+vec4f(1.0,1.0,1.0,1.0));
+middle += BokehEdge(1,polygon) * before.x + BokehEdge(2,polygon) * before.y + BokehEdge(3,
+polygon) * before.z + BokehEdge(4,polygon) * before.w;
 if (secondPass)
 {
 middle = -middle - polygon.corner;
 }
-let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge,
+let segment:vec4f = vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
-return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+return segment * vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-fn BokehEdgeWeights(k: i32, polygon: BokehPolygon) -> vec4f
+fn BokehEdgeWeights(k:i32,polygon:BokehPolygon) -> vec4f
 {
-let angle: f32 = 6.28318531 / f32(polygon.sides);
-let steps: vec4f = max(vec4f(f32(k) - 1.0, f32(k) - 2.0, f32(k) - 3.0, f32(k) - 4.0), vec4f(0.0,
-0.0, 0.0, 0.0));
-return max(sin(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+let angle:f32 = 6.28318531 / f32(polygon.sides);
+let steps:vec4f = max(vec4f(f32(k) - 1.0,f32(k) - 2.0,f32(k) - 3.0,f32(k) - 4.0),vec4f(0.0,
+0.0,0.0,0.0));
+return max(sin(steps * angle),vec4f(0.0,0.0,0.0,0.0)) * polygon.lengths;
 }
-fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
+fn BokehEdgeArea(k:i32,polygon:BokehPolygon) -> f32
 {
-return dot(BokehEdgeWeights(k, polygon), vec4f(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
+return dot(BokehEdgeWeights(k,polygon),vec4f(1.0,1.0,1.0,1.0)) * BokehEdgeLength(k,
 polygon);
 }
-fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
+fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool) -> vec4f
 {
-var halfEdge: vec2f = BokehEdge(k, polygon) * -0.5;
+var halfEdge:vec2f = BokehEdge(k,polygon) * -0.5;
 if (k == 2)
 {
 halfEdge = -halfEdge;
 }
-var middle: vec2f = halfEdge;
+var middle:vec2f = halfEdge;
 if (secondPass)
 {
-middle -= polygon.corner + BokehEdge(2, polygon);
+middle -= polygon.corner + BokehEdge(2,polygon);
 }
-let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge,
+let segment:vec4f = vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
-return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
+return segment * vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
+fn BokehRayWeight(sampleCoC:f32,centerCoC:f32,samples:f32,i:i32) -> vec3f
 {
-let side: f32 = sampleCoC / centerCoC;
-let ratio: f32 = min(abs(side), 1.0);
-var reached: f32 = clamp(ratio * samples - f32(i), 0.0, 1.0);
-var density: f32 = 1.0 / max(ratio, 0.25);
+let side:f32 = sampleCoC / centerCoC;
+let ratio:f32 = min(abs(side),1.0);
+var reached:f32 = clamp(ratio * samples - f32(i),0.0,1.0);
+var density:f32 = 1.0 / max(ratio,0.25);
 if (centerCoC < 0.0)
 {
-let sharp: f32 = clamp(0.5 + 4.0 * side, 0.5, 1.0);
-reached = clamp(samples - f32(i), 0.0, 1.0) * max(ratio, sharp);
+let sharp:f32 = clamp(0.5 + 4.0 * side,0.5,1.0);
+reached = clamp(samples - f32(i),0.0,1.0) * max(ratio,sharp);
 density = 1.0;
 }
-let weight: f32 = reached * density;
-return vec3f(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+let weight:f32 = reached * density;
+return vec3f(weight,reached,weight * clamp(4.0 * side - 3.0,0.0,1.0));
 }
 struct BokehLine
 {
-sum: vec4f,
-reached: f32,
+sum:vec4f,
+reached:f32,
 }
-fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
+fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,
+rays:bool,centerCoC:f32,settings:BokehFilter,BokehLinearClamp:sampler) -> BokehLine
 {
-var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var reached: f32 = 0.0;
-let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
+var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var reached:f32 = 0.0;
+let CoC:f32 = BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if (CoC > 0.0)
 {
-var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+var segment:vec4f = BokehEdgeLine(k,polygon,secondPass);
 if (rays)
 {
-segment = BokehRay(k, polygon, secondPass);
+segment = BokehRay(k,polygon,secondPass);
 }
-let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
-let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
-var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+let cells:f32 = BokehCells(lengthInPixels,settings.spacing);
+let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
+let first:vec2f = uv + (segment.xy - segment.zw) * scale;
+let cellLength:vec2f = segment.zw * scale * (2.0 / cells);
+var surface:vec4f = vec4f(0.0,0.0,0.0,0.0);
+for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
 {
 break;
 }
-let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
+let cell:f32 = clamp(cells - f32(i),0.0,1.0);
+let samplePixel:vec4f = BokehFetch(tex,first + cellLength * (f32(i) + cell * phase),
 BokehLinearClamp);
 if (rays)
 {
-let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
-sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
+let weights:vec3f = BokehRayWeight(samplePixel.a,centerCoC,cells,i);
+sum += vec4f(samplePixel.rgb,1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+surface += vec4f(samplePixel.rgb,1.0) * weights.z;
 }
 else
 {
-let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
+let weight:f32 = cell * BokehSignedLeakageWeight(samplePixel.a,centerCoC,
 settings);
-sum += vec4f(samplePixel.rgb, 1.0) * weight;
+sum += vec4f(samplePixel.rgb,1.0) * weight;
 }
 }
 if (rays)
 {
-let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+let covered:f32 = clamp((sum.a - cells) / max(surface.a,0.0001),0.0,1.0);
 sum -= surface * covered;
 reached -= (surface.r + surface.g + surface.b) * covered;
 }
@@ -2237,347 +2237,347 @@ sum = sum / cells;
 reached = reached / cells;
 if (secondPass)
 {
-sum *= BokehEdgeArea(k, polygon);
+sum *= BokehEdgeArea(k,polygon);
 }
 }
-var result: BokehLine;
+var result:BokehLine;
 result.sum = sum;
 result.reached = reached;
 return result;
 }
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
-L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
+fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,
+L3:BokehLine,L4:BokehLine,centerPixel:vec4f) -> vec4f
 {
-let weights: vec4f = BokehEdgeWeights(k, polygon);
-let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
+let weights:vec4f = BokehEdgeWeights(k,polygon);
+let sum:vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
 weights.w;
-var result: vec4f = BokehResolved(sum, centerPixel);
-let gathered: f32 = sum.r + sum.g + sum.b;
+var result:vec4f = BokehResolved(sum,centerPixel);
+let gathered:f32 = sum.r + sum.g + sum.b;
 if (rays && gathered > 0.0)
 {
-let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+let reached:f32 = dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result = vec4f(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
 }
 return result;
 }
-fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
 {
-let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
-let CoC: f32 = centerPixel.a;
-var rays: bool = false;
+let centerPixel:vec4f = BokehFetch(MapSamp,uv,BokehLinearClamp);
+let CoC:f32 = centerPixel.a;
+var rays:bool = false;
 if (last < 4)
 {
 rays = polygon.sides == 6;
 }
-let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
+let L1:BokehLine = BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
 BokehLinearClamp);
-var L2: BokehLine;
-L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
+var L2:BokehLine;
+L2.sum = vec4f(0.0,0.0,0.0,0.0);
 L2.reached = 0.0;
-var L3: BokehLine = L2;
-var L4: BokehLine = L2;
+var L3:BokehLine = L2;
+var L4:BokehLine = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L2 = BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L3 = BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
-var targets: BokehTargets;
-targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+var targets:BokehTargets;
+targets.edge2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.edge5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
-fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
 {
-return BokehExactFirst(MapSamp, uv, 2, polygon, settings, BokehLinearClamp);
+return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);
 }
-fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehSquareSecond(Edge2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum, pixel);
+return BokehResolved(L2.sum,pixel);
 }
-fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
 {
-return BokehExactFirst(MapSamp, uv, 3, polygon, settings, BokehLinearClamp);
+return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);
 }
-fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv: vec2f,
-polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehHexagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,uv:vec2f,
+polygon:BokehPolygon,settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum, pixel);
+return BokehResolved(L2.sum + L3.sum,pixel);
 }
-fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
 {
-return BokehExactFirst(MapSamp, uv, 4, polygon, settings, BokehLinearClamp);
+return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);
 }
-fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFilter,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehOctagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
+Edge4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehFilter,
+BokehLinearClamp:sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+let L4:BokehLine = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
+return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
 }
-fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
 {
-return BokehExactFirst(MapSamp, uv, 5, polygon, settings, BokehLinearClamp);
+return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);
 }
-fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehDecagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
+Edge4Samp:texture_2d<f32>,Edge5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+let L4:BokehLine = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L5: BokehLine = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+let L5:BokehLine = BokehLineSum(Edge5Samp,uv,5,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
+return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 }
 `,
   bokeh_paper: `
-override BOKEH_PAPER_SAMPLES: i32 = 13;
-fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
+override BOKEH_PAPER_SAMPLES:i32 = 13;
+fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f) -> f32
 {
-return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+return BokehSafe(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
-fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-lens: BokehLens) -> vec4f
+fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
+lens:BokehLens) -> vec4f
 {
-return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
-abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
 }
-fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
+fn BokehLineEnd(angle:f32,aspectRatio:f32) -> vec2f
 {
-return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+return vec2f(0.5 * cos(angle) / aspectRatio,0.5 * sin(angle));
 }
-fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
+fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32) -> vec2f
 {
-let last: i32 = max(numSamples, 2) - 1;
-let t: f32 = f32(2 * i - last) / f32(last);
+let last:i32 = max(numSamples,2) - 1;
+let t:f32 = f32(2 * i - last) / f32(last);
 return lineEnd * t;
 }
-fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
+fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32) -> vec4f
 {
-let halfLine: vec2f = vec2f(cos(angle), sin(angle)) * 0.5 * lineLength;
-return vec4f(lineCenter, halfLine) * vec4f(squeeze, 1.0, squeeze, 1.0);
+let halfLine:vec2f = vec2f(cos(angle),sin(angle)) * 0.5 * lineLength;
+return vec4f(lineCenter,halfLine) * vec4f(squeeze,1.0,squeeze,1.0);
 }
-fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
-settings: BokehFilter) -> f32
+fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,
+settings:BokehFilter) -> f32
 {
-var weight: f32 = 1.0;
+var weight:f32 = 1.0;
 if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
 {
-weight = clamp(sampleCoC * settings.bleedingMult, 0.0, 1.0);
+weight = clamp(sampleCoC * settings.bleedingMult,0.0,1.0);
 }
 return weight;
 }
-fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: bool) -> vec4f
+fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool) -> vec4f
 {
-var result: vec4f = centerPixel;
+var result:vec4f = centerPixel;
 if (totalWeight > 0.0)
 {
 result = color / totalWeight;
 }
 if (!blurCoC)
 {
-result = vec4f(result.rgb, centerPixel.a);
+result = vec4f(result.rgb,centerPixel.a);
 }
 return result;
 }
-fn BokehDepthOfField(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-lineEnd: vec2f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
+lineEnd:vec2f,settings:BokehFilter,blurCoC:bool,BokehLinearClamp:sampler) -> vec4f
 {
-let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
-let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
-var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var totalWeight: f32 = 0.0;
-for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
+var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32 = 0.0;
+for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
-let sampleCoords: vec2f = uv + offset * centerPixel.a;
-let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+let offset:vec2f = BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords:vec2f = uv + offset * centerPixel.a;
+let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
-fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-segment: vec4f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
+segment:vec4f,settings:BokehFilter,blurCoC:bool,BokehLinearClamp:sampler) -> vec4f
 {
-let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
-var result: vec4f = centerPixel;
-let CoC: f32 = BokehFilterCoC(centerPixel.a, settings.imageHeight);
+let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
+var result:vec4f = centerPixel;
+let CoC:f32 = BokehFilterCoC(centerPixel.a,settings.imageHeight);
 if (CoC > 0.0)
 {
-let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
-let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
-let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
-let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
-var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var totalWeight: f32 = 0.0;
-for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
+let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
+let cells:f32 = BokehCells(lengthInPixels,settings.spacing);
+let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
+let first:vec2f = uv + (segment.xy - segment.zw) * scale;
+let cellLength:vec2f = segment.zw * scale * (2.0 / cells);
+var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32 = 0.0;
+for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
 {
 break;
 }
-let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-let sampleCoords: vec2f = first + cellLength * (f32(i) + cell * phase);
-let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-let weight: f32 = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-centerPixel.a, settings);
+let cell:f32 = clamp(cells - f32(i),0.0,1.0);
+let sampleCoords:vec2f = first + cellLength * (f32(i) + cell * phase);
+let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32 = cell * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-result = BokehResolve(color, totalWeight, centerPixel, blurCoC);
+result = BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 return result;
 }
-fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
+fn BokehCombine(a:vec4f,b:vec4f,useMax:bool) -> vec4f
 {
-var result: vec4f = min(a, b);
+var result:vec4f = min(a,b);
 if (useMax)
 {
-result = max(a, b);
+result = max(a,b);
 }
 return result;
 }
-fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
-CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehFilter, blurCoC: bool,
-useMax: bool, BokehLinearClamp: sampler) -> vec4f
+fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
+CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehFilter,blurCoC:bool,
+useMax:bool,BokehLinearClamp:sampler) -> vec4f
 {
-let a: vec4f = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC,
+let a:vec4f = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
 BokehLinearClamp);
-return BokehCombine(a, BokehFetch(CompareSamp, uv, BokehLinearClamp), useMax);
+return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);
 }
-fn BokehNaiveGather(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
-KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehFilter, blurCoC: bool,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
+KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehFilter,blurCoC:bool,
+BokehLinearClamp:sampler) -> vec4f
 {
-let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
-let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
-let scale: vec2f = vec2f(centerPixel.a / settings.aspectRatio, centerPixel.a);
-var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var totalWeight: f32 = 0.0;
-for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
+let scale:vec2f = vec2f(centerPixel.a / settings.aspectRatio,centerPixel.a);
+var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32 = 0.0;
+for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-let offset: vec2f = BokehFetchTexel(KernelSamp, vec2f((f32(i) + 0.5) /
-f32(BOKEH_PAPER_SAMPLES), 0.5)).rg;
-let sampleCoords: vec2f = uv + offset * scale;
-let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
+let offset:vec2f = BokehFetchTexel(KernelSamp,vec2f((f32(i) + 0.5) /
+f32(BOKEH_PAPER_SAMPLES),0.5)).rg;
+let sampleCoords:vec2f = uv + offset * scale;
+let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
-fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-lineEndU: vec2f, lineEndV: vec2f, settings: BokehFilter, blurCoC: bool,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
+lineEndU:vec2f,lineEndV:vec2f,settings:BokehFilter,blurCoC:bool,
+BokehLinearClamp:sampler) -> vec4f
 {
-let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
-let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
-var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var totalWeight: f32 = 0.0;
-for (var j: i32 = 0; j < BOKEH_PAPER_SAMPLES; j++)
+let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
+var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32 = 0.0;
+for (var j:i32 = 0; j < BOKEH_PAPER_SAMPLES; j++)
 {
-let rowOffset: vec2f = BokehMakeOffsets(lineEndV, j, BOKEH_PAPER_SAMPLES);
-for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let rowOffset:vec2f = BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
+for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
 {
-let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
-let sampleCoords: vec2f = uv + offset * centerPixel.a;
-let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
-centerPixel.a, settings);
+let offset:vec2f = rowOffset + BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords:vec2f = uv + offset * centerPixel.a;
+let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
 }
 }
-return BokehResolve(color, totalWeight, centerPixel, blurCoC);
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 `,
   bokeh_layers: `
-override BOKEH_LAYER_RINGS: i32 = 2;
-override BOKEH_LAYER_CELLS: i32 = 11;
-override BOKEH_LAYER_CUBIC: i32 = 1;
-const BOKEH_MIN_LEVEL: f32 = 0.00001;
+override BOKEH_LAYER_RINGS:i32 = 2;
+override BOKEH_LAYER_CELLS:i32 = 11;
+override BOKEH_LAYER_CUBIC:i32 = 1;
+const BOKEH_MIN_LEVEL:f32 = 0.00001;
 struct BokehGrid
 {
-size: vec2f,
-origin: vec2f,
-texel: vec2f,
+size:vec2f,
+origin:vec2f,
+texel:vec2f,
 }
 struct BokehLayers
 {
-uv: vec2f,
-size: vec2f,
-origin: vec2f,
-texel: vec2f,
-largest: f32,
-jitter: f32,
+uv:vec2f,
+size:vec2f,
+origin:vec2f,
+texel:vec2f,
+largest:f32,
+jitter:f32,
 }
-fn BokehMakeLayers(uv: vec2f, imageSize: vec2f, maxCoC: f32) -> BokehLayers
+fn BokehMakeLayers(uv:vec2f,imageSize:vec2f,maxCoC:f32) -> BokehLayers
 {
-var layers: BokehLayers;
+var layers:BokehLayers;
 layers.uv = uv;
 layers.size = imageSize;
-layers.origin = vec2f(0.0, 0.0);
+layers.origin = vec2f(0.0,0.0);
 layers.texel = 1.0 / imageSize;
 layers.largest = maxCoC * imageSize.y;
 layers.jitter = 0.0;
 return layers;
 }
-fn BokehFullGrid(layers: BokehLayers) -> BokehGrid
+fn BokehFullGrid(layers:BokehLayers) -> BokehGrid
 {
-var grid: BokehGrid;
+var grid:BokehGrid;
 grid.size = layers.size;
 grid.origin = layers.origin;
 grid.texel = layers.texel;
 return grid;
 }
-fn BokehReducedGrid(layers: BokehLayers, scale: f32) -> BokehGrid
+fn BokehReducedGrid(layers:BokehLayers,scale:f32) -> BokehGrid
 {
-var grid: BokehGrid;
+var grid:BokehGrid;
 grid.size = ceil(layers.size / scale);
 grid.origin = layers.origin / scale;
 grid.texel = 1.0 / grid.size;
@@ -2587,344 +2587,344 @@ grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
 }
 return grid;
 }
-fn BokehGridCoords(place: vec2f, grid: BokehGrid) -> vec2f
+fn BokehGridCoords(place:vec2f,grid:BokehGrid) -> vec2f
 {
-var coords: vec2f = place;
+var coords:vec2f = place;
 if (BOKEH_VIEWPORT > 0)
 {
-let inset: vec2f = min(vec2f(0.5078125, 0.5078125), grid.size * 0.5);
-coords = grid.origin + clamp(place, inset, grid.size - inset);
+let inset:vec2f = min(vec2f(0.5078125,0.5078125),grid.size * 0.5);
+coords = grid.origin + clamp(place,inset,grid.size - inset);
 }
 return coords * grid.texel;
 }
-fn BokehFetchGrid(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,
+BokehLinearClamp:sampler) -> vec4f
 {
-return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
+return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);
 }
-fn BokehFetchAround(tex: texture_2d<f32>, uv: vec2f, offset: vec2f, grid: BokehGrid,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehFetchAround(tex:texture_2d<f32>,uv:vec2f,offset:vec2f,grid:BokehGrid,
+BokehLinearClamp:sampler) -> vec4f
 {
-var coords: vec2f = uv + offset * grid.texel;
+var coords:vec2f = uv + offset * grid.texel;
 if (BOKEH_VIEWPORT > 0)
 {
-coords = BokehGridCoords(uv * grid.size + offset, grid);
+coords = BokehGridCoords(uv * grid.size + offset,grid);
 }
-return BokehFetchTexture(tex, coords, BokehLinearClamp);
+return BokehFetchTexture(tex,coords,BokehLinearClamp);
 }
-fn BokehBrightest(color: vec3f) -> f32
+fn BokehBrightest(color:vec3f) -> f32
 {
-return max(max(color.r, color.g), color.b);
+return max(max(color.r,color.g),color.b);
 }
-fn BokehLayerSlope(largest: f32, none: f32, whole: f32) -> f32
+fn BokehLayerSlope(largest:f32,none:f32,whole:f32) -> f32
 {
-let gate: f32 = clamp((largest - none) / (whole - none), 0.001, 1.0);
-return 5.0 / max(largest / gate, 2.0);
+let gate:f32 = clamp((largest - none) / (whole - none),0.001,1.0);
+return 5.0 / max(largest / gate,2.0);
 }
-fn BokehNearSlope(largest: f32) -> f32
+fn BokehNearSlope(largest:f32) -> f32
 {
-return BokehLayerSlope(largest, 6.0, 12.0);
+return BokehLayerSlope(largest,6.0,12.0);
 }
-fn BokehFarSlope(largest: f32) -> f32
+fn BokehFarSlope(largest:f32) -> f32
 {
-return BokehLayerSlope(largest, 10.0, 16.0);
+return BokehLayerSlope(largest,10.0,16.0);
 }
-fn BokehLayerShare(CoC: f32, slope: f32) -> f32
+fn BokehLayerShare(CoC:f32,slope:f32) -> f32
 {
-return clamp(CoC * slope - 2.0, 0.0, 1.0);
+return clamp(CoC * slope - 2.0,0.0,1.0);
 }
-fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
 {
-let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5, 0.5);
-var found: vec3f = vec3f(0.0, 0.0, 0.0);
-for (var y: i32 = 0; y < 8; y++)
+let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5,0.5);
+var found:vec3f = vec3f(0.0,0.0,0.0);
+for (var y:i32 = 0; y < 8; y++)
 {
-for (var x: i32 = 0; x < 8; x++)
+for (var x:i32 = 0; x < 8; x++)
 {
-let place: vec2f = first + vec2f(f32(x), f32(y));
-let pixel: vec4f = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers),
+let place:vec2f = first + vec2f(f32(x),f32(y));
+let pixel:vec4f = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
 BokehLinearClamp);
-let s: f32 = pixel.a * layers.size.y;
-let level: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
-found = vec3f(max(found.r, -s), max(found.g, s), found.b + level);
+let s:f32 = pixel.a * layers.size.y;
+let level:f32 = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_LEVEL));
+found = vec3f(max(found.r,-s),max(found.g,s),found.b + level);
 }
 }
-return vec4f(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
+return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
 }
-fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
+fn BokehReaching(CoC:vec2f,tiles:f32) -> vec2f
 {
-let share: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
-return CoC * clamp(share, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+let share:vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
+return CoC * clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
 }
-fn BokehReachTiles(layers: BokehLayers) -> f32
+fn BokehReachTiles(layers:BokehLayers) -> f32
 {
-return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
+return min(ceil(layers.largest / 16.0) + 2.0,127.0);
 }
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayers,
+BokehLinearClamp:sampler) -> vec4f
 {
-let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let radius: f32 = BokehReachTiles(layers);
-var found: vec2f = vec2f(0.0, 0.0);
-var level: f32 = 0.0;
-for (var i: i32 = 0; i < 255; i++)
+let grid:BokehGrid = BokehReducedGrid(layers,8.0);
+let radius:f32 = BokehReachTiles(layers);
+var found:vec2f = vec2f(0.0,0.0);
+var level:f32 = 0.0;
+for (var i:i32 = 0; i < 255; i++)
 {
-let tiles: f32 = f32(i) - radius;
+let tiles:f32 = f32(i) - radius;
 if (tiles > radius)
 {
 break;
 }
-let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
+let tile:vec4f = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid,
 BokehLinearClamp);
-found = max(found, BokehReaching(tile.rg, abs(tiles)));
+found = max(found,BokehReaching(tile.rg,abs(tiles)));
 level += tile.b;
 }
-return vec4f(found, level / (2.0 * radius + 1.0), 1.0);
+return vec4f(found,level / (2.0 * radius + 1.0),1.0);
 }
-fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, unit: f32, heaviest: f32) -> vec4f
+fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,unit:f32,heaviest:f32) -> vec4f
 {
-let brightest: vec4f = vec4f(BokehBrightest(a.rgb), BokehBrightest(b.rgb),
-BokehBrightest(c.rgb), BokehBrightest(d.rgb));
-return min(0.01 + brightest * unit, vec4f(heaviest, heaviest, heaviest, heaviest));
+let brightest:vec4f = vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
+BokehBrightest(c.rgb),BokehBrightest(d.rgb));
+return min(0.01 + brightest * unit,vec4f(heaviest,heaviest,heaviest,heaviest));
 }
 struct BokehPrefiltered
 {
-nearLayer: vec4f,
-farLayer: vec4f,
-kernelSums: vec4f,
-leftovers: vec4f,
+nearLayer:vec4f,
+farLayer:vec4f,
+kernelSums:vec4f,
+leftovers:vec4f,
 }
-fn BokehLayerShares(CoC: vec4f, slope: f32) -> vec4f
+fn BokehLayerShares(CoC:vec4f,slope:f32) -> vec4f
 {
-return clamp(CoC * slope - 2.0, vec4f(0.0, 0.0, 0.0, 0.0), vec4f(1.0, 1.0, 1.0, 1.0));
+return clamp(CoC * slope - 2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
 }
-fn BokehSurroundings(found: vec4f, pixel: vec4f, nearShare: f32, nearest: f32) -> vec4f
+fn BokehSurroundings(found:vec4f,pixel:vec4f,nearShare:f32,nearest:f32) -> vec4f
 {
-var result: vec4f = vec4f(min(found.rgb, pixel.rgb), found.a);
+var result:vec4f = vec4f(min(found.rgb,pixel.rgb),found.a);
 if (nearShare < 0.5 * nearest)
 {
-result = vec4f(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
+result = vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-fn BokehNearPixel(pixel: vec4f, nearShare: f32, around: vec4f) -> vec4f
+fn BokehNearPixel(pixel:vec4f,nearShare:f32,around:vec4f) -> vec4f
 {
-var result: vec4f = vec4f(pixel.rgb, nearShare);
-let brightest: f32 = BokehBrightest(pixel.rgb);
-let limit: f32 = BokehBrightest(around.rgb);
+var result:vec4f = vec4f(pixel.rgb,nearShare);
+let brightest:f32 = BokehBrightest(pixel.rgb);
+let limit:f32 = BokehBrightest(around.rgb);
 if (around.a > brightest)
 {
-result = vec4f(min(pixel.rgb, around.rgb), nearShare);
+result = vec4f(min(pixel.rgb,around.rgb),nearShare);
 if (brightest > limit)
 {
-result = vec4f(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+result = vec4f(result.rgb,nearShare * (around.a - brightest) / (around.a - limit));
 }
 }
 return result;
 }
-fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
-BokehLinearClamp: sampler) -> BokehPrefiltered
+fn BokehPrefilter(MapSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,layers:BokehLayers,
+BokehLinearClamp:sampler) -> BokehPrefiltered
 {
-let full: BokehGrid = BokehFullGrid(layers);
-let middle: vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0, 1.0);
-let reach: vec4f = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
+let full:BokehGrid = BokehFullGrid(layers);
+let middle:vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0,1.0);
+let reach:vec4f = BokehFetchGrid(ReachSamp,middle / 8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearSlope: f32 = BokehNearSlope(reach.r);
-let farSlope: f32 = BokehFarSlope(reach.g);
-let unit: f32 = exp2(-reach.b);
-let heaviest: f32 = 500000.0 / max(layers.largest, 50.0);
-var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
-var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
-var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
-var d: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, 0.5), full, BokehLinearClamp);
-let s: vec4f = vec4f(a.a, b.a, c.a, d.a) * full.size.y;
-let nearShares: vec4f = BokehLayerShares(-s, nearSlope);
-let farShares: vec4f = BokehLayerShares(s, farSlope);
-let far: vec4f = vec4f(a.rgb, 1.0) * farShares.x + vec4f(b.rgb, 1.0) * farShares.y +
-vec4f(c.rgb, 1.0) * farShares.z + vec4f(d.rgb, 1.0) * farShares.w;
-var weights: vec4f = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
-let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
-var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-let nearLeft: vec4f = -s * min(4.0 - 4.0 * nearShares, one);
-let farLeft: vec4f = s * min(4.0 - 4.0 * farShares, one);
-let left: vec2f = max(max(vec2f(nearLeft.x, farLeft.x), vec2f(nearLeft.y, farLeft.y)),
-max(vec2f(nearLeft.z, farLeft.z), vec2f(nearLeft.w, farLeft.w)));
-let nearest: f32 = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
-var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+let nearSlope:f32 = BokehNearSlope(reach.r);
+let farSlope:f32 = BokehFarSlope(reach.g);
+let unit:f32 = exp2(-reach.b);
+let heaviest:f32 = 500000.0 / max(layers.largest,50.0);
+var a:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,-0.5),full,BokehLinearClamp);
+var b:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,-0.5),full,BokehLinearClamp);
+var c:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,0.5),full,BokehLinearClamp);
+var d:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,0.5),full,BokehLinearClamp);
+let s:vec4f = vec4f(a.a,b.a,c.a,d.a) * full.size.y;
+let nearShares:vec4f = BokehLayerShares(-s,nearSlope);
+let farShares:vec4f = BokehLayerShares(s,farSlope);
+let far:vec4f = vec4f(a.rgb,1.0) * farShares.x + vec4f(b.rgb,1.0) * farShares.y +
+vec4f(c.rgb,1.0) * farShares.z + vec4f(d.rgb,1.0) * farShares.w;
+var weights:vec4f = farShares * BokehBlurWeights(a,b,c,d,unit,heaviest);
+let one:vec4f = vec4f(1.0,1.0,1.0,1.0);
+var sums:vec4f = vec4f(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
+let nearLeft:vec4f = -s * min(4.0 - 4.0 * nearShares,one);
+let farLeft:vec4f = s * min(4.0 - 4.0 * farShares,one);
+let left:vec2f = max(max(vec2f(nearLeft.x,farLeft.x),vec2f(nearLeft.y,farLeft.y)),
+max(vec2f(nearLeft.z,farLeft.z),vec2f(nearLeft.w,farLeft.w)));
+let nearest:f32 = max(max(nearShares.x,nearShares.y),max(nearShares.z,nearShares.w));
+var near:vec4f = vec4f(0.0,0.0,0.0,0.0);
 if (nearest > 0.0)
 {
-var around: vec4f = vec4f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
-around = BokehSurroundings(around, a, nearShares.x, nearest);
-around = BokehSurroundings(around, b, nearShares.y, nearest);
-around = BokehSurroundings(around, c, nearShares.z, nearest);
-around = BokehSurroundings(around, d, nearShares.w, nearest);
-for (var y: i32 = 0; y < 4; y++)
+var around:vec4f = vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+around = BokehSurroundings(around,a,nearShares.x,nearest);
+around = BokehSurroundings(around,b,nearShares.y,nearest);
+around = BokehSurroundings(around,c,nearShares.z,nearest);
+around = BokehSurroundings(around,d,nearShares.w,nearest);
+for (var y:i32 = 0; y < 4; y++)
 {
-for (var x: i32 = 0; x < 4; x++)
+for (var x:i32 = 0; x < 4; x++)
 {
-let offset: vec2f = vec2f(f32(x) - 1.5, f32(y) - 1.5);
-if (max(abs(offset.x), abs(offset.y)) > 1.0)
+let offset:vec2f = vec2f(f32(x) - 1.5,f32(y) - 1.5);
+if (max(abs(offset.x),abs(offset.y)) > 1.0)
 {
-let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
+let pixel:vec4f = BokehFetchGrid(MapSamp,middle + offset,full,
 BokehLinearClamp);
-around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
-full.size.y, nearSlope), nearest);
+around = BokehSurroundings(around,pixel,BokehLayerShare(-pixel.a *
+full.size.y,nearSlope),nearest);
 }
 }
 }
-a = BokehNearPixel(a, nearShares.x, around);
-b = BokehNearPixel(b, nearShares.y, around);
-c = BokehNearPixel(c, nearShares.z, around);
-d = BokehNearPixel(d, nearShares.w, around);
-near = vec4f(a.rgb, 1.0) * a.a + vec4f(b.rgb, 1.0) * b.a + vec4f(c.rgb, 1.0) * c.a +
-vec4f(d.rgb, 1.0) * d.a;
-weights = vec4f(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
-sums = vec4f(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
+a = BokehNearPixel(a,nearShares.x,around);
+b = BokehNearPixel(b,nearShares.y,around);
+c = BokehNearPixel(c,nearShares.z,around);
+d = BokehNearPixel(d,nearShares.w,around);
+near = vec4f(a.rgb,1.0) * a.a + vec4f(b.rgb,1.0) * b.a + vec4f(c.rgb,1.0) * c.a +
+vec4f(d.rgb,1.0) * d.a;
+weights = vec4f(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,unit,heaviest);
+sums = vec4f(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
 }
-var targets: BokehPrefiltered;
+var targets:BokehPrefiltered;
 targets.nearLayer = near * 0.25;
 targets.farLayer = far * 0.25;
-let most: f32 = BOKEH_MAX_COLOR;
-targets.kernelSums = min(sums * 0.25, vec4f(most, most, most, most));
-targets.leftovers = vec4f(clamp(left, vec2f(0.0, 0.0), vec2f(most, most)), 0.0, 1.0);
+let most:f32 = BOKEH_MAX_COLOR;
+targets.kernelSums = min(sums * 0.25,vec4f(most,most,most,most));
+targets.leftovers = vec4f(clamp(left,vec2f(0.0,0.0),vec2f(most,most)),0.0,1.0);
 return targets;
 }
 struct BokehKernels
 {
-leftovers: vec4f,
-sums: vec4f,
+leftovers:vec4f,
+sums:vec4f,
 }
-fn BokehKernelReduce(SumsSamp: texture_2d<f32>, LeftSamp: texture_2d<f32>, layers: BokehLayers,
-BokehLinearClamp: sampler) -> BokehKernels
+fn BokehKernelReduce(SumsSamp:texture_2d<f32>,LeftSamp:texture_2d<f32>,layers:BokehLayers,
+BokehLinearClamp:sampler) -> BokehKernels
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5, 0.5);
-var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var left: vec2f = vec2f(0.0, 0.0);
-for (var y: i32 = 0; y < 4; y++)
+let halves:BokehGrid = BokehReducedGrid(layers,2.0);
+let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5,0.5);
+var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var left:vec2f = vec2f(0.0,0.0);
+for (var y:i32 = 0; y < 4; y++)
 {
-for (var x: i32 = 0; x < 4; x++)
+for (var x:i32 = 0; x < 4; x++)
 {
-let place: vec2f = first + vec2f(f32(x), f32(y));
-sums += BokehFetchGrid(SumsSamp, place, halves, BokehLinearClamp);
-left = max(left, BokehFetchGrid(LeftSamp, place, halves, BokehLinearClamp).rg);
+let place:vec2f = first + vec2f(f32(x),f32(y));
+sums += BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
+left = max(left,BokehFetchGrid(LeftSamp,place,halves,BokehLinearClamp).rg);
 }
 }
-var targets: BokehKernels;
-targets.leftovers = vec4f(left, 0.0, 1.0);
+var targets:BokehKernels;
+targets.leftovers = vec4f(left,0.0,1.0);
 targets.sums = sums / 16.0;
 return targets;
 }
-fn BokehKernelAlong(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-ReachSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
-BokehLinearClamp: sampler) -> BokehKernels
+fn BokehKernelAlong(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
+ReachSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayers,
+BokehLinearClamp:sampler) -> BokehKernels
 {
-let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
-let sigma: vec2f = max(reach * 0.0375, vec2f(0.6, 0.6));
-let radius: f32 = BokehReachTiles(layers);
-var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var left: vec2f = vec2f(0.0, 0.0);
-var total: vec2f = vec2f(0.0, 0.0);
-for (var i: i32 = 0; i < 255; i++)
+let grid:BokehGrid = BokehReducedGrid(layers,8.0);
+let reach:vec2f = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid,BokehLinearClamp).rg;
+let sigma:vec2f = max(reach * 0.0375,vec2f(0.6,0.6));
+let radius:f32 = BokehReachTiles(layers);
+var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var left:vec2f = vec2f(0.0,0.0);
+var total:vec2f = vec2f(0.0,0.0);
+for (var i:i32 = 0; i < 255; i++)
 {
-let tiles: f32 = f32(i) - radius;
+let tiles:f32 = f32(i) - radius;
 if (tiles > radius)
 {
 break;
 }
-let place: vec2f = layers.uv * grid.size + axis * tiles;
-let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
-weight.y, weight.y);
-left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid, BokehLinearClamp).rg,
+let place:vec2f = layers.uv * grid.size + axis * tiles;
+let weight:vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
+sums += BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp) * vec4f(weight.x,weight.x,
+weight.y,weight.y);
+left = max(left,BokehReaching(BokehFetchGrid(LeftSamp,place,grid,BokehLinearClamp).rg,
 abs(tiles)));
 total += weight;
 }
-var targets: BokehKernels;
-targets.leftovers = vec4f(left, 0.0, 1.0);
-targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
+var targets:BokehKernels;
+targets.leftovers = vec4f(left,0.0,1.0);
+targets.sums = sums / vec4f(total.x,total.x,total.y,total.y);
 return targets;
 }
-fn BokehKernelRows(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
-layers: BokehLayers, BokehLinearClamp: sampler) -> BokehKernels
+fn BokehKernelRows(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,
+layers:BokehLayers,BokehLinearClamp:sampler) -> BokehKernels
 {
-return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(1.0, 0.0), layers,
+return BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2f(1.0,0.0),layers,
 BokehLinearClamp);
 }
 struct BokehSizes
 {
-reach: vec4f,
-sizes: vec4f,
+reach:vec4f,
+sizes:vec4f,
 }
-fn BokehKernelColumns(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-ReachSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehSizes
+fn BokehKernelColumns(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
+ReachSamp:texture_2d<f32>,layers:BokehLayers,BokehLinearClamp:sampler) -> BokehSizes
 {
-let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
-let kernels: BokehKernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(0.0, 1.0),
-layers, BokehLinearClamp);
-let sums: vec4f = kernels.sums;
-var sizes: vec2f = vec2f(0.0, 0.0);
+let grid:BokehGrid = BokehReducedGrid(layers,8.0);
+let reach:vec2f = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid,BokehLinearClamp).rg;
+let kernels:BokehKernels = BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2f(0.0,1.0),
+layers,BokehLinearClamp);
+let sums:vec4f = kernels.sums;
+var sizes:vec2f = vec2f(0.0,0.0);
 if (sums.g > 0.0001 && reach.r > 6.0)
 {
-sizes = vec2f(8.0 * sums.r / sums.g, 0.0);
+sizes = vec2f(8.0 * sums.r / sums.g,0.0);
 }
 if (sums.a > 0.0001 && reach.g > 10.0)
 {
-sizes = vec2f(sizes.x, 8.0 * sums.b / sums.a);
+sizes = vec2f(sizes.x,8.0 * sums.b / sums.a);
 }
-var targets: BokehSizes;
-targets.reach = vec4f(reach, kernels.leftovers.rg);
-targets.sizes = vec4f(sizes, 0.0, 1.0);
+var targets:BokehSizes;
+targets.reach = vec4f(reach,kernels.leftovers.rg);
+targets.sizes = vec4f(sizes,0.0,1.0);
 return targets;
 }
-fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
-BokehLinearClamp: sampler) -> vec2f
+fn BokehLayerSizes(SizesSamp:texture_2d<f32>,layers:BokehLayers,
+BokehLinearClamp:sampler) -> vec2f
 {
-let place: vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
-return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
+let place:vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
+return BokehFetchGrid(SizesSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
 }
-fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
+fn BokehLayerBlur(sizes:vec2f,isFar:bool,polygon:BokehPolygon) -> vec3f
 {
-var CoC: f32 = 0.5 * sizes.r;
-var least: f32 = 1.5;
-var own: f32 = 9.0;
+var CoC:f32 = 0.5 * sizes.r;
+var least:f32 = 1.5;
+var own:f32 = 9.0;
 if (isFar)
 {
 CoC = 0.5 * sizes.g;
 least = 1.15;
-own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+own = clamp(0.06 * CoC * CoC,7.5,22.0);
 }
-var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
-var hard: f32 = 0.4;
+var spacing:f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
+var hard:f32 = 0.4;
 if (polygon.sides < 6)
 {
 spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
 hard = 0.2;
 }
-var side: f32 = -1.0;
+var side:f32 = -1.0;
 if (spacing > least)
 {
-side = clamp(0.25 * spacing - hard, 0.0, 0.6);
+side = clamp(0.25 * spacing - hard,0.0,0.6);
 own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
 }
-return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+return vec3f(sqrt(max(CoC * CoC - own,0.25)),max(spacing,1.0),side);
 }
-fn BokehLevel(LayerSamp: texture_2d<f32>, center: vec2f, side: f32, layers: BokehLayers,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehLevel(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,layers:BokehLayers,
+BokehLinearClamp:sampler) -> vec4f
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+let halves:BokehGrid = BokehReducedGrid(layers,2.0);
+var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
 if (side > 0.0)
 {
-for (var y: i32 = 0; y < 3; y++)
+for (var y:i32 = 0; y < 3; y++)
 {
-for (var x: i32 = 0; x < 3; x++)
+for (var x:i32 = 0; x < 3; x++)
 {
-let offset: vec2f = vec2f(f32(x) - 1.0, f32(y) - 1.0);
-let weight: vec2f = 1.0 - (1.0 - side) * abs(offset);
-sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves, BokehLinearClamp) *
+let offset:vec2f = vec2f(f32(x) - 1.0,f32(y) - 1.0);
+let weight:vec2f = 1.0 - (1.0 - side) * abs(offset);
+sum += BokehFetchGrid(LayerSamp,center + 2.0 * offset,halves,BokehLinearClamp) *
 (weight.x * weight.y);
 }
 }
@@ -2932,214 +2932,214 @@ sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
 }
 else
 {
-sum = BokehFetchGrid(LayerSamp, center, halves, BokehLinearClamp);
+sum = BokehFetchGrid(LayerSamp,center,halves,BokehLinearClamp);
 }
 return sum;
 }
 struct BokehLevels
 {
-middle: vec4f,
-far: vec4f,
-nearLevel: vec4f,
-farLevel: vec4f,
+middle:vec4f,
+far:vec4f,
+nearLevel:vec4f,
+farLevel:vec4f,
 }
-fn BokehDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
-FarSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, polygon: BokehPolygon,
-layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLevels
+fn BokehDownsample(MapSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,
+FarSamp:texture_2d<f32>,SizesSamp:texture_2d<f32>,polygon:BokehPolygon,
+layers:BokehLayers,BokehLinearClamp:sampler) -> BokehLevels
 {
-let full: BokehGrid = BokehFullGrid(layers);
-let first: vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5, 0.5);
-let middlePlace: vec2f = first + vec2f(1.5, 1.5);
-let reach: vec4f = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0),
+let full:BokehGrid = BokehFullGrid(layers);
+let first:vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5,0.5);
+let middlePlace:vec2f = first + vec2f(1.5,1.5);
+let reach:vec4f = BokehFetchGrid(ReachSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearSlope: f32 = BokehNearSlope(reach.r);
-let farSlope: f32 = BokehFarSlope(reach.g);
-let unit: f32 = exp2(-reach.b);
-var middle: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-for (var y: i32 = 0; y < 4; y++)
+let nearSlope:f32 = BokehNearSlope(reach.r);
+let farSlope:f32 = BokehFarSlope(reach.g);
+let unit:f32 = exp2(-reach.b);
+var middle:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
+for (var y:i32 = 0; y < 4; y++)
 {
-for (var x: i32 = 0; x < 4; x++)
+for (var x:i32 = 0; x < 4; x++)
 {
-let place: vec2f = first + vec2f(f32(x), f32(y));
-let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
-let s: f32 = pixel.a * full.size.y;
-let nearShare: f32 = BokehLayerShare(-s, nearSlope);
-let notNear: f32 = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
-let farShare: f32 = BokehLayerShare(s, farSlope);
-let weight: f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-middle += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
-far += vec4f(pixel.rgb, 1.0) * (weight * farShare);
+let place:vec2f = first + vec2f(f32(x),f32(y));
+let pixel:vec4f = BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
+let s:f32 = pixel.a * full.size.y;
+let nearShare:f32 = BokehLayerShare(-s,nearSlope);
+let notNear:f32 = max(1.0 - 2.0 * nearShare,0.0625 - 0.0625 * nearShare);
+let farShare:f32 = BokehLayerShare(s,farSlope);
+let weight:f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
+middle += vec4f(pixel.rgb,1.0) * (weight * (1.0 - farShare));
+far += vec4f(pixel.rgb,1.0) * (weight * farShare);
 }
 }
-let center: vec2f = 0.5 * middlePlace;
-let sizes: vec2f = BokehLayerSizes(SizesSamp, layers, BokehLinearClamp);
-var targets: BokehLevels;
+let center:vec2f = 0.5 * middlePlace;
+let sizes:vec2f = BokehLayerSizes(SizesSamp,layers,BokehLinearClamp);
+var targets:BokehLevels;
 targets.middle = middle / 16.0;
 targets.far = far / 16.0;
-targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
-layers, BokehLinearClamp);
-targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers,
+targets.nearLevel = BokehLevel(NearSamp,center,BokehLayerBlur(sizes,false,polygon).z,
+layers,BokehLinearClamp);
+targets.farLevel = BokehLevel(FarSamp,center,BokehLayerBlur(sizes,true,polygon).z,layers,
 BokehLinearClamp);
 return targets;
 }
-fn BokehEdgeDirection(k: i32, polygon: BokehPolygon) -> vec2f
+fn BokehEdgeDirection(k:i32,polygon:BokehPolygon) -> vec2f
 {
-let outwards: vec2f = BokehTurn(f32(k), polygon);
-return BokehRotated(vec2f(-outwards.y, outwards.x), polygon.axis);
+let outwards:vec2f = BokehTurn(f32(k),polygon);
+return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);
 }
-fn BokehOnEdge(ring: i32, polygon: BokehPolygon) -> i32
+fn BokehOnEdge(ring:i32,polygon:BokehPolygon) -> i32
 {
-return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5, 1.0));
+return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5,1.0));
 }
-fn BokehHoleShares(middle: vec4f, far: vec4f, unit: f32) -> vec2f
+fn BokehHoleShares(middle:vec4f,far:vec4f,unit:f32) -> vec2f
 {
-return vec2f(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
+return vec2f(middle.a + BokehBrightest(middle.rgb) * unit,far.a + BokehBrightest(far.rgb) *
 unit);
 }
 struct BokehFilled
 {
-middle: vec4f,
-back: vec4f,
+middle:vec4f,
+back:vec4f,
 }
-fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
-polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehFilled
+fn BokehHoleFill(MiddleSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,
+polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> BokehFilled
 {
-let grid: BokehGrid = BokehReducedGrid(layers, 4.0);
-let center: vec2f = layers.uv * grid.size;
-let tile: vec4f = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
+let grid:BokehGrid = BokehReducedGrid(layers,4.0);
+let center:vec2f = layers.uv * grid.size;
+let tile:vec4f = BokehFetchGrid(ReachSamp,center / 2.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let reach: f32 = tile.r;
-let unit: f32 = exp2(-tile.b);
-var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
-var direction: vec2f = BokehEdgeDirection(1, polygon);
-let turn: vec2f = BokehTurn(1.0, polygon);
-var middle: vec4f = BokehFetchGrid(MiddleSamp, center, grid, BokehLinearClamp);
-var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
-var shares: vec2f = BokehHoleShares(middle, far, unit);
-for (var ring: i32 = 1; ring < 3; ring++)
+let reach:f32 = tile.r;
+let unit:f32 = exp2(-tile.b);
+var corner:vec2f = BokehRotated(polygon.corner,polygon.axis);
+var direction:vec2f = BokehEdgeDirection(1,polygon);
+let turn:vec2f = BokehTurn(1.0,polygon);
+var middle:vec4f = BokehFetchGrid(MiddleSamp,center,grid,BokehLinearClamp);
+var far:vec4f = BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
+var shares:vec2f = BokehHoleShares(middle,far,unit);
+for (var ring:i32 = 1; ring < 3; ring++)
 {
 if (reach < 6.0)
 {
 break;
 }
-let diameter: f32 = max(reach / 8.0, 2.0) * f32(ring);
-let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
-let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
-let onEdge: i32 = BokehOnEdge(ring, polygon);
-for (var edge: i32 = 1; edge <= polygon.sides; edge++)
+let diameter:f32 = max(reach / 8.0,2.0) * f32(ring);
+let weight:f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
+let scale:vec2f = vec2f(polygon.squeeze * diameter,diameter);
+let onEdge:i32 = BokehOnEdge(ring,polygon);
+for (var edge:i32 = 1; edge <= polygon.sides; edge++)
 {
-let along: vec2f = direction * (BokehEdgeLength(edge, polygon) / f32(onEdge));
-for (var i: i32 = 0; i < onEdge; i++)
+let along:vec2f = direction * (BokehEdgeLength(edge,polygon) / f32(onEdge));
+for (var i:i32 = 0; i < onEdge; i++)
 {
-let place: vec2f = center + corner * scale;
-let middleTexel: vec4f = BokehFetchGrid(MiddleSamp, place, grid, BokehLinearClamp);
-let farTexel: vec4f = BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp);
+let place:vec2f = center + corner * scale;
+let middleTexel:vec4f = BokehFetchGrid(MiddleSamp,place,grid,BokehLinearClamp);
+let farTexel:vec4f = BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
 middle += middleTexel * weight;
 far += farTexel * weight;
-shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
+shares += BokehHoleShares(middleTexel,farTexel,unit) * weight;
 corner += along;
 }
-direction = BokehRotated(direction, turn);
+direction = BokehRotated(direction,turn);
 }
 }
-let both: vec3f = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
-let share: f32 = shares.r / max(shares.r + shares.g, 0.000001);
-var targets: BokehFilled;
-targets.middle = vec4f(both, share);
-targets.back = vec4f(both, 1.0);
+let both:vec3f = (middle.rgb + far.rgb) / max(middle.a + far.a,0.000001);
+let share:f32 = shares.r / max(shares.r + shares.g,0.000001);
+var targets:BokehFilled;
+targets.middle = vec4f(both,share);
+targets.back = vec4f(both,1.0);
 if (middle.a > 0.000001)
 {
-targets.middle = vec4f(middle.rgb / middle.a, share);
+targets.middle = vec4f(middle.rgb / middle.a,share);
 }
 if (far.a > 0.000001)
 {
-targets.back = vec4f(far.rgb / far.a, 1.0);
+targets.back = vec4f(far.rgb / far.a,1.0);
 }
 return targets;
 }
-fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
-secondPass: bool, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehLayerLine(tex:texture_2d<f32>,LevelSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,
+secondPass:bool,blur:vec3f,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
 {
-var scale: f32 = 2.0;
+var scale:f32 = 2.0;
 if (blur.z > -0.5)
 {
 scale = 4.0;
 }
-let grid: BokehGrid = BokehReducedGrid(layers, scale);
-let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
-let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
-let phase: f32 = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
-let first: vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
+let grid:BokehGrid = BokehReducedGrid(layers,scale);
+let segment:vec4f = BokehEdgeLine(k,polygon,secondPass) * blur.x;
+let cells:f32 = max(2.0 * length(segment.zw) / blur.y,2.0);
+let phase:f32 = 0.5 + layers.jitter * min(blur.y - 1.0,1.0);
+let first:vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
 scale);
-let cellLength: vec2f = segment.zw * (4.0 / (scale * cells));
-var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-for (var i: i32 = 0; i < i32(ceil(cells)); i++)
+let cellLength:vec2f = segment.zw * (4.0 / (scale * cells));
+var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
+for (var i:i32 = 0; i < i32(ceil(cells)); i++)
 {
-let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-let place: vec2f = first + cellLength * (f32(i) + cell * phase);
-var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+let cell:f32 = clamp(cells - f32(i),0.0,1.0);
+let place:vec2f = first + cellLength * (f32(i) + cell * phase);
+var texel:vec4f = vec4f(0.0,0.0,0.0,0.0);
 if (blur.z > -0.5)
 {
-texel = BokehFetchGrid(LevelSamp, place, grid, BokehLinearClamp);
+texel = BokehFetchGrid(LevelSamp,place,grid,BokehLinearClamp);
 }
 else
 {
-texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+texel = BokehFetchGrid(tex,place,grid,BokehLinearClamp);
 }
 sum += cell * texel;
 }
 sum = sum / cells;
 if (secondPass)
 {
-sum *= BokehEdgeArea(k, polygon);
+sum *= BokehEdgeArea(k,polygon);
 }
 return sum;
 }
-fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec4f,
-L4: vec4f) -> vec4f
+fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,
+L4:vec4f) -> vec4f
 {
-let w: vec4f = BokehEdgeWeights(k, polygon);
+let w:vec4f = BokehEdgeWeights(k,polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes: vec2f,
-isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayers,
-BokehLinearClamp: sampler) -> BokehTargets
+fn BokehLayerFirst(LayerSamp:texture_2d<f32>,LevelSamp:texture_2d<f32>,sizes:vec2f,
+isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayers,
+BokehLinearClamp:sampler) -> BokehTargets
 {
-let center: vec2f = layers.uv * ceil(layers.size / 2.0);
-let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var targets: BokehTargets;
-let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
+let center:vec2f = layers.uv * ceil(layers.size / 2.0);
+let none:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var targets:BokehTargets;
+let blur:vec3f = BokehLayerBlur(sizes,isFar,polygon);
 if (blur.x > 0.51)
 {
-var L2: vec4f = none;
-var L3: vec4f = none;
-var L4: vec4f = none;
-let L1: vec4f = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers,
+var L2:vec4f = none;
+var L3:vec4f = none;
+var L4:vec4f = none;
+let L1:vec4f = BokehLayerLine(LayerSamp,LevelSamp,1,polygon,false,blur,layers,
 BokehLinearClamp);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers,
+L2 = BokehLayerLine(LayerSamp,LevelSamp,2,polygon,false,blur,layers,
 BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers,
+L3 = BokehLayerLine(LayerSamp,LevelSamp,3,polygon,false,blur,layers,
 BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers,
+L4 = BokehLayerLine(LayerSamp,LevelSamp,4,polygon,false,blur,layers,
 BokehLinearClamp);
 }
 targets.edge2 = L1;
-targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+targets.edge3 = BokehLayerTarget(3,polygon,L1,L2,none,none);
+targets.edge4 = BokehLayerTarget(4,polygon,L1,L2,L3,none);
+targets.edge5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
+targets.edge2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
 BokehLinearClamp);
 targets.edge3 = targets.edge2;
 targets.edge4 = targets.edge2;
@@ -3147,58 +3147,58 @@ targets.edge5 = targets.edge2;
 }
 return targets;
 }
-fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, sizes: vec2f, isFar: bool,
-polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehLayerSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
+Edge4Samp:texture_2d<f32>,Edge5Samp:texture_2d<f32>,sizes:vec2f,isFar:bool,
+polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
 {
-let center: vec2f = layers.uv * ceil(layers.size / 2.0);
-var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-let own: vec3f = vec3f(blur.x, blur.y, -1.0);
+let center:vec2f = layers.uv * ceil(layers.size / 2.0);
+var result:vec4f = vec4f(0.0,0.0,0.0,0.0);
+let blur:vec3f = BokehLayerBlur(sizes,isFar,polygon);
+let own:vec3f = vec3f(blur.x,blur.y,-1.0);
 if (blur.x > 0.51)
 {
-result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers,
+result = BokehLayerLine(Edge2Samp,Edge2Samp,2,polygon,true,own,layers,
 BokehLinearClamp);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers,
+result += BokehLayerLine(Edge3Samp,Edge3Samp,3,polygon,true,own,layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers,
+result += BokehLayerLine(Edge4Samp,Edge4Samp,4,polygon,true,own,layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers,
+result += BokehLayerLine(Edge5Samp,Edge5Samp,5,polygon,true,own,layers,
 BokehLinearClamp);
 }
 result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0), BokehLinearClamp);
+result = BokehFetchGrid(Edge2Samp,center,BokehReducedGrid(layers,2.0),BokehLinearClamp);
 }
 return result;
 }
 struct BokehLayersTargets
 {
-near2: vec4f,
-far2: vec4f,
-near3: vec4f,
-far3: vec4f,
+near2:vec4f,
+far2:vec4f,
+near3:vec4f,
+far3:vec4f,
 }
-fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearLevelSamp: texture_2d<f32>,
-FarSamp: texture_2d<f32>, FarLevelSamp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
-layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLayersTargets
+fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearLevelSamp:texture_2d<f32>,
+FarSamp:texture_2d<f32>,FarLevelSamp:texture_2d<f32>,sizes:vec2f,polygon:BokehPolygon,
+layers:BokehLayers,BokehLinearClamp:sampler) -> BokehLayersTargets
 {
-let last: i32 = polygon.sides / 2;
-let near: BokehTargets = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
-layers, BokehLinearClamp);
-let far: BokehTargets = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon,
-layers, BokehLinearClamp);
-var targets: BokehLayersTargets;
+let last:i32 = polygon.sides / 2;
+let near:BokehTargets = BokehLayerFirst(NearSamp,NearLevelSamp,sizes,false,last,polygon,
+layers,BokehLinearClamp);
+let far:BokehTargets = BokehLayerFirst(FarSamp,FarLevelSamp,sizes,true,last,polygon,
+layers,BokehLinearClamp);
+var targets:BokehLayersTargets;
 targets.near2 = near.edge2;
 targets.far2 = far.edge2;
 targets.near3 = near.edge3;
@@ -3207,218 +3207,218 @@ return targets;
 }
 struct BokehBlurred
 {
-near: vec4f,
-far: vec4f,
+near:vec4f,
+far:vec4f,
 }
-fn BokehLayersSecond(Near2Samp: texture_2d<f32>, Far2Samp: texture_2d<f32>,
-Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
-layers: BokehLayers, BokehLinearClamp: sampler) -> BokehBlurred
+fn BokehLayersSecond(Near2Samp:texture_2d<f32>,Far2Samp:texture_2d<f32>,
+Near3Samp:texture_2d<f32>,Far3Samp:texture_2d<f32>,sizes:vec2f,polygon:BokehPolygon,
+layers:BokehLayers,BokehLinearClamp:sampler) -> BokehBlurred
 {
-var targets: BokehBlurred;
-targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
-polygon, layers, BokehLinearClamp);
-targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
-layers, BokehLinearClamp);
+var targets:BokehBlurred;
+targets.near = BokehLayerSecond(Near2Samp,Near3Samp,Near3Samp,Near3Samp,sizes,false,
+polygon,layers,BokehLinearClamp);
+targets.far = BokehLayerSecond(Far2Samp,Far3Samp,Far3Samp,Far3Samp,sizes,true,polygon,
+layers,BokehLinearClamp);
 return targets;
 }
-fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,halves:BokehGrid,
+BokehLinearClamp:sampler) -> vec4f
 {
-var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+var result:vec4f = vec4f(0.0,0.0,0.0,0.0);
 if (BOKEH_LAYER_CUBIC > 0)
 {
-let texel: vec2f = floor(place - 0.5) + 0.5;
-let f: vec2f = place - texel;
-let w0: vec2f = f * (f * (1.0 - 0.5 * f) - 0.5);
-let w2: vec2f = f * (f * (2.0 - 1.5 * f) + 0.5);
-let w3: vec2f = f * f * (0.5 * f - 0.5);
-let w12: vec2f = 1.0 - w0 - w3;
-let inner: vec2f = texel + w2 / w12;
-let c: vec4f = BokehFetchGrid(LayerSamp, inner, halves, BokehLinearClamp);
-let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), halves,
+let texel:vec2f = floor(place - 0.5) + 0.5;
+let f:vec2f = place - texel;
+let w0:vec2f = f * (f * (1.0 - 0.5 * f) - 0.5);
+let w2:vec2f = f * (f * (2.0 - 1.5 * f) + 0.5);
+let w3:vec2f = f * f * (0.5 * f - 0.5);
+let w12:vec2f = 1.0 - w0 - w3;
+let inner:vec2f = texel + w2 / w12;
+let c:vec4f = BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
+let l:vec4f = BokehFetchGrid(LayerSamp,vec2f(texel.x - 1.0,inner.y),halves,
 BokehLinearClamp);
-let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), halves,
+let r:vec4f = BokehFetchGrid(LayerSamp,vec2f(texel.x + 2.0,inner.y),halves,
 BokehLinearClamp);
-let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), halves,
+let t:vec4f = BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y - 1.0),halves,
 BokehLinearClamp);
-let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), halves,
+let b:vec4f = BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y + 2.0),halves,
 BokehLinearClamp);
-let side: vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
+let side:vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
+let sum:vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
 (w0.y * side.y) + b * (w3.y * side.y);
-result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), max(t, b)));
+result = clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result = BokehFetchGrid(LayerSamp, place, halves, BokehLinearClamp);
+result = BokehFetchGrid(LayerSamp,place,halves,BokehLinearClamp);
 }
 return result;
 }
-fn BokehSpreadInverse(CoC: vec2f) -> vec2f
+fn BokehSpreadInverse(CoC:vec2f) -> vec2f
 {
-let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
+let inverse:vec2f = 1.0 / max(CoC * CoC,vec2f(0.000001,0.000001));
 return inverse * (inverse * 9.6 + 4.0);
 }
-fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
+fn BokehRingBorder(ring:i32,radius:f32,spacing:f32,narrowing:f32) -> f32
 {
-let even: f32 = spacing * (f32(ring) + 0.5);
-return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
+let even:f32 = spacing * (f32(ring) + 0.5);
+return max(even + even * (even / radius - 1.0) * narrowing,min(even,f32(ring) + 0.5));
 }
-fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
-FarSamp: texture_2d<f32>, MiddleSamp: texture_2d<f32>, BackSamp: texture_2d<f32>,
-polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehComposite(MapSamp:texture_2d<f32>,TilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,
+FarSamp:texture_2d<f32>,MiddleSamp:texture_2d<f32>,BackSamp:texture_2d<f32>,
+polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
 {
-let full: BokehGrid = BokehFullGrid(layers);
-let center: vec2f = layers.uv * full.size;
-let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
-let tile: vec4f = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
+let full:BokehGrid = BokehFullGrid(layers);
+let center:vec2f = layers.uv * full.size;
+let centerPixel:vec4f = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
+let tile:vec4f = BokehFetchGrid(TilesSamp,center / 8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-var result: vec3f = centerPixel.rgb;
-if (max(tile.r, tile.g) > 1.0)
+var result:vec3f = centerPixel.rgb;
+if (max(tile.r,tile.g) > 1.0)
 {
-let height: f32 = full.size.y;
-let s: f32 = centerPixel.a * height;
-let nearSlope: f32 = BokehNearSlope(tile.r);
-let farSlope: f32 = BokehFarSlope(tile.g);
-let nearShare: f32 = BokehLayerShare(-s, nearSlope);
-let farShare: f32 = BokehLayerShare(s, farSlope);
-let ownInverse: f32 = BokehSpreadInverse(vec2f(s, s)).x;
-let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+let height:f32 = full.size.y;
+let s:f32 = centerPixel.a * height;
+let nearSlope:f32 = BokehNearSlope(tile.r);
+let farSlope:f32 = BokehFarSlope(tile.g);
+let nearShare:f32 = BokehLayerShare(-s,nearSlope);
+let farShare:f32 = BokehLayerShare(s,farSlope);
+let ownInverse:f32 = BokehSpreadInverse(vec2f(s,s)).x;
+let restRadius:f32 = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
 sqrt(ownInverse);
-let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
-let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-var rings: f32 = f32(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+let radius:f32 = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
+let narrowing:f32 = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
+var rings:f32 = f32(BOKEH_LAYER_RINGS);
+if (BOKEH_LAYER_CUBIC > 0 && max(tile.g,tile.r + 4.0) <= 10.0)
 {
 rings += 1.0;
 }
-let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
+let spacing:f32 = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
+var inner:f32 = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
 {
 inner = radius;
 }
-let most: f32 = 1.0 / (inner * inner);
-let least: f32 = 1.0 / (radius * radius);
-let weight: f32 = (1.0 - nearShare) * min(ownInverse / most, 1.0);
-var farWeight: f32 = weight * farShare;
-var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * (weight - farWeight);
-var front: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-let edges: f32 = max(tile.r, tile.g - 16.0);
-let steepness: f32 = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-16.0, 0.0, 1.0);
-let none: vec2f = vec2f(0.0, 0.0);
-let whole: vec2f = vec2f(1.0, 1.0);
-let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
-var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
-let turn: vec2f = BokehTurn(1.0, polygon);
-for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+let most:f32 = 1.0 / (inner * inner);
+let least:f32 = 1.0 / (radius * radius);
+let weight:f32 = (1.0 - nearShare) * min(ownInverse / most,1.0);
+var farWeight:f32 = weight * farShare;
+var sum:vec4f = vec4f(centerPixel.rgb,1.0) * (weight - farWeight);
+var front:vec4f = vec4f(0.0,0.0,0.0,0.0);
+let edges:f32 = max(tile.r,tile.g - 16.0);
+let steepness:f32 = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) /
+16.0,0.0,1.0);
+let none:vec2f = vec2f(0.0,0.0);
+let whole:vec2f = vec2f(1.0,1.0);
+let stretch:vec2f = vec2f(polygon.squeeze,1.0);
+var corner:vec2f = BokehRotated(polygon.corner,polygon.axis) * 2.0;
+var direction:vec2f = BokehEdgeDirection(1,polygon) * 2.0;
+let turn:vec2f = BokehTurn(1.0,polygon);
+for (var ring:i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
 if (inner >= radius)
 {
 break;
 }
-let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
-let current: f32 = inner + (outer - inner) * outwards;
-let innerSquare: f32 = inner * inner;
-let area: f32 = outer * outer - innerSquare;
-let onEdge: i32 = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
-let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
-var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
+let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
+let outwards:f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+let current:f32 = inner + (outer - inner) * outwards;
+let innerSquare:f32 = inner * inner;
+let area:f32 = outer * outer - innerSquare;
+let onEdge:i32 = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
+let cell:f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
+var phase:f32 = layers.jitter * clamp(current / f32(ring) - 1.0,0.0,1.0);
 if (ring == 1)
 {
 phase += 0.5;
 }
-let scale: vec2f = stretch * current;
-for (var edge: i32 = 1; 2 * edge <= polygon.sides; edge++)
+let scale:vec2f = stretch * current;
+for (var edge:i32 = 1; 2 * edge <= polygon.sides; edge++)
 {
-let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
-let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-let along: vec2f = alongEdge * scale / f32(onEdge);
-let first: vec2f = corner * scale + along * phase;
-for (var i: i32 = 0; i < onEdge; i++)
+let alongEdge:vec2f = direction * BokehEdgeLength(edge,polygon);
+let edgeCell:f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
+let along:vec2f = alongEdge * scale / f32(onEdge);
+let first:vec2f = corner * scale + along * phase;
+for (var i:i32 = 0; i < onEdge; i++)
 {
-let place: vec2f = first + along * f32(i);
-let texel: vec2f = floor(place);
-let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness, none, whole);
-let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
+let place:vec2f = first + along * f32(i);
+let texel:vec2f = floor(place);
+let offset:vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
+steepness,none,whole);
+let pixel:vec4f = BokehFetchAround(MapSamp,layers.uv,offset,full,
 BokehLinearClamp);
-let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+let other:vec4f = BokehFetchAround(MapSamp,layers.uv,-offset,full,
 BokehLinearClamp);
-let CoC: vec2f = vec2f(pixel.a, other.a) * height;
-let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 -
+let CoC:vec2f = vec2f(pixel.a,other.a) * height;
+let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * s,none,whole) * (1.0 -
 nearShare);
-var inverse: vec2f = BokehSpreadInverse(CoC);
+var inverse:vec2f = BokehSpreadInverse(CoC);
 inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse, vec2f(least, least), vec2f(most, most));
-var covers: vec2f = edgeCell * max(min(1.0 - innerSquare * inverse, area *
-inverse), none);
-let inFar: vec2f = covers * clamp(CoC * farSlope - 2.0, none, whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
+inverse = clamp(inverse,vec2f(least,least),vec2f(most,most));
+var covers:vec2f = edgeCell * max(min(1.0 - innerSquare * inverse,area *
+inverse),none);
+let inFar:vec2f = covers * clamp(CoC * farSlope - 2.0,none,whole);
+covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0,none,whole)) - inFar;
 farWeight += inFar.x + inFar.y;
-let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
-let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
+let part:vec4f = vec4f(pixel.rgb,1.0) * covers.x;
+let otherPart:vec4f = vec4f(other.rgb,1.0) * covers.y;
 sum += part + otherPart;
-let before: vec2f = clamp(s - 0.5 - CoC, none, whole);
+let before:vec2f = clamp(s - 0.5 - CoC,none,whole);
 front += part * before.x + otherPart * before.y;
 }
 corner += alongEdge;
-direction = BokehRotated(direction, turn);
+direction = BokehRotated(direction,turn);
 }
 inner = outer;
 }
-var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+var near:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
+if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
+let halves:BokehGrid = BokehReducedGrid(layers,2.0);
+near = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
+far = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
 }
-sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
-let plain: vec4f = sum + far * farShare;
+sum += far * (farWeight * (1.0 - max(farShare,nearShare)) / max(far.a,0.001));
+let plain:vec4f = sum + far * farShare;
 if (plain.a >= 0.001)
 {
-let rest: f32 = plain.a - front.a;
-let open: f32 = max(1.0 - front.a, 0.0) / max(rest, 0.1);
+let rest:f32 = plain.a - front.a;
+let open:f32 = max(1.0 - front.a,0.0) / max(rest,0.1);
 result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
 0.001);
 }
 if (nearShare > 0.0)
 {
-let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
-let middle: vec4f = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters,
+let quarters:BokehGrid = BokehReducedGrid(layers,4.0);
+let middle:vec4f = BokehFetchGrid(MiddleSamp,0.25 * center,quarters,
 BokehLinearClamp);
-let back: vec4f = BokehFetchGrid(BackSamp, 0.25 * center, quarters, BokehLinearClamp);
-let inNear: f32 = near.a * min(2.0 - 2.0 * nearShare, 1.0);
-let empty: f32 = max(1.0 - sum.a - inNear, 0.0);
-let cover: f32 = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-let missing: f32 = max(1.0 - 2.0 * far.a, 0.0);
-let background: vec3f = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
+let back:vec4f = BokehFetchGrid(BackSamp,0.25 * center,quarters,BokehLinearClamp);
+let inNear:f32 = near.a * min(2.0 - 2.0 * nearShare,1.0);
+let empty:f32 = max(1.0 - sum.a - inNear,0.0);
+let cover:f32 = empty * clamp((middle.a - 0.3) / 0.4,0.0,1.0);
+let missing:f32 = max(1.0 - 2.0 * far.a,0.0);
+let background:vec3f = far.rgb * ((1.0 - missing) / max(far.a,0.000001)) + back.rgb *
 missing;
-let stack: vec3f = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
-max(sum.a + empty, 0.000001);
+let stack:vec3f = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
+max(sum.a + empty,0.000001);
 result += (stack - result) * nearShare;
 }
-let alpha: f32 = clamp(near.a * 1.002, 0.0, 1.0);
-result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+let alpha:f32 = clamp(near.a * 1.002,0.0,1.0);
+result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a,0.000001));
 }
-return vec4f(result, centerPixel.a);
+return vec4f(result,centerPixel.a);
 }
 `,
   bokeh_lens: `
-fn BokehClosed(polygon: BokehPolygon) -> BokehPolygon
+fn BokehClosed(polygon:BokehPolygon) -> BokehPolygon
 {
-var closed: BokehPolygon = polygon;
-closed.mean = vec2f(0.0, 0.0);
+var closed:BokehPolygon = polygon;
+closed.mean = vec2f(0.0,0.0);
 closed.area = 0.0;
-var begin: vec2f = vec2f(0.0, 0.0);
-for (var i: i32 = 1; i <= polygon.sides / 2; i++)
+var begin:vec2f = vec2f(0.0,0.0);
+for (var i:i32 = 1; i <= polygon.sides / 2; i++)
 {
-let edge: vec2f = BokehEdge(i, polygon);
+let edge:vec2f = BokehEdge(i,polygon);
 if (i < polygon.sides / 2)
 {
 closed.mean += (begin + edge * 0.5) / (0.5 * f32(polygon.sides) - 1.0);
@@ -3430,117 +3430,117 @@ closed.corner = begin * -0.5;
 closed.mean += closed.corner;
 return closed;
 }
-fn BokehWithRoundness(polygon: BokehPolygon, roundness: f32) -> BokehPolygon
+fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32) -> BokehPolygon
 {
-var result: BokehPolygon = polygon;
+var result:BokehPolygon = polygon;
 if (polygon.sides == 8)
 {
-let corner: f32 = 0.39269908 * clamp(roundness, 0.0, 1.0);
-let odd: f32 = sin(max(corner, 0.001));
-let even: f32 = sin(0.78539816 - corner);
-result.lengths = vec4f(odd, even, odd, even);
+let corner:f32 = 0.39269908 * clamp(roundness,0.0,1.0);
+let odd:f32 = sin(max(corner,0.001));
+let even:f32 = sin(0.78539816 - corner);
+result.lengths = vec4f(odd,even,odd,even);
 result = BokehClosed(result);
 }
 return result;
 }
-fn BokehHalfWidth(k: i32, polygon: BokehPolygon, along: vec2f) -> f32
+fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f) -> f32
 {
-var width: f32 = 0.0;
-for (var i: i32 = 1; i <= polygon.sides / 2; i++)
+var width:f32 = 0.0;
+for (var i:i32 = 1; i <= polygon.sides / 2; i++)
 {
-width += abs(BokehTurn(f32(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+width += abs(BokehTurn(f32(i - k),polygon).y) * BokehEdgeLength(i,polygon);
 }
-return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(f32(k), polygon))));
+return 0.5 * width * (1.0 - abs(dot(along,BokehTurn(f32(k),polygon))));
 }
-fn BokehCutLength(k: i32, widths: BokehPolygon) -> f32
+fn BokehCutLength(k:i32,widths:BokehPolygon) -> f32
 {
-let halfWidth: f32 = BokehEdgeLength(k, widths);
-let edges: i32 = widths.sides / 2;
-var ends: vec2f = vec2f(1.0, 1.0);
-for (var i: i32 = 1; i < edges; i++)
+let halfWidth:f32 = BokehEdgeLength(k,widths);
+let edges:i32 = widths.sides / 2;
+var ends:vec2f = vec2f(1.0,1.0);
+for (var i:i32 = 1; i < edges; i++)
 {
-let turn: vec2f = BokehTurn(f32(i), widths);
-let others: vec2f = vec2f(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i,
+let turn:vec2f = BokehTurn(f32(i),widths);
+let others:vec2f = vec2f(BokehEdgeLength(k - i + edges,widths),BokehEdgeLength(k + i,
 widths));
-ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+ends = min(ends,(others - halfWidth * turn.x) / turn.y);
 }
-return max(ends.x + ends.y, 0.001);
+return max(ends.x + ends.y,0.001);
 }
-fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: f32) -> BokehPolygon
+fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32) -> BokehPolygon
 {
-let place: vec2f = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
-let along: vec2f = BokehRotated(place, vec2f(polygon.axis.x, -polygon.axis.y)) * clamp(amount,
-0.0, 0.9);
-var whole: BokehPolygon = polygon;
-whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
-vec4f(1.0, 1.0, 1.0, 1.0));
-var widths: BokehPolygon = polygon;
-widths.lengths = vec4f(BokehHalfWidth(1, whole, along), BokehHalfWidth(2, whole, along),
-BokehHalfWidth(3, whole, along), BokehHalfWidth(4, whole, along));
-widths.fifth = BokehHalfWidth(5, whole, along);
-var result: BokehPolygon = polygon;
-result.lengths = vec4f(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-widths), BokehCutLength(4, widths));
-result.fifth = BokehCutLength(5, widths);
+let place:vec2f = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
+let along:vec2f = BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y)) * clamp(amount,
+0.0,0.9);
+var whole:BokehPolygon = polygon;
+whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0,vec4f(0.0,0.0,0.0,0.0),
+vec4f(1.0,1.0,1.0,1.0));
+var widths:BokehPolygon = polygon;
+widths.lengths = vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
+BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
+widths.fifth = BokehHalfWidth(5,whole,along);
+var result:BokehPolygon = polygon;
+result.lengths = vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
+widths),BokehCutLength(4,widths));
+result.fifth = BokehCutLength(5,widths);
 return BokehClosed(result);
 }
 struct BokehFocus
 {
-sharpRange: vec2f,
-sideScale: vec2f,
-sideMaxCoC: vec2f,
+sharpRange:vec2f,
+sideScale:vec2f,
+sideMaxCoC:vec2f,
 }
-fn BokehFocusedCoC(depth: f32, lens: BokehLens, focus: BokehFocus) -> f32
+fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus) -> f32
 {
-let middle: f32 = min(lens.focusDistance, BOKEH_MAX_DEPTH);
-var nearest: BokehLens = lens;
-nearest.focusDistance = clamp(depth, middle - focus.sharpRange.x, middle + focus.sharpRange.y);
-let CoC: f32 = BokehSignedCoC(depth, nearest);
-return clamp(min(CoC, 0.0) * focus.sideScale.x + max(CoC, 0.0) * focus.sideScale.y,
--focus.sideMaxCoC.x, focus.sideMaxCoC.y);
+let middle:f32 = min(lens.focusDistance,BOKEH_MAX_DEPTH);
+var nearest:BokehLens = lens;
+nearest.focusDistance = clamp(depth,middle - focus.sharpRange.x,middle + focus.sharpRange.y);
+let CoC:f32 = BokehSignedCoC(depth,nearest);
+return clamp(min(CoC,0.0) * focus.sideScale.x + max(CoC,0.0) * focus.sideScale.y,
+-focus.sideMaxCoC.x,focus.sideMaxCoC.y);
 }
-fn BokehStableMap(MapSamp: texture_2d<f32>, HistorySamp: texture_2d<f32>,
-VelocitySamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f, blend: f32,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehStableMap(MapSamp:texture_2d<f32>,HistorySamp:texture_2d<f32>,
+VelocitySamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f,blend:f32,
+BokehLinearClamp:sampler) -> vec4f
 {
-var pixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
-var nearest: f32 = pixel.a;
-for (var y: i32 = 0; y < 3; y++)
+var pixel:vec4f = BokehFetchTexel(MapSamp,BokehToTexture(uv));
+var nearest:f32 = pixel.a;
+for (var y:i32 = 0; y < 3; y++)
 {
-for (var x: i32 = 0; x < 3; x++)
+for (var x:i32 = 0; x < 3; x++)
 {
-let place: vec2f = uv + (vec2f(f32(x), f32(y)) - 1.0) / imageSize;
-nearest = min(nearest, BokehFetchTexel(MapSamp, BokehToTexture(place)).a);
+let place:vec2f = uv + (vec2f(f32(x),f32(y)) - 1.0) / imageSize;
+nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
-let velocity: vec2f = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
-let before: vec2f = uv - vec2f(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0,
+let velocity:vec2f = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
+let before:vec2f = uv - vec2f(BokehSafe(velocity.x,-2.0,2.0),BokehSafe(velocity.y,-2.0,
 2.0));
-let history: f32 = BokehSafe(BokehFetch(HistorySamp, before, BokehLinearClamp).a, nearest,
+let history:f32 = BokehSafe(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
 pixel.a);
-if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
+if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
 {
-pixel += vec4f(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));
+pixel += vec4f(0.0,0.0,0.0,(history - pixel.a) * clamp(1.0 - blend,0.0,1.0));
 }
 return pixel;
 }
-fn BokehLateralColor(PictureSamp: texture_2d<f32>, uv: vec2f, amount: f32,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,
+BokehLinearClamp:sampler) -> vec4f
 {
-let larger: f32 = clamp(amount, -0.1, 0.1);
-let place: vec2f = uv - 0.5;
-let green: vec4f = BokehFetch(PictureSamp, uv, BokehLinearClamp);
-let red: f32 = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
-let blue: f32 = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
-return vec4f(red, green.g, blue, green.a);
+let larger:f32 = clamp(amount,-0.1,0.1);
+let place:vec2f = uv - 0.5;
+let green:vec4f = BokehFetch(PictureSamp,uv,BokehLinearClamp);
+let red:f32 = BokehFetch(PictureSamp,place / (1.0 + larger) + 0.5,BokehLinearClamp).r;
+let blue:f32 = BokehFetch(PictureSamp,place / (1.0 - larger) + 0.5,BokehLinearClamp).b;
+return vec4f(red,green.g,blue,green.a);
 }
 `,
   noise: `
-fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
+fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32) -> f32
 {
-let number: f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
-let seed: f32 = dot(floor(uv * imageSize), vec2f(0.06711056, 0.00583715));
-let value: f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
+let number:f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
+let seed:f32 = dot(floor(uv * imageSize),vec2f(0.06711056,0.00583715));
+let value:f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
 return value - floor(value) - 0.5;
 }
 `,

@@ -7,7 +7,7 @@ export interface NodeOptions extends ThreeOptions {
   sharpLayer?: number;
 }
 
-/** Depth of field of `pass(scene, camera)`, for RenderPipeline: before bloom and tone mapping. WebGPU only */
+/** Depth of field of `pass(scene, camera)`, for RenderPipeline: before bloom and tone mapping. With WebGL 2 nothing is blurred */
 export class PolygonBokehNode extends TempNode<'vec4'> {
   constructor(scenePass: PassNode, options?: NodeOptions);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of the WGSL
-// library. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL.
+// library. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL,
+// and there the node shows the scene as it is.
 
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
@@ -14,7 +15,9 @@ import { THREE_CHOICES, withLens } from './three-common.js';
 const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
-const WEBGL = 'polygonal-bokeh: PolygonBokehNode needs WebGPU, since it is WGSL. Use PolygonBokehPass.';
+const WEBGL =
+  'polygonal-bokeh: nothing is blurred. PolygonBokehNode needs WebGPU, and this renderer fell back to WebGL 2. ' +
+  'PolygonBokehPass works with WebGLRenderer.';
 const LOGARITHMIC =
   'polygonal-bokeh: PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / ' +
   "log(far / near) is none of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
@@ -120,8 +123,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   }
 
   // Why it cannot draw; three.js logs what setup() throws, and goes on
-  refused({ backend, logarithmicDepthBuffer }) {
-    if (!backend.isWebGPUBackend) return WEBGL;
+  refused({ logarithmicDepthBuffer }) {
     // For an orthographic camera three.js leaves the logarithm out.
     return logarithmicDepthBuffer && !this.camera.isOrthographicCamera ? LOGARITHMIC : '';
   }
@@ -130,6 +132,11 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   setup(builder) {
     const scene = this.scenePass.getTextureNode();
     builder.getNodeProperties(this).scene = scene; // so that the scene is drawn before this node
+    this.stepsAside = !builder.renderer.backend.isWebGPUBackend;
+    if (this.stepsAside) {
+      console.warn(WEBGL);
+      return scene;
+    }
     if (!this.refused(builder.renderer)) {
       this.given = { uv: uv(), color: scene, depth: this.scenePass.getTextureNode('depth') };
       const { samples = builder.renderer.samples } = this.scenePass.options;
@@ -167,6 +174,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   // Draws the passes. three.js calls it once in a frame, after the scene.
   updateBefore({ renderer }) {
+    if (this.stepsAside) return;
     const problem = this.refused(renderer);
     if (problem) throw new Error(problem);
     const { width, height } = this.scenePass.renderTarget;

@@ -11,9 +11,16 @@ for (const version of VERSIONS) {
 
     await t.test('errors are told to the caller, which three.js only logs', async () => {
       assert.ok((await call('refused', { preset: 'high' })).includes('PolygonBokehNode: preset is "high"'));
-      const [withoutWebGPU, logarithmic] = await call('errors');
-      assert.match(withoutWebGPU, /needs WebGPU/);
-      assert.match(logarithmic, /cannot read logarithmicDepthBuffer/);
+      assert.match(await call('logarithmic'), /cannot read logarithmicDepthBuffer/);
+    });
+
+    await t.test('on WebGL 2 it shows the scene as it is, and says so once', async () => {
+      const { warnings, off, light } = await call('fallback');
+      const own = warnings.filter((text) => text.includes('polygonal-bokeh'));
+      assert.equal(own.length, 1);
+      assert.match(own[0], /nothing is blurred.*fell back to WebGL 2/);
+      assert.equal(off, 0);
+      assert.ok(light > 0);
     });
 
     for (const change of CHANGES) {

@@ -177,7 +177,7 @@ def web_shaders() -> str:
         texts["noise"] = functions["BokehNoise"]
         lines += ["", f"export const {language.upper()} = {{"]
         for name, text in texts.items():
-            lines += [f"  {name}: `", *_code(text), "`,"]
+            lines += [f"  {name}: `", *map(_compact, _code(text)), "`,"]
         lines.append("};")
     return "\n".join(lines) + "\n"
 
@@ -191,6 +191,11 @@ def python_shaders() -> str:
 def _code(text: str) -> Iterator[str]:
     """Lines without comments."""
     return filter(None, (line.strip() for line in shaders.COMMENT.sub("", text).splitlines()))
+
+
+def _compact(line: str) -> str:
+    """A line of code without the spaces after commas and colons: pages download it."""
+    return line if line.startswith("#") else re.sub(r"(?<=[,:]) ", "", line)
 
 
 def rust_shaders() -> str:

@@ -45,15 +45,34 @@ window.bokeh = {
 
   refused: (options) => message(async () => new PolygonBokehNode(pass(...Object.values(makeScene()).slice(0, 2)), options)),
 
-  // WebGL under WebGPURenderer, and a depth buffer that cannot be read: what render() throws
-  async errors() {
-    const found = [];
-    for (const options of [{ forceWebGL: true }, { logarithmicDepthBuffer: true }]) {
-      const other = new THREE.WebGPURenderer(options);
-      await other.init();
-      found.push(await message(async () => chain(makeScene(), {}, other).pipeline.render()));
+  // A depth buffer that cannot be read: what render() throws
+  async logarithmic() {
+    const other = new THREE.WebGPURenderer({ logarithmicDepthBuffer: true });
+    await other.init();
+    return message(async () => chain(makeScene(), {}, other).pipeline.render());
+  },
+
+  // WebGL under WebGPURenderer: what two frames warn of, and how far their picture is from the scene's own
+  async fallback() {
+    const other = new THREE.WebGPURenderer({ forceWebGL: true });
+    other.setSize(...SIZE);
+    await other.init();
+    const warnings = [];
+    const { warn } = console;
+    console.warn = (...words) => warnings.push(words.join(' '));
+    const world = makeScene();
+    const pipelines = [chain(world, {}, other).pipeline, new Pipeline(other, pass(world.scene, world.camera))];
+    const shown = [];
+    for (const pipeline of pipelines) {
+      const target = new THREE.RenderTarget(...SIZE);
+      other.setRenderTarget(target);
+      await (pipeline.render() ?? 0);
+      await (pipeline.render() ?? 0);
+      other.setRenderTarget(null);
+      shown.push(Array.from(await other.readRenderTargetPixelsAsync(target, 0, 0, ...SIZE)));
     }
-    return found;
+    console.warn = warn;
+    return { warnings, off: off(...shown), light: total(shown[0]) };
   },
 
   async changed(change) {
