@@ -97,7 +97,7 @@ const CONSTANTS = ['NUM_SAMPLES', 'SPACING', 'LAYER_RINGS', 'LAYER_CELLS', 'LAYE
 const PRESETS = { LOW: [5, 2, 1, 11, 0], MEDIUM: [9, 1.5, 2, 11, 1], HIGH: [17, 1, 3, 18, 1], ULTRA: [33, 1, 4, 18, 1] };
 const withPreset = (library, preset) =>
   library.replace(
-    /(?<=override BOKEH_(\w+): \w+ = )[\d.]+/g,
+    /(?<=override BOKEH_(\w+): ?\w+ = )[\d.]+/g,
     (value, name) => PRESETS[preset][CONSTANTS.indexOf(name)] ?? value,
   );
 

@@ -72,7 +72,8 @@ export const calls = (renderer, newWorld, chain, drawn) => ({
     renderer.setClearColor(0, 0);
     const clear = await drawn(chain(world, { ...options, alpha: true }));
     scene.background = new THREE.Color(...page);
-    const truth = await drawn(chain(world, options));
+    // with alpha too: without it a pixel beside a brighter one may get that one's circle of confusion
+    const truth = await drawn(chain(world, { ...options, alpha: true }));
     renderer.setClearColor(0, 1);
     const over = clear.map((value, i) => (i % 4 < 3 ? value + page[i % 4] * (1 - clear[i - (i % 4) + 3]) : 1));
     const shares = clear.filter((_, i) => i % 4 === 3);
