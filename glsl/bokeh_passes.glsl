@@ -333,10 +333,14 @@ BokehPolygon BokehAperture(vec2 uv, int sides)
     return polygon;
 }
 
-// the aperture where BokehSides says it; a parameter that nobody has set is a hexagon
+// the aperture where BOKEH_SIDES says it, or BokehSides; what nobody has set is a hexagon
 BokehPolygon BokehAnyAperture(vec2 uv)
 {
     int sides = int(BokehSides + 0.5);
+    if (BOKEH_SIDES > 0)
+    {
+        sides = BOKEH_SIDES;
+    }
     if (sides == 0)
     {
         sides = 6;

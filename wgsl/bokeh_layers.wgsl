@@ -37,8 +37,8 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; with CUBIC 1
-//                                              one more where no layer is
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
+//                                              where no layer is, or with CUBIC 0 small ones
 //   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -997,6 +997,101 @@ fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
     return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
 }
 
+// Layers: the gather around a pixel, as far as it has come
+//   sum, front    colour and weight of all that it found, and of what is in front of this pixel
+//   farWeight     of what it found in the far layer
+//   s, inverse, nearShare  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
+//   slopes        of the near and the far layer; snapping: 0 = linear filter, 100 = nearest texel
+//   bounds        of a sample's 1 / radius^2: what spreads over the radius, over the middle
+//   inner         where the next ring begins, pixels
+struct BokehGather
+{
+    sum: vec4f,
+    front: vec4f,
+    farWeight: f32,
+    s: f32,
+    inverse: f32,
+    nearShare: f32,
+    slopes: vec2f,
+    snapping: f32,
+    bounds: vec2f,
+    inner: f32,
+}
+
+// Layers: one more ring of the gather
+//   onEdge        samples on an edge; where they and the polygon's sides are literals, compilers
+//                 write both loops out
+//   outer         where it ends, pixels
+fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
+    outer: f32, polygon: BokehPolygon, layers: BokehLayers,
+    BokehLinearClamp: sampler) -> BokehGather
+{
+    //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
+    //  middle   1     2         covers, over that disc
+    var gather: BokehGather = before;
+    let full: BokehGrid = BokehFullGrid(layers);
+    let none: vec2f = vec2f(0.0, 0.0);
+    let whole: vec2f = vec2f(1.0, 1.0);
+    // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
+    // with 0.5: street_11 .0420 for .0416)
+    let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+    let current: f32 = gather.inner + (outer - gather.inner) * outwards;
+    let innerSquare: f32 = gather.inner * gather.inner;
+    let area: f32 = outer * outer - innerSquare;
+    var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
+    if (ring == 1)
+    {
+        // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+        phase += 0.5;
+    }
+    // the upright polygon's x and y, in pixels: what is done with those is known to compilers
+    let right: vec2f = vec2f(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
+    let upwards: vec2f = vec2f(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
+    var corner: vec2f = polygon.corner * 2.0;
+    let turn: vec2f = BokehTurn(1.0, polygon);
+    var direction: vec2f = vec2f(-turn.y, turn.x) * 2.0;
+    // half of the edges: the others are opposite to them, sample by sample
+    for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
+    {
+        let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
+        let along: vec2f = alongEdge / f32(onEdge);
+        // of its edges each gets what lies in the triangle from the middle to it
+        let cell: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+        for (var i: i32 = 0; i < onEdge; i++)
+        {
+            let upright: vec2f = corner + along * (f32(i) + phase);
+            let place: vec2f = right * upright.x + upwards * upright.y;
+            let texel: vec2f = floor(place);
+            // steeper between two texels than the linear filter is
+            let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+                gather.snapping, none, whole);
+            // both at once: this one and the one opposite to it
+            let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full, BokehLinearClamp);
+            let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+                BokehLinearClamp);
+            let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
+            let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
+                gather.nearShare);
+            var inverse: vec2f = BokehSpreadInverse(CoC);
+            inverse += (gather.inverse - inverse) * isBehind;
+            inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
+            var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
+            let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
+            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
+            gather.farWeight += inFar.x + inFar.y;
+            let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
+            let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
+            gather.sum += part + otherPart;
+            let isFront: vec2f = clamp(gather.s - 0.5 - CoC, none, whole);
+            gather.front += part * isFront.x + otherPart * isFront.y;
+        }
+        corner += alongEdge;
+        direction = BokehRotated(direction, turn);
+    }
+    gather.inner = outer;
+    return gather;
+}
+
 // Layers: the last pass: a gather over what is in no layer, and all of it together
 //   Each sample counts by its own CoC, spread over the area that it covers; from behind this
 //   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
@@ -1015,117 +1110,73 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
     {
-        let height: f32 = full.size.y;
-        let s: f32 = centerPixel.a * height;
-        let nearSlope: f32 = BokehNearSlope(tile.r);
-        let farSlope: f32 = BokehFarSlope(tile.g);
-        let nearShare: f32 = BokehLayerShare(-s, nearSlope);
-        let farShare: f32 = BokehLayerShare(s, farSlope);
+        var gather: BokehGather;
+        let s: f32 = centerPixel.a * full.size.y;
+        gather.s = s;
+        gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
+        let nearShare: f32 = BokehLayerShare(-s, gather.slopes.x);
+        let farShare: f32 = BokehLayerShare(s, gather.slopes.y);
+        gather.nearShare = nearShare;
+        gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
         // the gather reaches as far as what is in no layer
-        let ownInverse: f32 = BokehSpreadInverse(vec2f(s, s)).x;
         let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
-            sqrt(ownInverse);
+            sqrt(gather.inverse);
         let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
         let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114)
+        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
+        // without CUBIC also where layers are small (LOW, canopy_12: .150 for .156)
         var rings: f32 = f32(BOKEH_LAYER_RINGS);
-        if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+        if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
         {
             rings += 1.0;
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-        var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
+        gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
         // Samples within half a pixel are this pixel again: no ring.
         if (radius < 0.5)
         {
-            inner = radius;
+            gather.inner = radius;
         }
         // what spreads less than the inner radius of the first ring reaches no other pixel
-        let most: f32 = 1.0 / (inner * inner);
-        let least: f32 = 1.0 / (radius * radius);
-        let weight: f32 = (1.0 - nearShare) * min(ownInverse / most, 1.0);
+        gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
+        let weight: f32 = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
         // of what is in the far layer, that layer takes the place: one of its pixels alone would
         // shine
-        var farWeight: f32 = weight * farShare;
-        var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * (weight - farWeight);
-        var front: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        gather.farWeight = weight * farShare;
+        gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+        gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
         let edges: f32 = max(tile.r, tile.g - 16.0);
-        let steepness: f32 = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-            16.0, 0.0, 1.0);
-        let none: vec2f = vec2f(0.0, 0.0);
-        let whole: vec2f = vec2f(1.0, 1.0);
-        let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
-        var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-        var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
-        let turn: vec2f = BokehTurn(1.0, polygon);
-        for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+            0.0, 1.0);
+        var first: i32 = 1;
+        if (BOKEH_SIDES > 0)
         {
-            //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
-            //  middle   1     2         covers, over that disc
-            if (inner >= radius)
+            // by itself, since the others have more samples: so their number is a literal
+            if (gather.inner < radius)
+            {
+                let outer: f32 = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
+                gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+                    polygon, layers, BokehLinearClamp);
+            }
+            first = 2;
+        }
+        for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        {
+            if (gather.inner >= radius)
             {
                 break;
             }
             let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            // in the middle with two rings; with more the first, which is turned, counts for less
-            // (HIGH with 0.5: street_11 .0420 for .0416)
-            let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
-            let current: f32 = inner + (outer - inner) * outwards;
-            let innerSquare: f32 = inner * inner;
-            let area: f32 = outer * outer - innerSquare;
-            let onEdge: i32 = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
-            // of its edges each gets what lies in the triangle from the middle to it
-            let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
-            var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-            if (ring == 1)
+            var onEdge: i32 = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+            if (first < BOKEH_LAYER_RINGS)
             {
-                // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
-                phase += 0.5;
+                onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
-            let scale: vec2f = stretch * current;
-            // half of the edges: the others are opposite to them, sample by sample
-            for (var edge: i32 = 1; 2 * edge <= polygon.sides; edge++)
-            {
-                let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
-                let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-                let along: vec2f = alongEdge * scale / f32(onEdge);
-                let first: vec2f = corner * scale + along * phase;
-                for (var i: i32 = 0; i < onEdge; i++)
-                {
-                    let place: vec2f = first + along * f32(i);
-                    let texel: vec2f = floor(place);
-                    // steeper between two texels than the linear filter is
-                    let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-                        steepness, none, whole);
-                    // both at once: this one and the one opposite to it
-                    let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
-                        BokehLinearClamp);
-                    let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
-                        BokehLinearClamp);
-                    let CoC: vec2f = vec2f(pixel.a, other.a) * height;
-                    let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 -
-                        nearShare);
-                    var inverse: vec2f = BokehSpreadInverse(CoC);
-                    inverse += (ownInverse - inverse) * isBehind;
-                    inverse = clamp(inverse, vec2f(least, least), vec2f(most, most));
-                    var covers: vec2f = edgeCell * max(min(1.0 - innerSquare * inverse, area *
-                        inverse), none);
-                    let inFar: vec2f = covers * clamp(CoC * farSlope - 2.0, none, whole);
-                    covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
-                    farWeight += inFar.x + inFar.y;
-                    let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
-                    let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
-                    sum += part + otherPart;
-                    let before: vec2f = clamp(s - 0.5 - CoC, none, whole);
-                    front += part * before.x + otherPart * before.y;
-                }
-                corner += alongEdge;
-                direction = BokehRotated(direction, turn);
-            }
-            inner = outer;
+            gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers,
+                BokehLinearClamp);
         }
 
         var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1137,15 +1188,16 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at a pixel of a layer, that layer itself is added below
-        sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+        let sum: vec4f = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
+            max(far.a, 0.001));
         let plain: vec4f = sum + far * farShare;
         if (plain.a >= 0.001)
         {
             // what is in front covers the rest by as much as it has weight
-            let rest: f32 = plain.a - front.a;
-            let open: f32 = max(1.0 - front.a, 0.0) / max(rest, 0.1);
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-                0.001);
+            let rest: f32 = plain.a - gather.front.a;
+            let open: f32 = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
+                + rest * open, 0.001);
         }
         if (nearShare > 0.0)
         {

@@ -223,10 +223,14 @@ fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
     return polygon;
 }
 
-// the aperture where BokehSides says it; a parameter that nobody has set is a hexagon
+// the aperture where BOKEH_SIDES says it, or BokehSides; what nobody has set is a hexagon
 fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
 {
     var sides: i32 = i32(bokehParameters.BokehSides + 0.5);
+    if (BOKEH_SIDES > 0)
+    {
+        sides = BOKEH_SIDES;
+    }
     if (sides == 0)
     {
         sides = 6;

@@ -3,6 +3,7 @@
 // The package's passes as they are, for shader model 5.
 
 #define BOKEH_HLSL_SM 5
+#define BOKEH_SIDES 6
 #include "../../hlsl/bokeh.hlsl"
 #include "../../hlsl/bokeh_paper.hlsl"
 #include "../../hlsl/bokeh_layers.hlsl"

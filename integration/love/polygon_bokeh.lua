@@ -118,6 +118,7 @@ vec4 position(mat4 transform, vec4 vertex)
 local PIXEL = [[
 #pragma language glsl3
 #define BOKEH_PRESET_$preset
+#define BOKEH_SIDES $sides
 $library
 uniform sampler2D $reads;
 uniform float $uniforms;

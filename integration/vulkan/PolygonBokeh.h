@@ -250,9 +250,12 @@ private:
         const std::string entry = pass.entry + "_PS";
         const vk::Rect2D area({}, targets[pass.writes[0]].size);
         const vk::Viewport whole(0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1);
+        // Compilers write the loops of the last pass out where they know the number of sides
+        const vk::SpecializationMapEntry sides(0, 0, sizeof pass.sides);
+        const vk::SpecializationInfo constants(1, &sides, sizeof pass.sides, &pass.sides);
         const vk::PipelineShaderStageCreateInfo stages[] = {
             {{}, vk::ShaderStageFlagBits::eVertex, vertex, "BokehFullScreen_VS"},
-            {{}, vk::ShaderStageFlagBits::eFragment, fragment, entry.c_str()}};
+            {{}, vk::ShaderStageFlagBits::eFragment, fragment, entry.c_str(), &constants}};
         const vk::PipelineVertexInputStateCreateInfo input;
         const vk::PipelineInputAssemblyStateCreateInfo assembly({}, vk::PrimitiveTopology::eTriangleList);
         const vk::PipelineViewportStateCreateInfo viewport({}, whole, area);

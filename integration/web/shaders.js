@@ -39,6 +39,9 @@ export const GLSL = {
 #ifndef BOKEH_VIEWPORT
 #define BOKEH_VIEWPORT 0
 #endif
+#ifndef BOKEH_SIDES
+#define BOKEH_SIDES 0
+#endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
@@ -1516,6 +1519,76 @@ float BokehRingBorder(int ring,float radius,float spacing,float narrowing)
 float even = spacing * (float(ring) + 0.5);
 return max(even + even * (even / radius - 1.0) * narrowing,min(even,float(ring) + 0.5));
 }
+struct BokehGather
+{
+vec4 sum;
+vec4 front;
+float farWeight;
+float s;
+float inverse;
+float nearShare;
+vec2 slopes;
+float snapping;
+vec2 bounds;
+float inner;
+};
+BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,
+float outer,BokehPolygon polygon,BokehLayers layers)
+{
+BokehGather gather = before;
+BokehGrid full = BokehFullGrid(layers);
+vec2 none = vec2(0.0,0.0);
+vec2 whole = vec2(1.0,1.0);
+float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+float current = gather.inner + (outer - gather.inner) * outwards;
+float innerSquare = gather.inner * gather.inner;
+float area = outer * outer - innerSquare;
+float phase = layers.jitter * clamp(current / float(ring) - 1.0,0.0,1.0);
+if (ring == 1)
+{
+phase += 0.5;
+}
+vec2 right = vec2(polygon.axis.x * polygon.squeeze,polygon.axis.y) * current;
+vec2 upwards = vec2(-polygon.axis.y * polygon.squeeze,polygon.axis.x) * current;
+vec2 corner = polygon.corner * 2.0;
+vec2 turn = BokehTurn(1.0,polygon);
+vec2 direction = vec2(-turn.y,turn.x) * 2.0;
+for (int edge = 1; edge <= polygon.sides / 2; edge++)
+{
+vec2 alongEdge = direction * BokehEdgeLength(edge,polygon);
+vec2 along = alongEdge / float(onEdge);
+float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+for (int i = 0; i < onEdge; i++)
+{
+vec2 upright = corner + along * (float(i) + phase);
+vec2 place = right * upright.x + upwards * upright.y;
+vec2 texel = floor(place);
+vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+gather.snapping,none,whole);
+vec4 pixel = BokehFetchAround(MapSamp,layers.uv,offset,full);
+vec4 other = BokehFetchAround(MapSamp,layers.uv,-offset,full);
+vec2 CoC = vec2(pixel.a,other.a) * full.size.y;
+vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s,none,whole) * (1.0 -
+gather.nearShare);
+vec2 inverse = BokehSpreadInverse(CoC);
+inverse += (gather.inverse - inverse) * isBehind;
+inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
+vec2 covers = cell * max(min(1.0 - innerSquare * inverse,area * inverse),none);
+vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0,none,whole);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,none,whole)) - inFar;
+gather.farWeight += inFar.x + inFar.y;
+vec4 part = vec4(pixel.rgb,1.0) * covers.x;
+vec4 otherPart = vec4(other.rgb,1.0) * covers.y;
+gather.sum += part + otherPart;
+vec2 isFront = clamp(gather.s - 0.5 - CoC,none,whole);
+gather.front += part * isFront.x + otherPart * isFront.y;
+}
+corner += alongEdge;
+direction = BokehRotated(direction,turn);
+}
+gather.inner = outer;
+return gather;
+}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE TilesSamp,BOKEH_TEXTURE NearSamp,
 BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MiddleSamp,BOKEH_TEXTURE BackSamp,BokehPolygon polygon,
 BokehLayers layers)
@@ -1527,96 +1600,61 @@ vec4 tile = BokehFetchGrid(TilesSamp,center / 8.0,BokehReducedGrid(layers,8.0));
 vec3 result = centerPixel.rgb;
 if (max(tile.r,tile.g) > 1.0)
 {
-float height = full.size.y;
-float s = centerPixel.a * height;
-float nearSlope = BokehNearSlope(tile.r);
-float farSlope = BokehFarSlope(tile.g);
-float nearShare = BokehLayerShare(-s,nearSlope);
-float farShare = BokehLayerShare(s,farSlope);
-float ownInverse = BokehSpreadInverse(vec2(s,s)).x;
+BokehGather gather;
+float s = centerPixel.a * full.size.y;
+gather.s = s;
+gather.slopes = vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
+float nearShare = BokehLayerShare(-s,gather.slopes.x);
+float farShare = BokehLayerShare(s,gather.slopes.y);
+gather.nearShare = nearShare;
+gather.inverse = BokehSpreadInverse(vec2(s,s)).x;
 float restRadius = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
-sqrt(ownInverse);
+sqrt(gather.inverse);
 float radius = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
 float narrowing = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
 float rings = float(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g,tile.r + 4.0) <= 10.0)
+if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
 float spacing = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
-float inner = BokehRingBorder(0,radius,spacing,narrowing);
+gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
 {
-inner = radius;
+gather.inner = radius;
 }
-float most = 1.0 / (inner * inner);
-float least = 1.0 / (radius * radius);
-float weight = (1.0 - nearShare) * min(ownInverse / most,1.0);
-float farWeight = weight * farShare;
-vec4 sum = vec4(centerPixel.rgb,1.0) * (weight - farWeight);
-vec4 front = vec4(0.0,0.0,0.0,0.0);
+gather.bounds = 1.0 / vec2(radius * radius,gather.inner * gather.inner);
+float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y,1.0);
+gather.farWeight = weight * farShare;
+gather.sum = vec4(centerPixel.rgb,1.0) * (weight - gather.farWeight);
+gather.front = vec4(0.0,0.0,0.0,0.0);
 float edges = max(tile.r,tile.g - 16.0);
-float steepness = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) /
-16.0,0.0,1.0);
-vec2 none = vec2(0.0,0.0);
-vec2 whole = vec2(1.0,1.0);
-vec2 stretch = vec2(polygon.squeeze,1.0);
-vec2 corner = BokehRotated(polygon.corner,polygon.axis) * 2.0;
-vec2 direction = BokehEdgeDirection(1,polygon) * 2.0;
-vec2 turn = BokehTurn(1.0,polygon);
-for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+0.0,1.0);
+int first = 1;
+if (BOKEH_SIDES > 0)
 {
-if (inner >= radius)
+if (gather.inner < radius)
+{
+float outer = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
+gather = BokehGatherRing(gather,MapSamp,1,BokehOnEdge(1,polygon),outer,
+polygon,layers);
+}
+first = 2;
+}
+for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= radius)
 {
 break;
 }
 float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
-float current = inner + (outer - inner) * outwards;
-float innerSquare = inner * inner;
-float area = outer * outer - innerSquare;
-int onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
-float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
-float phase = layers.jitter * clamp(current / float(ring) - 1.0,0.0,1.0);
-if (ring == 1)
+int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS,polygon);
+if (first < BOKEH_LAYER_RINGS)
 {
-phase += 0.5;
+onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
-vec2 scale = stretch * current;
-for (int edge = 1; 2 * edge <= polygon.sides; edge++)
-{
-vec2 alongEdge = direction * BokehEdgeLength(edge,polygon);
-float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-vec2 along = alongEdge * scale / float(onEdge);
-vec2 first = corner * scale + along * phase;
-for (int i = 0; i < onEdge; i++)
-{
-vec2 place = first + along * float(i);
-vec2 texel = floor(place);
-vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness,none,whole);
-vec4 pixel = BokehFetchAround(MapSamp,layers.uv,offset,full);
-vec4 other = BokehFetchAround(MapSamp,layers.uv,-offset,full);
-vec2 CoC = vec2(pixel.a,other.a) * height;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * s,none,whole) * (1.0 - nearShare);
-vec2 inverse = BokehSpreadInverse(CoC);
-inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse,vec2(least,least),vec2(most,most));
-vec2 covers = edgeCell * max(min(1.0 - innerSquare * inverse,area * inverse),
-none);
-vec2 inFar = covers * clamp(CoC * farSlope - 2.0,none,whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0,none,whole)) - inFar;
-farWeight += inFar.x + inFar.y;
-vec4 part = vec4(pixel.rgb,1.0) * covers.x;
-vec4 otherPart = vec4(other.rgb,1.0) * covers.y;
-sum += part + otherPart;
-vec2 before = clamp(s - 0.5 - CoC,none,whole);
-front += part * before.x + otherPart * before.y;
-}
-corner += alongEdge;
-direction = BokehRotated(direction,turn);
-}
-inner = outer;
+gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers);
 }
 vec4 near = vec4(0.0,0.0,0.0,0.0);
 vec4 far = vec4(0.0,0.0,0.0,0.0);
@@ -1626,14 +1664,15 @@ BokehGrid halves = BokehReducedGrid(layers,2.0);
 near = BokehFetchLayer(NearSamp,0.5 * center,halves);
 far = BokehFetchLayer(FarSamp,0.5 * center,halves);
 }
-sum += far * (farWeight * (1.0 - max(farShare,nearShare)) / max(far.a,0.001));
+vec4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare,nearShare)) /
+max(far.a,0.001));
 vec4 plain = sum + far * farShare;
 if (plain.a >= 0.001)
 {
-float rest = plain.a - front.a;
-float open = max(1.0 - front.a,0.0) / max(rest,0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-0.001);
+float rest = plain.a - gather.front.a;
+float open = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
++ rest * open,0.001);
 }
 if (nearShare > 0.0)
 {
@@ -1797,6 +1836,7 @@ export const WGSL = {
 override BOKEH_NUM_SAMPLES:i32 = 9;
 override BOKEH_SPACING:f32 = 1.5;
 override BOKEH_VIEWPORT:i32 = 0;
+override BOKEH_SIDES:i32 = 0;
 const BOKEH_MAX_COLOR:f32 = 65504.0;
 const BOKEH_MIN_DEPTH:f32 = 0.000001;
 const BOKEH_MAX_DEPTH:f32 = 1000000000.0;
@@ -3264,6 +3304,78 @@ fn BokehRingBorder(ring:i32,radius:f32,spacing:f32,narrowing:f32) -> f32
 let even:f32 = spacing * (f32(ring) + 0.5);
 return max(even + even * (even / radius - 1.0) * narrowing,min(even,f32(ring) + 0.5));
 }
+struct BokehGather
+{
+sum:vec4f,
+front:vec4f,
+farWeight:f32,
+s:f32,
+inverse:f32,
+nearShare:f32,
+slopes:vec2f,
+snapping:f32,
+bounds:vec2f,
+inner:f32,
+}
+fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,
+outer:f32,polygon:BokehPolygon,layers:BokehLayers,
+BokehLinearClamp:sampler) -> BokehGather
+{
+var gather:BokehGather = before;
+let full:BokehGrid = BokehFullGrid(layers);
+let none:vec2f = vec2f(0.0,0.0);
+let whole:vec2f = vec2f(1.0,1.0);
+let outwards:f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+let current:f32 = gather.inner + (outer - gather.inner) * outwards;
+let innerSquare:f32 = gather.inner * gather.inner;
+let area:f32 = outer * outer - innerSquare;
+var phase:f32 = layers.jitter * clamp(current / f32(ring) - 1.0,0.0,1.0);
+if (ring == 1)
+{
+phase += 0.5;
+}
+let right:vec2f = vec2f(polygon.axis.x * polygon.squeeze,polygon.axis.y) * current;
+let upwards:vec2f = vec2f(-polygon.axis.y * polygon.squeeze,polygon.axis.x) * current;
+var corner:vec2f = polygon.corner * 2.0;
+let turn:vec2f = BokehTurn(1.0,polygon);
+var direction:vec2f = vec2f(-turn.y,turn.x) * 2.0;
+for (var edge:i32 = 1; edge <= polygon.sides / 2; edge++)
+{
+let alongEdge:vec2f = direction * BokehEdgeLength(edge,polygon);
+let along:vec2f = alongEdge / f32(onEdge);
+let cell:f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+for (var i:i32 = 0; i < onEdge; i++)
+{
+let upright:vec2f = corner + along * (f32(i) + phase);
+let place:vec2f = right * upright.x + upwards * upright.y;
+let texel:vec2f = floor(place);
+let offset:vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+gather.snapping,none,whole);
+let pixel:vec4f = BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
+let other:vec4f = BokehFetchAround(MapSamp,layers.uv,-offset,full,
+BokehLinearClamp);
+let CoC:vec2f = vec2f(pixel.a,other.a) * full.size.y;
+let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * gather.s,none,whole) * (1.0 -
+gather.nearShare);
+var inverse:vec2f = BokehSpreadInverse(CoC);
+inverse += (gather.inverse - inverse) * isBehind;
+inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
+var covers:vec2f = cell * max(min(1.0 - innerSquare * inverse,area * inverse),none);
+let inFar:vec2f = covers * clamp(CoC * gather.slopes.y - 2.0,none,whole);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,none,whole)) - inFar;
+gather.farWeight += inFar.x + inFar.y;
+let part:vec4f = vec4f(pixel.rgb,1.0) * covers.x;
+let otherPart:vec4f = vec4f(other.rgb,1.0) * covers.y;
+gather.sum += part + otherPart;
+let isFront:vec2f = clamp(gather.s - 0.5 - CoC,none,whole);
+gather.front += part * isFront.x + otherPart * isFront.y;
+}
+corner += alongEdge;
+direction = BokehRotated(direction,turn);
+}
+gather.inner = outer;
+return gather;
+}
 fn BokehComposite(MapSamp:texture_2d<f32>,TilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,
 FarSamp:texture_2d<f32>,MiddleSamp:texture_2d<f32>,BackSamp:texture_2d<f32>,
 polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
@@ -3276,99 +3388,62 @@ BokehLinearClamp);
 var result:vec3f = centerPixel.rgb;
 if (max(tile.r,tile.g) > 1.0)
 {
-let height:f32 = full.size.y;
-let s:f32 = centerPixel.a * height;
-let nearSlope:f32 = BokehNearSlope(tile.r);
-let farSlope:f32 = BokehFarSlope(tile.g);
-let nearShare:f32 = BokehLayerShare(-s,nearSlope);
-let farShare:f32 = BokehLayerShare(s,farSlope);
-let ownInverse:f32 = BokehSpreadInverse(vec2f(s,s)).x;
+var gather:BokehGather;
+let s:f32 = centerPixel.a * full.size.y;
+gather.s = s;
+gather.slopes = vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
+let nearShare:f32 = BokehLayerShare(-s,gather.slopes.x);
+let farShare:f32 = BokehLayerShare(s,gather.slopes.y);
+gather.nearShare = nearShare;
+gather.inverse = BokehSpreadInverse(vec2f(s,s)).x;
 let restRadius:f32 = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
-sqrt(ownInverse);
+sqrt(gather.inverse);
 let radius:f32 = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
 let narrowing:f32 = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
 var rings:f32 = f32(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g,tile.r + 4.0) <= 10.0)
+if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
 let spacing:f32 = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
-var inner:f32 = BokehRingBorder(0,radius,spacing,narrowing);
+gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
 {
-inner = radius;
+gather.inner = radius;
 }
-let most:f32 = 1.0 / (inner * inner);
-let least:f32 = 1.0 / (radius * radius);
-let weight:f32 = (1.0 - nearShare) * min(ownInverse / most,1.0);
-var farWeight:f32 = weight * farShare;
-var sum:vec4f = vec4f(centerPixel.rgb,1.0) * (weight - farWeight);
-var front:vec4f = vec4f(0.0,0.0,0.0,0.0);
+gather.bounds = 1.0 / vec2f(radius * radius,gather.inner * gather.inner);
+let weight:f32 = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y,1.0);
+gather.farWeight = weight * farShare;
+gather.sum = vec4f(centerPixel.rgb,1.0) * (weight - gather.farWeight);
+gather.front = vec4f(0.0,0.0,0.0,0.0);
 let edges:f32 = max(tile.r,tile.g - 16.0);
-let steepness:f32 = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) /
-16.0,0.0,1.0);
-let none:vec2f = vec2f(0.0,0.0);
-let whole:vec2f = vec2f(1.0,1.0);
-let stretch:vec2f = vec2f(polygon.squeeze,1.0);
-var corner:vec2f = BokehRotated(polygon.corner,polygon.axis) * 2.0;
-var direction:vec2f = BokehEdgeDirection(1,polygon) * 2.0;
-let turn:vec2f = BokehTurn(1.0,polygon);
-for (var ring:i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+0.0,1.0);
+var first:i32 = 1;
+if (BOKEH_SIDES > 0)
 {
-if (inner >= radius)
+if (gather.inner < radius)
+{
+let outer:f32 = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
+gather = BokehGatherRing(gather,MapSamp,1,BokehOnEdge(1,polygon),outer,
+polygon,layers,BokehLinearClamp);
+}
+first = 2;
+}
+for (var ring:i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= radius)
 {
 break;
 }
 let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-let outwards:f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
-let current:f32 = inner + (outer - inner) * outwards;
-let innerSquare:f32 = inner * inner;
-let area:f32 = outer * outer - innerSquare;
-let onEdge:i32 = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
-let cell:f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
-var phase:f32 = layers.jitter * clamp(current / f32(ring) - 1.0,0.0,1.0);
-if (ring == 1)
+var onEdge:i32 = BokehOnEdge(BOKEH_LAYER_RINGS,polygon);
+if (first < BOKEH_LAYER_RINGS)
 {
-phase += 0.5;
+onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
-let scale:vec2f = stretch * current;
-for (var edge:i32 = 1; 2 * edge <= polygon.sides; edge++)
-{
-let alongEdge:vec2f = direction * BokehEdgeLength(edge,polygon);
-let edgeCell:f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-let along:vec2f = alongEdge * scale / f32(onEdge);
-let first:vec2f = corner * scale + along * phase;
-for (var i:i32 = 0; i < onEdge; i++)
-{
-let place:vec2f = first + along * f32(i);
-let texel:vec2f = floor(place);
-let offset:vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness,none,whole);
-let pixel:vec4f = BokehFetchAround(MapSamp,layers.uv,offset,full,
+gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers,
 BokehLinearClamp);
-let other:vec4f = BokehFetchAround(MapSamp,layers.uv,-offset,full,
-BokehLinearClamp);
-let CoC:vec2f = vec2f(pixel.a,other.a) * height;
-let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * s,none,whole) * (1.0 -
-nearShare);
-var inverse:vec2f = BokehSpreadInverse(CoC);
-inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse,vec2f(least,least),vec2f(most,most));
-var covers:vec2f = edgeCell * max(min(1.0 - innerSquare * inverse,area *
-inverse),none);
-let inFar:vec2f = covers * clamp(CoC * farSlope - 2.0,none,whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0,none,whole)) - inFar;
-farWeight += inFar.x + inFar.y;
-let part:vec4f = vec4f(pixel.rgb,1.0) * covers.x;
-let otherPart:vec4f = vec4f(other.rgb,1.0) * covers.y;
-sum += part + otherPart;
-let before:vec2f = clamp(s - 0.5 - CoC,none,whole);
-front += part * before.x + otherPart * before.y;
-}
-corner += alongEdge;
-direction = BokehRotated(direction,turn);
-}
-inner = outer;
 }
 var near:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
@@ -3378,14 +3453,15 @@ let halves:BokehGrid = BokehReducedGrid(layers,2.0);
 near = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
 far = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
 }
-sum += far * (farWeight * (1.0 - max(farShare,nearShare)) / max(far.a,0.001));
+let sum:vec4f = gather.sum + far * (gather.farWeight * (1.0 - max(farShare,nearShare)) /
+max(far.a,0.001));
 let plain:vec4f = sum + far * farShare;
 if (plain.a >= 0.001)
 {
-let rest:f32 = plain.a - front.a;
-let open:f32 = max(1.0 - front.a,0.0) / max(rest,0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-0.001);
+let rest:f32 = plain.a - gather.front.a;
+let open:f32 = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
++ rest * open,0.001);
 }
 if (nearShare > 0.0)
 {

@@ -37,6 +37,9 @@ GLSL = r"""
 #ifndef BOKEH_VIEWPORT
 #define BOKEH_VIEWPORT 0
 #endif
+#ifndef BOKEH_SIDES
+#define BOKEH_SIDES 0
+#endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
@@ -1510,6 +1513,76 @@ float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 float even = spacing * (float(ring) + 0.5);
 return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
 }
+struct BokehGather
+{
+vec4 sum;
+vec4 front;
+float farWeight;
+float s;
+float inverse;
+float nearShare;
+vec2 slopes;
+float snapping;
+vec2 bounds;
+float inner;
+};
+BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
+float outer, BokehPolygon polygon, BokehLayers layers)
+{
+BokehGather gather = before;
+BokehGrid full = BokehFullGrid(layers);
+vec2 none = vec2(0.0, 0.0);
+vec2 whole = vec2(1.0, 1.0);
+float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+float current = gather.inner + (outer - gather.inner) * outwards;
+float innerSquare = gather.inner * gather.inner;
+float area = outer * outer - innerSquare;
+float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+if (ring == 1)
+{
+phase += 0.5;
+}
+vec2 right = vec2(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
+vec2 upwards = vec2(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
+vec2 corner = polygon.corner * 2.0;
+vec2 turn = BokehTurn(1.0, polygon);
+vec2 direction = vec2(-turn.y, turn.x) * 2.0;
+for (int edge = 1; edge <= polygon.sides / 2; edge++)
+{
+vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
+vec2 along = alongEdge / float(onEdge);
+float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+for (int i = 0; i < onEdge; i++)
+{
+vec2 upright = corner + along * (float(i) + phase);
+vec2 place = right * upright.x + upwards * upright.y;
+vec2 texel = floor(place);
+vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+gather.snapping, none, whole);
+vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
+vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
+vec2 CoC = vec2(pixel.a, other.a) * full.size.y;
+vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
+gather.nearShare);
+vec2 inverse = BokehSpreadInverse(CoC);
+inverse += (gather.inverse - inverse) * isBehind;
+inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
+vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
+vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
+gather.farWeight += inFar.x + inFar.y;
+vec4 part = vec4(pixel.rgb, 1.0) * covers.x;
+vec4 otherPart = vec4(other.rgb, 1.0) * covers.y;
+gather.sum += part + otherPart;
+vec2 isFront = clamp(gather.s - 0.5 - CoC, none, whole);
+gather.front += part * isFront.x + otherPart * isFront.y;
+}
+corner += alongEdge;
+direction = BokehRotated(direction, turn);
+}
+gather.inner = outer;
+return gather;
+}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
 BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
 BokehLayers layers)
@@ -1521,96 +1594,61 @@ vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0
 vec3 result = centerPixel.rgb;
 if (max(tile.r, tile.g) > 1.0)
 {
-float height = full.size.y;
-float s = centerPixel.a * height;
-float nearSlope = BokehNearSlope(tile.r);
-float farSlope = BokehFarSlope(tile.g);
-float nearShare = BokehLayerShare(-s, nearSlope);
-float farShare = BokehLayerShare(s, farSlope);
-float ownInverse = BokehSpreadInverse(vec2(s, s)).x;
+BokehGather gather;
+float s = centerPixel.a * full.size.y;
+gather.s = s;
+gather.slopes = vec2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
+float nearShare = BokehLayerShare(-s, gather.slopes.x);
+float farShare = BokehLayerShare(s, gather.slopes.y);
+gather.nearShare = nearShare;
+gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
 float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
-sqrt(ownInverse);
+sqrt(gather.inverse);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
 float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 float rings = float(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
 float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-float inner = BokehRingBorder(0, radius, spacing, narrowing);
+gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
 if (radius < 0.5)
 {
-inner = radius;
+gather.inner = radius;
 }
-float most = 1.0 / (inner * inner);
-float least = 1.0 / (radius * radius);
-float weight = (1.0 - nearShare) * min(ownInverse / most, 1.0);
-float farWeight = weight * farShare;
-vec4 sum = vec4(centerPixel.rgb, 1.0) * (weight - farWeight);
-vec4 front = vec4(0.0, 0.0, 0.0, 0.0);
+gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
+float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
+gather.farWeight = weight * farShare;
+gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+gather.front = vec4(0.0, 0.0, 0.0, 0.0);
 float edges = max(tile.r, tile.g - 16.0);
-float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-16.0, 0.0, 1.0);
-vec2 none = vec2(0.0, 0.0);
-vec2 whole = vec2(1.0, 1.0);
-vec2 stretch = vec2(polygon.squeeze, 1.0);
-vec2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-vec2 direction = BokehEdgeDirection(1, polygon) * 2.0;
-vec2 turn = BokehTurn(1.0, polygon);
-for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+0.0, 1.0);
+int first = 1;
+if (BOKEH_SIDES > 0)
 {
-if (inner >= radius)
+if (gather.inner < radius)
+{
+float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
+gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+polygon, layers);
+}
+first = 2;
+}
+for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= radius)
 {
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
-float current = inner + (outer - inner) * outwards;
-float innerSquare = inner * inner;
-float area = outer * outer - innerSquare;
-int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
-float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
-float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-if (ring == 1)
+int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+if (first < BOKEH_LAYER_RINGS)
 {
-phase += 0.5;
+onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 }
-vec2 scale = stretch * current;
-for (int edge = 1; 2 * edge <= polygon.sides; edge++)
-{
-vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
-float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-vec2 along = alongEdge * scale / float(onEdge);
-vec2 first = corner * scale + along * phase;
-for (int i = 0; i < onEdge; i++)
-{
-vec2 place = first + along * float(i);
-vec2 texel = floor(place);
-vec2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness, none, whole);
-vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
-vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
-vec2 CoC = vec2(pixel.a, other.a) * height;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 - nearShare);
-vec2 inverse = BokehSpreadInverse(CoC);
-inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse, vec2(least, least), vec2(most, most));
-vec2 covers = edgeCell * max(min(1.0 - innerSquare * inverse, area * inverse),
-none);
-vec2 inFar = covers * clamp(CoC * farSlope - 2.0, none, whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
-farWeight += inFar.x + inFar.y;
-vec4 part = vec4(pixel.rgb, 1.0) * covers.x;
-vec4 otherPart = vec4(other.rgb, 1.0) * covers.y;
-sum += part + otherPart;
-vec2 before = clamp(s - 0.5 - CoC, none, whole);
-front += part * before.x + otherPart * before.y;
-}
-corner += alongEdge;
-direction = BokehRotated(direction, turn);
-}
-inner = outer;
+gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers);
 }
 vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
@@ -1620,14 +1658,15 @@ BokehGrid halves = BokehReducedGrid(layers, 2.0);
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
-sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+vec4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
+max(far.a, 0.001));
 vec4 plain = sum + far * farShare;
 if (plain.a >= 0.001)
 {
-float rest = plain.a - front.a;
-float open = max(1.0 - front.a, 0.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-0.001);
+float rest = plain.a - gather.front.a;
+float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
++ rest * open, 0.001);
 }
 if (nearShare > 0.0)
 {
@@ -2017,6 +2056,10 @@ return polygon;
 BokehPolygon BokehAnyAperture(vec2 uv)
 {
 int sides = int(BokehSides + 0.5);
+if (BOKEH_SIDES > 0)
+{
+sides = BOKEH_SIDES;
+}
 if (sides == 0)
 {
 sides = 6;

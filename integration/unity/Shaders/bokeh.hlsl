@@ -80,6 +80,8 @@
 //   BOKEH_NUM_SAMPLES        9         2 ..    samples on a line, at most; the preset sets it
 //   BOKEH_SPACING            1.5       >= 0    pixels between; the preset sets it; 0.0: all, always
 //   BOKEH_VIEWPORT           0         0, 1    1: the image is a part of its textures
+//   BOKEH_SIDES              0         0, 4 .. sides of the polygon in place of BokehSides: layered
+//                                              is faster where compilers know them; 0: any
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled, its first sample is read
 //   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float
 //                                              holds; lower, it is the clamp against fireflies
@@ -132,6 +134,9 @@
 #ifndef BOKEH_VIEWPORT
 #define BOKEH_VIEWPORT 0
 #endif
+#ifndef BOKEH_SIDES
+#define BOKEH_SIDES 0
+#endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
@@ -160,6 +165,12 @@
 #endif
 #if BOKEH_HLSL_SM < 3 || BOKEH_HLSL_SM > 6
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
+#endif
+
+// Shader model 3 has no room for loops that are written out: it reads BokehSides in any case
+#if BOKEH_HLSL_SM == 3
+#undef BOKEH_SIDES
+#define BOKEH_SIDES 0
 #endif
 
 // BOKEH_LOOP: before a loop whose count is known at run time only, or large: fxc would write it out

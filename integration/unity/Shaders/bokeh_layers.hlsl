@@ -38,8 +38,8 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; with CUBIC 1
-//                                              one more where no layer is
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
+//                                              where no layer is, or with CUBIC 0 small ones
 //   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -1016,6 +1016,99 @@ float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
     return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
 }
 
+// Layers: the gather around a pixel, as far as it has come
+//   sum, front    colour and weight of all that it found, and of what is in front of this pixel
+//   farWeight     of what it found in the far layer
+//   s, inverse, nearShare  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
+//   slopes        of the near and the far layer; snapping: 0 = linear filter, 100 = nearest texel
+//   bounds        of a sample's 1 / radius^2: what spreads over the radius, over the middle
+//   inner         where the next ring begins, pixels
+struct BokehGather
+{
+    float4 sum;
+    float4 front;
+    float farWeight;
+    float s;
+    float inverse;
+    float nearShare;
+    float2 slopes;
+    float snapping;
+    float2 bounds;
+    float inner;
+};
+
+// Layers: one more ring of the gather
+//   onEdge        samples on an edge; where they and the polygon's sides are literals, compilers
+//                 write both loops out
+//   outer         where it ends, pixels
+BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
+    float outer, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+{
+    //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
+    //  middle   1     2         covers, over that disc
+    BokehGather gather = before;
+    BokehGrid full = BokehFullGrid(layers);
+    float2 none = float2(0.0, 0.0);
+    float2 whole = float2(1.0, 1.0);
+    // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
+    // with 0.5: street_11 .0420 for .0416)
+    float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+    float current = gather.inner + (outer - gather.inner) * outwards;
+    float innerSquare = gather.inner * gather.inner;
+    float area = outer * outer - innerSquare;
+    float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
+    if (ring == 1)
+    {
+        // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+        phase += 0.5;
+    }
+    // the upright polygon's x and y, in pixels: what is done with those is known to compilers
+    float2 right = float2(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
+    float2 upwards = float2(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
+    float2 corner = polygon.corner * 2.0;
+    float2 turn = BokehTurn(1.0, polygon);
+    float2 direction = float2(-turn.y, turn.x) * 2.0;
+    // half of the edges: the others are opposite to them, sample by sample
+    BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
+    {
+        float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
+        float2 along = alongEdge / float(onEdge);
+        // of its edges each gets what lies in the triangle from the middle to it
+        float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+        BOKEH_LOOP for (int i = 0; i < onEdge; i++)
+        {
+            float2 upright = corner + along * (float(i) + phase);
+            float2 place = right * upright.x + upwards * upright.y;
+            float2 texel = floor(place);
+            // steeper between two texels than the linear filter is
+            float2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+                gather.snapping, none, whole);
+            // both at once: this one and the one opposite to it
+            float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
+            float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
+            float2 CoC = float2(pixel.a, other.a) * full.size.y;
+            float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
+                gather.nearShare);
+            float2 inverse = BokehSpreadInverse(CoC);
+            inverse += (gather.inverse - inverse) * isBehind;
+            inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
+            float2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
+            float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
+            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
+            gather.farWeight += inFar.x + inFar.y;
+            float4 part = float4(pixel.rgb, 1.0) * covers.x;
+            float4 otherPart = float4(other.rgb, 1.0) * covers.y;
+            gather.sum += part + otherPart;
+            float2 isFront = clamp(gather.s - 0.5 - CoC, none, whole);
+            gather.front += part * isFront.x + otherPart * isFront.y;
+        }
+        corner += alongEdge;
+        direction = BokehRotated(direction, turn);
+    }
+    gather.inner = outer;
+    return gather;
+}
+
 // Layers: the last pass: a gather over what is in no layer, and all of it together
 //   Each sample counts by its own CoC, spread over the area that it covers; from behind this
 //   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
@@ -1034,114 +1127,73 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
     // up to a CoC of one pixel nothing spreads
     if (max(tile.r, tile.g) > 1.0)
     {
-        float height = full.size.y;
-        float s = centerPixel.a * height;
-        float nearSlope = BokehNearSlope(tile.r);
-        float farSlope = BokehFarSlope(tile.g);
-        float nearShare = BokehLayerShare(-s, nearSlope);
-        float farShare = BokehLayerShare(s, farSlope);
+        BokehGather gather;
+        float s = centerPixel.a * full.size.y;
+        gather.s = s;
+        gather.slopes = float2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
+        float nearShare = BokehLayerShare(-s, gather.slopes.x);
+        float farShare = BokehLayerShare(s, gather.slopes.y);
+        gather.nearShare = nearShare;
+        gather.inverse = BokehSpreadInverse(float2(s, s)).x;
         // the gather reaches as far as what is in no layer
-        float ownInverse = BokehSpreadInverse(float2(s, s)).x;
         float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
-            sqrt(ownInverse);
+            sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114)
+        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
+        // without CUBIC also where layers are small (LOW, canopy_12: .150 for .156)
         float rings = float(BOKEH_LAYER_RINGS);
-        if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+        if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
             rings += 1.0;
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-        float inner = BokehRingBorder(0, radius, spacing, narrowing);
+        gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
         // Samples within half a pixel are this pixel again: no ring.
         if (radius < 0.5)
         {
-            inner = radius;
+            gather.inner = radius;
         }
         // what spreads less than the inner radius of the first ring reaches no other pixel
-        float most = 1.0 / (inner * inner);
-        float least = 1.0 / (radius * radius);
-        float weight = (1.0 - nearShare) * min(ownInverse / most, 1.0);
+        gather.bounds = 1.0 / float2(radius * radius, gather.inner * gather.inner);
+        float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
         // of what is in the far layer, that layer takes the place: one of its pixels alone would
         // shine
-        float farWeight = weight * farShare;
-        float4 sum = float4(centerPixel.rgb, 1.0) * (weight - farWeight);
-        float4 front = float4(0.0, 0.0, 0.0, 0.0);
+        gather.farWeight = weight * farShare;
+        gather.sum = float4(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+        gather.front = float4(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
         float edges = max(tile.r, tile.g - 16.0);
-        float steepness = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-            16.0, 0.0, 1.0);
-        float2 none = float2(0.0, 0.0);
-        float2 whole = float2(1.0, 1.0);
-        float2 stretch = float2(polygon.squeeze, 1.0);
-        float2 corner = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-        float2 direction = BokehEdgeDirection(1, polygon) * 2.0;
-        float2 turn = BokehTurn(1.0, polygon);
-        BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+            0.0, 1.0);
+        int first = 1;
+        if (BOKEH_SIDES > 0)
         {
-            //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
-            //  middle   1     2         covers, over that disc
-            if (inner >= radius)
+            // by itself, since the others have more samples: so their number is a literal
+            if (gather.inner < radius)
+            {
+                float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
+                gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+                    polygon, layers BOKEH_LINEAR);
+            }
+            first = 2;
+        }
+        BOKEH_LOOP for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        {
+            if (gather.inner >= radius)
             {
                 break;
             }
             float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            // in the middle with two rings; with more the first, which is turned, counts for less
-            // (HIGH with 0.5: street_11 .0420 for .0416)
-            float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
-            float current = inner + (outer - inner) * outwards;
-            float innerSquare = inner * inner;
-            float area = outer * outer - innerSquare;
-            int onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
-            // of its edges each gets what lies in the triangle from the middle to it
-            float cell = 1.0 / (8.0 * polygon.area * float(onEdge));
-            float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-            if (ring == 1)
+            int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+            if (first < BOKEH_LAYER_RINGS)
             {
-                // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
-                phase += 0.5;
+                onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
-            float2 scale = stretch * current;
-            // half of the edges: the others are opposite to them, sample by sample
-            BOKEH_LOOP for (int edge = 1; 2 * edge <= polygon.sides; edge++)
-            {
-                float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
-                float edgeCell = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-                float2 along = alongEdge * scale / float(onEdge);
-                float2 first = corner * scale + along * phase;
-                BOKEH_LOOP for (int i = 0; i < onEdge; i++)
-                {
-                    float2 place = first + along * float(i);
-                    float2 texel = floor(place);
-                    // steeper between two texels than the linear filter is
-                    float2 offset = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-                        steepness, none, whole);
-                    // both at once: this one and the one opposite to it
-                    float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
-                    float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
-                    float2 CoC = float2(pixel.a, other.a) * height;
-                    float2 isBehind = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 - nearShare);
-                    float2 inverse = BokehSpreadInverse(CoC);
-                    inverse += (ownInverse - inverse) * isBehind;
-                    inverse = clamp(inverse, float2(least, least), float2(most, most));
-                    float2 covers = edgeCell * max(min(1.0 - innerSquare * inverse, area * inverse),
-                        none);
-                    float2 inFar = covers * clamp(CoC * farSlope - 2.0, none, whole);
-                    covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
-                    farWeight += inFar.x + inFar.y;
-                    float4 part = float4(pixel.rgb, 1.0) * covers.x;
-                    float4 otherPart = float4(other.rgb, 1.0) * covers.y;
-                    sum += part + otherPart;
-                    float2 before = clamp(s - 0.5 - CoC, none, whole);
-                    front += part * before.x + otherPart * before.y;
-                }
-                corner += alongEdge;
-                direction = BokehRotated(direction, turn);
-            }
-            inner = outer;
+            gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon,
+                layers BOKEH_LINEAR);
         }
 
         float4 near = float4(0.0, 0.0, 0.0, 0.0);
@@ -1153,15 +1205,16 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             far = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at a pixel of a layer, that layer itself is added below
-        sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+        float4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
+            max(far.a, 0.001));
         float4 plain = sum + far * farShare;
         if (plain.a >= 0.001)
         {
             // what is in front covers the rest by as much as it has weight
-            float rest = plain.a - front.a;
-            float open = max(1.0 - front.a, 0.0) / max(rest, 0.1);
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-                0.001);
+            float rest = plain.a - gather.front.a;
+            float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
+                + rest * open, 0.001);
         }
         if (nearShare > 0.0)
         {
@@ -1176,8 +1229,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             float missing = max(1.0 - 2.0 * far.a, 0.0);
             float3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
                 missing;
-            float3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
-                max(sum.a + empty, 0.000001);
+            float3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) / max(sum.a
+                + empty, 0.000001);
             result += (stack - result) * nearShare;
         }
         // half floats leave a covered pixel at .999: without 1.002 a light behind would shine

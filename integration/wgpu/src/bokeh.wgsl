@@ -3,6 +3,7 @@
 override BOKEH_NUM_SAMPLES: i32 = 9;
 override BOKEH_SPACING: f32 = 1.5;
 override BOKEH_VIEWPORT: i32 = 0;
+override BOKEH_SIDES: i32 = 0;
 const BOKEH_MAX_COLOR: f32 = 65504.0;
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
@@ -1466,6 +1467,78 @@ fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
 let even: f32 = spacing * (f32(ring) + 0.5);
 return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
 }
+struct BokehGather
+{
+sum: vec4f,
+front: vec4f,
+farWeight: f32,
+s: f32,
+inverse: f32,
+nearShare: f32,
+slopes: vec2f,
+snapping: f32,
+bounds: vec2f,
+inner: f32,
+}
+fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
+outer: f32, polygon: BokehPolygon, layers: BokehLayers,
+BokehLinearClamp: sampler) -> BokehGather
+{
+var gather: BokehGather = before;
+let full: BokehGrid = BokehFullGrid(layers);
+let none: vec2f = vec2f(0.0, 0.0);
+let whole: vec2f = vec2f(1.0, 1.0);
+let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+let current: f32 = gather.inner + (outer - gather.inner) * outwards;
+let innerSquare: f32 = gather.inner * gather.inner;
+let area: f32 = outer * outer - innerSquare;
+var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
+if (ring == 1)
+{
+phase += 0.5;
+}
+let right: vec2f = vec2f(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
+let upwards: vec2f = vec2f(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
+var corner: vec2f = polygon.corner * 2.0;
+let turn: vec2f = BokehTurn(1.0, polygon);
+var direction: vec2f = vec2f(-turn.y, turn.x) * 2.0;
+for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
+{
+let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
+let along: vec2f = alongEdge / f32(onEdge);
+let cell: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+for (var i: i32 = 0; i < onEdge; i++)
+{
+let upright: vec2f = corner + along * (f32(i) + phase);
+let place: vec2f = right * upright.x + upwards * upright.y;
+let texel: vec2f = floor(place);
+let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+gather.snapping, none, whole);
+let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full, BokehLinearClamp);
+let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+BokehLinearClamp);
+let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
+let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
+gather.nearShare);
+var inverse: vec2f = BokehSpreadInverse(CoC);
+inverse += (gather.inverse - inverse) * isBehind;
+inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
+var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
+let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
+gather.farWeight += inFar.x + inFar.y;
+let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
+let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
+gather.sum += part + otherPart;
+let isFront: vec2f = clamp(gather.s - 0.5 - CoC, none, whole);
+gather.front += part * isFront.x + otherPart * isFront.y;
+}
+corner += alongEdge;
+direction = BokehRotated(direction, turn);
+}
+gather.inner = outer;
+return gather;
+}
 fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
 FarSamp: texture_2d<f32>, MiddleSamp: texture_2d<f32>, BackSamp: texture_2d<f32>,
 polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
@@ -1478,99 +1551,62 @@ BokehLinearClamp);
 var result: vec3f = centerPixel.rgb;
 if (max(tile.r, tile.g) > 1.0)
 {
-let height: f32 = full.size.y;
-let s: f32 = centerPixel.a * height;
-let nearSlope: f32 = BokehNearSlope(tile.r);
-let farSlope: f32 = BokehFarSlope(tile.g);
-let nearShare: f32 = BokehLayerShare(-s, nearSlope);
-let farShare: f32 = BokehLayerShare(s, farSlope);
-let ownInverse: f32 = BokehSpreadInverse(vec2f(s, s)).x;
+var gather: BokehGather;
+let s: f32 = centerPixel.a * full.size.y;
+gather.s = s;
+gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
+let nearShare: f32 = BokehLayerShare(-s, gather.slopes.x);
+let farShare: f32 = BokehLayerShare(s, gather.slopes.y);
+gather.nearShare = nearShare;
+gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
 let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
-sqrt(ownInverse);
+sqrt(gather.inverse);
 let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
 let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 var rings: f32 = f32(BOKEH_LAYER_RINGS);
-if (BOKEH_LAYER_CUBIC > 0 && max(tile.g, tile.r + 4.0) <= 10.0)
+if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
 let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-var inner: f32 = BokehRingBorder(0, radius, spacing, narrowing);
+gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
 if (radius < 0.5)
 {
-inner = radius;
+gather.inner = radius;
 }
-let most: f32 = 1.0 / (inner * inner);
-let least: f32 = 1.0 / (radius * radius);
-let weight: f32 = (1.0 - nearShare) * min(ownInverse / most, 1.0);
-var farWeight: f32 = weight * farShare;
-var sum: vec4f = vec4f(centerPixel.rgb, 1.0) * (weight - farWeight);
-var front: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
+let weight: f32 = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
+gather.farWeight = weight * farShare;
+gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
 let edges: f32 = max(tile.r, tile.g - 16.0);
-let steepness: f32 = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) /
-16.0, 0.0, 1.0);
-let none: vec2f = vec2f(0.0, 0.0);
-let whole: vec2f = vec2f(1.0, 1.0);
-let stretch: vec2f = vec2f(polygon.squeeze, 1.0);
-var corner: vec2f = BokehRotated(polygon.corner, polygon.axis) * 2.0;
-var direction: vec2f = BokehEdgeDirection(1, polygon) * 2.0;
-let turn: vec2f = BokehTurn(1.0, polygon);
-for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+0.0, 1.0);
+var first: i32 = 1;
+if (BOKEH_SIDES > 0)
 {
-if (inner >= radius)
+if (gather.inner < radius)
+{
+let outer: f32 = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
+gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+polygon, layers, BokehLinearClamp);
+}
+first = 2;
+}
+for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= radius)
 {
 break;
 }
 let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
-let current: f32 = inner + (outer - inner) * outwards;
-let innerSquare: f32 = inner * inner;
-let area: f32 = outer * outer - innerSquare;
-let onEdge: i32 = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
-let cell: f32 = 1.0 / (8.0 * polygon.area * f32(onEdge));
-var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-if (ring == 1)
+var onEdge: i32 = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+if (first < BOKEH_LAYER_RINGS)
 {
-phase += 0.5;
+onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 }
-let scale: vec2f = stretch * current;
-for (var edge: i32 = 1; 2 * edge <= polygon.sides; edge++)
-{
-let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
-let edgeCell: f32 = cell * (corner.x * alongEdge.y - corner.y * alongEdge.x);
-let along: vec2f = alongEdge * scale / f32(onEdge);
-let first: vec2f = corner * scale + along * phase;
-for (var i: i32 = 0; i < onEdge; i++)
-{
-let place: vec2f = first + along * f32(i);
-let texel: vec2f = floor(place);
-let offset: vec2f = texel + clamp((place - texel) * (steepness + 1.0) - 0.5 *
-steepness, none, whole);
-let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full,
+gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers,
 BokehLinearClamp);
-let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
-BokehLinearClamp);
-let CoC: vec2f = vec2f(pixel.a, other.a) * height;
-let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * s, none, whole) * (1.0 -
-nearShare);
-var inverse: vec2f = BokehSpreadInverse(CoC);
-inverse += (ownInverse - inverse) * isBehind;
-inverse = clamp(inverse, vec2f(least, least), vec2f(most, most));
-var covers: vec2f = edgeCell * max(min(1.0 - innerSquare * inverse, area *
-inverse), none);
-let inFar: vec2f = covers * clamp(CoC * farSlope - 2.0, none, whole);
-covers = covers * (1.0 - clamp(CoC * -nearSlope - 2.0, none, whole)) - inFar;
-farWeight += inFar.x + inFar.y;
-let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
-let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
-sum += part + otherPart;
-let before: vec2f = clamp(s - 0.5 - CoC, none, whole);
-front += part * before.x + otherPart * before.y;
-}
-corner += alongEdge;
-direction = BokehRotated(direction, turn);
-}
-inner = outer;
 }
 var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1580,14 +1616,15 @@ let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
 near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
 far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
 }
-sum += far * (farWeight * (1.0 - max(farShare, nearShare)) / max(far.a, 0.001));
+let sum: vec4f = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
+max(far.a, 0.001));
 let plain: vec4f = sum + far * farShare;
 if (plain.a >= 0.001)
 {
-let rest: f32 = plain.a - front.a;
-let open: f32 = max(1.0 - front.a, 0.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / max(front.a + rest * open,
-0.001);
+let rest: f32 = plain.a - gather.front.a;
+let open: f32 = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
++ rest * open, 0.001);
 }
 if (nearShare > 0.0)
 {
@@ -1883,6 +1920,10 @@ return polygon;
 fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
 {
 var sides: i32 = i32(bokehParameters.BokehSides + 0.5);
+if (BOKEH_SIDES > 0)
+{
+sides = BOKEH_SIDES;
+}
 if (sides == 0)
 {
 sides = 6;

@@ -242,18 +242,22 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
         "BokehAngle": radians(settings.rotation),
         "BokehSides": float(sides),
     }
+    # where the polygon is the same at every pixel, the passes that sample rings of it have their loops written out
+    is_regular = settings.cats_eye == 0.0 and settings.roundness == 1.0
+    known = {"BOKEH_SIDES": sides} if is_regular else {}
     passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
 
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
         values = {**common, **changed}
+        constants = defines | (known if entry in ("BokehHoleFill", "BokehComposite") else {})
         read = dict(zip(COLORS, inputs, strict=False))
         if settings.targets or (len(outputs) == 1 and entry != stem + "First"):
-            passes.append(Pass(entry, read, outputs, values, settings.count, defines, scale=scale))
+            passes.append(Pass(entry, read, outputs, values, settings.count, constants, scale=scale))
             return
         one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
         for number, name in enumerate(outputs):
             index = {"BOKEH_TARGET_INDEX": number}
-            passes.append(Pass(one, read, name, values, settings.count, defines | index, scale=scale))
+            passes.append(Pass(one, read, name, values, settings.count, constants | index, scale=scale))
 
     add(8, "BokehTileMax", ("coc",), ("tiles",))
     add(8, "BokehTileDilate", ("tiles",), ("reach along rows",))

@@ -23,15 +23,19 @@ SAMPLES: dict[str, tuple[int, ...]] = {
     entries.GRID: (2, PAPER_SAMPLES, 24),
 }
 
-# Switches: images that are a part of their textures; a cat's eye and curved blades; what the CoC map can do
+# Switches: images that are a part of their textures; a cat's eye and curved blades; what the CoC map can do; noise;
+# polygons of as many sides as there are
 SWITCHES = {
     "viewport": {"BOKEH_VIEWPORT": 1},
     "lens": {"BOKEH_LENS_SHAPE": 1},
     "focus": {"BOKEH_FOCUS_CONTROLS": 1},
     "jitter": {"BOKEH_JITTER": 1},
+    "sides": {"BOKEH_SIDES": 10},
 }
 # A switch that matters for the room of a program alone -> where room is short
 ONLY_IN = {"jitter": "sm3"}
+# A switch that few programs notice -> what is in their names
+NOTICED_BY = {"sides": ("HoleFill", "Composite")}
 # The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
@@ -135,7 +139,8 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
                 continue
             no_room = NO_ROOM.get(switch, ()) if profile == "sm3" else ()
             for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
-                if not any(part in entry.name for part in no_room):
+                noticed = any(part in entry.name for part in NOTICED_BY.get(switch, ("",)))
+                if noticed and not any(part in entry.name for part in no_room):
                     count, named = None if entry.layers else 7, f"{variant}-{switch}"
                     programs.append(Program(named, language, profile, entry.name, count, compilers, values))
     return programs

@@ -21,6 +21,7 @@ def test_defaults():
         "BOKEH_NUM_SAMPLES": samples,
         "BOKEH_SPACING": spacing,
         "BOKEH_VIEWPORT": 0,
+        "BOKEH_SIDES": 0,
         "BOKEH_DEPTH_MULTISAMPLED": 0,
         "BOKEH_MAX_COLOR": listings.MAX_COLOR,
         "BOKEH_MIN_DEPTH": listings.MIN_DEPTH,

@@ -45,6 +45,7 @@ const DEPTH_RANGE := 60000.0
 const PASS := """shader_type canvas_item;
 render_mode unshaded, blend_disabled;
 #define BOKEH_PRESET_%s
+#define BOKEH_SIDES %d
 #include "%s/bokeh.gdshaderinc"
 #include "%s/bokeh_paper.gdshaderinc"
 #include "%s/bokeh_layers.gdshaderinc"
@@ -154,7 +155,7 @@ func _make(host: Viewport, size: Vector2i) -> void:
 				reads += "uniform sampler2D from_%s : filter_linear, repeat_disable;\n" % key
 		if "Scene" in call:
 			reads += "#include \"%s/scene.gdshaderinc\"\n" % folder
-		shader.code = PASS % [preset, folder, folder, folder, reads, sides, call]
+		shader.code = PASS % [preset, sides, folder, folder, folder, reads, sides, call]
 		_add(row[0], Vector2i((Vector2(size) / row[1]).ceil()), shader)
 	var again := Shader.new()
 	again.code = "shader_type canvas_item; render_mode unshaded, blend_disabled; uniform sampler2D "\
