@@ -109,6 +109,8 @@ def test_picture(technique, cursor, tmp_path):
     text = (
         EFFECT.read_text(encoding="ascii").replace("ui_max = 2000.0;", "").replace("> = 1000.0;", f"> = {FAR_PLANE};")
     )
+    # f/1.4, as in the guide's picture
+    text = re.sub(r"(uniform float BokehScale <.*?> = )10\.0;", r"\g<1>2.0;", text, flags=re.DOTALL)
     if cursor:
         text = re.sub(r"(uniform int FocusMode <.*?> = )1;", r"\g<1>2;", text, flags=re.DOTALL)
     # vkBasalt runs every technique
