@@ -62,13 +62,15 @@ def test_rounded_outline(roundness):
 )
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
 def test_made_for_a_cut(sides, uncut):
-    """BokehMakePolygon alone, and with a lens that cuts nothing: the lines of the plain polygon, and its area.
+    """BokehMakePolygon alone, and with a lens that cuts nothing: the lines of the plain polygon, a hexagon's rays, and its
+    area.
 
     2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
     """
     made = f"vec2 uv = vec2(0.25, 1.0); BokehPolygon p = {uncut.format(f'BokehMakePolygon({sides}, 0.5, 0.75)')};"
     wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
-    found = evaluated(f"{made} BokehResult = BokehEdgeLine(2, p, true);")
+    line = "BokehRay" if sides == 6 else "BokehEdgeLine"
+    found = evaluated(f"{made} BokehResult = {line}(2, p, true);")
     np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
     area = evaluated(f"{made} BokehResult = vec4(p.area, 0.0, 0.0, 0.0);")[0]
     assert area == pytest.approx(abs(geometry.signed_area(aperture_shapes.even_polygon(sides))), abs=2.0**-12)
