@@ -41,11 +41,11 @@ uniform vec2 bokeh_imageSize;
 varying vec2 bokehUv;
 `,
   uniform: own,
-  main: (row, place, options, renamed, sampled, opaque) => `
+  main: (declarations, renamed, sampled, opaque) => `
 void main()
 {
     vec2 uv = bokehUv;
-    ${declared(row, options, place)}
+    ${declarations}
     ${stored(renamed, (i) => `pcFragColor${i}`)}
     ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
 }`,
@@ -76,12 +76,12 @@ uniform bokeh_imageSize: vec2f;
 varying bokehUv: vec2f;
 `,
   uniform: (name) => `uniform.${own(name)}`,
-  main: (row, place, options, renamed, sampled, opaque) => `
+  main: (declarations, renamed, sampled, opaque) => `
 @fragment fn fragmentMain(input: FragmentInput) -> FragmentOutput
 {
     var output: FragmentOutput;
     let uv = input.bokehUv;
-    ${declared(row, options, place, true)}
+    ${declarations}
     ${stored(renamed, (i) => `output.color${i || ''}`, `${own(sampled)}Sampler`)}
     ${opaque ? 'output.color.a = 1.0;' : ''}
     return output;
@@ -98,7 +98,8 @@ function fragment(language, reads, row, place, options, opaque) {
   const sampled = reads.find((name) => !FLOAT.includes(name));
   const [writes, scale, call, ...returned] = row;
   const renamed = [writes, scale, replaced(call, reads, own), ...returned];
-  const main = language.main(row, place, options, renamed, sampled, opaque);
+  const declarations = replaced(declared(row, options, place, language === IN_WGSL), reads, own);
+  const main = language.main(declarations, renamed, sampled, opaque);
   return language.declarations(reads, uniforms) + replaced(main, [...uniforms, 'imageSize'], language.uniform);
 }
 
