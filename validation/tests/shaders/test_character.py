@@ -62,8 +62,7 @@ def test_rounded_outline(roundness):
 )
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
 def test_made_for_a_cut(sides, uncut):
-    """BokehMakePolygon alone, and with a lens that cuts nothing: the lines of the plain polygon, a hexagon's rays, and its
-    area.
+    """BokehMakePolygon alone, and with a lens that cuts nothing: the plain polygon's lines (a hexagon's rays) and area.
 
     2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
     """
