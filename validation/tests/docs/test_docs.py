@@ -84,7 +84,10 @@ def test_results_of_the_readme():
         return {label: others for label, *others in cells}
 
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    readme, page = rows(text, "## Beside others"), (paths.ROOT / "docs/results.md").read_text(encoding="utf-8")
+    readme, page = (
+        rows(text, "## Compared with other effects"),
+        (paths.ROOT / "docs/results.md").read_text(encoding="utf-8"),
+    )
     results, columns = rows(page, "## Ray-traced scenes"), re.search(r"^\| \| (market_7 .*) \|$", page, re.MULTILINE)[1]
     shown = re.search(r"^\| \| fetches per pixel \| FLIP: (.*) \| light kept, (\w+) \|$", text, re.MULTILINE)
     assert len(readme) == 8 and rows(text, "## Presets")["`BOKEH_PRESET_MEDIUM`"][1] == readme["layered medium"][0]
