@@ -114,6 +114,8 @@ def run(
     options = ["-c", str(paths.VALIDATION / "pytest.ini"), "--rootdir", str(paths.VALIDATION)]
     options += ["-o", f"cache_dir={paths.cache_folder() / 'pytest'}", "--report", depth, "-n", str(PROCESSES)]
     options += ["--adapter", adapter] if adapter else []
+    # a worker that is stopped inside of Mesa may crash on its way out, which nobody wants to read
+    options += ["-p", "no:faulthandler"]
     with redirect_stdout(said):
         code = pytest.main([*options, *(str(paths.VALIDATION / test) for test in tests)], plugins=[collector])
     if code == pytest.ExitCode.INTERRUPTED:
