@@ -178,6 +178,7 @@ DECLARED = (
     "BokehPolygon polygon = BokehMakePolygon(8, 0.5, 0.75);"
     "BokehLayers layers = BokehMakeLayers(vec2(0.25, 0.75), vec2(64.0, 48.0), 0.25);"
     "BokehLens lens = BokehMakeLens(0.03, 0.05, 2.0);"
+    "BokehLens open = BokehMakeLens(0.2, 0.05, 2.0); open.maxCoC = 1.0;"
     "BokehSetViewport(vec4(0.0, 0.0, 1.0, 8.0), vec2(16.0, 16.0));"
     "BokehPolygon square = BokehWithRoundness(polygon, 0.0); BokehPolygon curved = BokehWithRoundness(polygon, 0.5);"
     "BokehPolygon uncut = BokehWithCatsEye(BokehWithRoundness(polygon, 0.004), end, vec2(64.0, 32.0), 0.0);"
@@ -185,7 +186,16 @@ DECLARED = (
     "vec3 wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
 )
 CELLS = methods.PRESETS[LAYERED.preset][1]
+# The CoC of `open` at the planes of the calls below. Row 1 is a light beside row 0, which is black. Reversed, it lies at
+# the near plane, so row 0, at the far plane, takes its CoC. Else it lies farther away, and row 0 keeps its own.
+LIGHT_COC, OWN_COC = (
+    float(np.sign(depth - 2.0) * listings.circle_of_confusion(depth, 0.2, 0.05, 2.0, 0.024, 1.0))
+    for depth in (0.5, 8.0)
+)
+MAP = "BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, {0}, BokehToTexture({0}), {1}, open, {2}, vec2(0.5, 8.0)).a"
 VALUES = {
+    MAP.format("vec2(0.5, 0.03125)", "vec2(16.0, 16.0)", 2): LIGHT_COC,
+    MAP.format("vec2(0.5, 0.03125)", "vec2(16.0, 16.0)", 1): LIGHT_COC,
     **{"plain.aspectRatio": 2.0, "plain.imageHeight": 32.0, "plain.spacing": 1.5, "plain.jitter": 0.0},
     **{"plain.bleedingBias": 0.02, "plain.bleedingMult": 30.0, "BokehMakeOffsets(end, 0, 1).x": -0.25},
     **{"BokehMakeOffsets(end, 0, 1).y": -0.5, "BokehMakeOffsets(end, 2, 5).x": 0.0},
@@ -203,6 +213,8 @@ VALUES = {
 }
 # an image of one texel has no room for the inset
 IN_A_PART = {
+    # 8 pixels high: between a CoC of one pixel and of two the light's fades in
+    MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): OWN_COC + (LIGHT_COC - OWN_COC) * (8.0 * OWN_COC - 1.0),
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
     "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayers(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
