@@ -186,7 +186,7 @@ DECLARED = (
     "vec3 wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
 )
 CELLS = methods.PRESETS[LAYERED.preset][1]
-# The CoC of `open` at the planes of the calls below. Row 1 is a light beside row 0, which is black. Reversed, it lies at
+# The CoC of `open` at the planes of the calls below. Row 1 is a light beside row 0, which is black. Reversed, it is at
 # the near plane, so row 0, at the far plane, takes its CoC. Else it lies farther away, and row 0 keeps its own.
 LIGHT_COC, OWN_COC = (
     float(np.sign(depth - 2.0) * listings.circle_of_confusion(depth, 0.2, 0.05, 2.0, 0.024, 1.0))
