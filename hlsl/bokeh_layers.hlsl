@@ -45,7 +45,7 @@
 //   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
 //                                              not lower the level of light
 //
-//   Presets: define one before both files, or in place of it the constants; in WGSL set all three.
+//   Presets: define one before bokeh.hlsl, or set the constants instead; in WGSL set all three.
 //
 //   preset                  rings      cells   cubic
 //   BOKEH_PRESET_LOW        1          11      0
