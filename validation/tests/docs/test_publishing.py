@@ -60,3 +60,17 @@ def test_archives(line, tmp_path):
     expected = {path.relative_to(one.parent).as_posix(): path.read_bytes() for path, one in files.items()}
     assert {name: content for name, content in packed.items() if not name.endswith("/")} == expected
     assert (paths.ROOT / "LICENSE").read_bytes() in packed.values()
+
+
+def test_reshade_archive(tmp_path):
+    """The archive has one folder, Shaders, and in it the effect with all that it includes but ReShade's header."""
+    (line,) = [line for line in re.findall(r"^python3 (-m zipfile .*)$", PAGE, re.MULTILINE) if "reshade" in line]
+    arguments = shlex.split(line)
+    archive = tmp_path / "archive.zip"
+    subprocess.run([sys.executable, *arguments[:3], archive, *arguments[4:]], cwd=paths.ROOT, check=True)
+    with zipfile.ZipFile(archive) as packed:
+        names = {name for name in packed.namelist() if not name.endswith("/")}
+        effect = packed.read("Shaders/PolygonalBokeh.fx").decode("ascii")
+    included = set(re.findall(r'^#include "(.*)"$', effect, re.MULTILINE)) - {"ReShade.fxh"}
+    assert names == {"LICENSE", "Shaders/PolygonalBokeh.fx", *(f"Shaders/{name}" for name in included)}
+    assert len(included) == 2

@@ -92,7 +92,7 @@ DIAMETERS = {
     "direct3d11/main.cpp": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
     "opengl/sample.py": (r"BokehApertureDiameter=(.*?),", {"FOCAL_LENGTH": "f", r"1\.4": "n"}),
     "raylib/sample.py": (r"\"BokehApertureDiameter\": (.*?),", {r"10\.0": "k", "FOCAL_LENGTH": "f", r"2\.0$": "n"}),
-    "reshade/PolygonalBokeh.fx": (
+    "reshade/Shaders/PolygonalBokeh.fx": (
         r"BokehMakeLens\((0\.001 \* FocalLength / FStop \* BokehScale),",
         {r"0\.001 \* FocalLength": "f", "FStop": "n", "BokehScale": "k"},
     ),
@@ -152,7 +152,7 @@ DEFAULTS = {
     "web/babylon.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/playcanvas.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/react.js": (r"alpha, fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
-    "reshade/PolygonalBokeh.fx": (
+    "reshade/Shaders/PolygonalBokeh.fx": (
         r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
 }  # fmt: skip
 

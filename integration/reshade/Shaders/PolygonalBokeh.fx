@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for ReShade: depth of field with a hexagonal aperture. README.md says how to install it.
+// Polygonal bokeh for ReShade: depth of field with a hexagonal aperture. Copy this folder's files
+// into reshade-shaders/Shaders.
 // Presets: PolygonalBokeh's preprocessor definition POLYGONAL_BOKEH_PRESET is 1 LOW, 2 MEDIUM, 3 HIGH, 4 ULTRA.
 
 #include "ReShade.fxh"
@@ -23,13 +24,18 @@
 
 uniform int FocusMode <
     ui_category = "Focus"; ui_type = "combo"; ui_label = "Focus on";
-    ui_items = "the distance below\0the middle of the screen\0the pixel under the cursor\0";
+    ui_items = "the distance below\0the middle of the screen\0the pixel under the cursor\0the point below\0";
     ui_tooltip = "Automatic focus reads depth at one pixel and moves there smoothly.";
 > = 1;
 uniform float FocusDistance <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Distance (m)"; ui_min = 0.2; ui_max = 200.0;
     ui_tooltip = "Metres from the camera to what is sharp.";
 > = 5.0;
+uniform float2 FocusPoint <
+    ui_category = "Focus"; ui_type = "slider"; ui_label = "Point"; ui_min = 0.0; ui_max = 1.0;
+    ui_tooltip = "For 'the point below': 0, 0 is the upper left corner of the screen, 1, 1 the lower right corner.\n"
+        "'Show focus' marks the point.";
+> = float2(0.5, 0.5);
 uniform float PullTime <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Pull (s)"; ui_min = 0.0; ui_max = 3.0;
     ui_tooltip = "Seconds in which automatic focus goes 63 % of its way; 0: at once.";
@@ -39,6 +45,11 @@ uniform float MetresToFarPlane <
     ui_tooltip = "Metres that a depth of 1 stands for. ReShade does not know the game's units: set it so that\n"
         "'Distance' is right for something that you know, such as a person two metres away.";
 > = 1000.0;
+uniform bool ShowFocus <
+    ui_category = "Focus"; ui_label = "Show focus";
+    ui_tooltip = "Colours the picture: orange is blurred in front of the focus, green is in focus, blue is blurred behind\n"
+        "it. A white square marks the pixel that automatic focus reads.";
+> = false;
 
 uniform float FStop <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "f-stop"; ui_min = 0.1; ui_max = 22.0;
@@ -52,9 +63,13 @@ uniform float FocalLength <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Focal length (mm)"; ui_min = 10.0; ui_max = 300.0;
     ui_tooltip = "On a sensor 24 mm high. 50 mm sees 27 degrees from top to bottom; longer blurs more.";
 > = 50.0;
-uniform float LargestBlur <
-    ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur (% of the height)"; ui_min = 0.5; ui_max = 20.0;
-    ui_tooltip = "No bokeh is wider than this.";
+uniform float LargestBlurNear <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur, near (% of the height)"; ui_min = 0.0; ui_max = 20.0;
+    ui_tooltip = "Limits the bokeh's width in front of the focus; 0 keeps everything there sharp.";
+> = 10.0;
+uniform float LargestBlurFar <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur, far (% of the height)"; ui_min = 0.0; ui_max = 20.0;
+    ui_tooltip = "Limits the bokeh's width behind the focus; 0 keeps everything there sharp.";
 > = 10.0;
 uniform float Rotation <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Rotation (degrees)"; ui_min = 0.0; ui_max = 60.0;
@@ -108,15 +123,29 @@ BokehPolygon Aperture()
 
 BokehLayers Layers(float2 uv)
 {
-    return BokehMakeLayers(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), LargestBlur / 100.0);
+    return BokehMakeLayers(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), max(LargestBlurNear, LargestBlurFar) / 100.0);
+}
+
+// The pixel that automatic focus reads
+float2 FocusUV()
+{
+    float2 at = float2(0.5, 0.5);
+    if (FocusMode == 2)
+    {
+        at = MousePoint / float2(BUFFER_WIDTH, BUFFER_HEIGHT);
+    }
+    else if (FocusMode == 3)
+    {
+        at = FocusPoint;
+    }
+    return saturate(at);
 }
 
 // Focus distances are averaged as 1 / metres: the same blur from frame to frame, near and far
 float4 FocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
 {
     float before = tex2Dlod(FocusBefore, float4(0.5, 0.5, 0.0, 0.0)).r;
-    float2 at = FocusMode == 2 ? MousePoint / float2(BUFFER_WIDTH, BUFFER_HEIGHT) : float2(0.5, 0.5);
-    float metres = FocusMode == 0 ? FocusDistance : MetresAt(saturate(at));
+    float metres = FocusMode == 0 ? FocusDistance : MetresAt(FocusUV());
     float inverse = 1.0 / clamp(metres, 0.2, 10000.0);
     // in the first frame the texture holds 0, or anything: what this pass never writes is not pulled from
     if (FocusMode > 0 && PullTime > 0.0 && before > 0.19)
@@ -136,20 +165,47 @@ float4 ColorAt(float2 uv)
     return float4(Expanded(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb), 1.0);
 }
 
-float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
+// Signed CoC, with the limits of both sides
+float CoCAt(float2 uv)
 {
     BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop * BokehScale, 0.001 * FocalLength,
         tex2Dlod(Focus, float4(0.5, 0.5, 0.0, 0.0)).r);
-    lens.maxCoC = LargestBlur / 100.0;
+    lens.maxCoC = max(LargestBlurNear, LargestBlurFar) / 100.0;
+    return clamp(BokehSignedCoC(max(MetresAt(uv), 0.01), lens), -0.01 * LargestBlurNear, 0.01 * LargestBlurFar);
+}
+
+float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
+{
     float2 right = float2(BUFFER_RCP_WIDTH, 0.0);
     float2 below = float2(0.0, BUFFER_RCP_HEIGHT);
     float4 color = ColorAt(uv);
     float3 light = BokehLightBeside(color, ColorAt(uv + right), ColorAt(uv - right), ColorAt(uv + below),
         ColorAt(uv - below));
     float2 lightUV = uv + light.x * right + light.y * below;
-    float CoC = BokehSignedCoC(max(MetresAt(uv), 0.01), lens);
-    float lightCoC = BokehSignedCoC(max(MetresAt(lightUV), 0.01), lens);
-    return float4(color.rgb, BokehLightCoC(CoC, lightCoC, light.z, BUFFER_HEIGHT));
+    return float4(color.rgb, BokehLightCoC(CoCAt(uv), CoCAt(lightUV), light.z, BUFFER_HEIGHT));
+}
+
+// What the screen shows: the blurred picture, or with ShowFocus the sharp one in the colours of its focus
+float4 Shown(float3 light, float2 uv)
+{
+    float3 color = Compressed(light);
+    if (ShowFocus)
+    {
+        float pixels = CoCAt(uv) * BUFFER_HEIGHT;
+        float3 tint = float3(0.0, 0.8, 0.2);
+        if (abs(pixels) > 1.0)
+        {
+            tint = pixels < 0.0 ? float3(1.0, 0.5, 0.0) : float3(0.1, 0.4, 1.0);
+        }
+        float grey = dot(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb, float3(0.3, 0.6, 0.1));
+        color = 0.5 * (grey + tint);
+        float2 away = abs(uv - FocusUV()) * float2(BUFFER_WIDTH, BUFFER_HEIGHT);
+        if (FocusMode > 0 && max(away.x, away.y) < 4.0)
+        {
+            color = float3(1.0, 1.0, 1.0);
+        }
+    }
+    return float4(color, 1.0);
 }
 
 // generated by validation/run generate from frame/methods.py: begin
@@ -287,7 +343,7 @@ void LayeredComposite12PS(float4 position : SV_Position, float2 uv : TEXCOORD, o
     BokehLayers layers = Layers(uv);
     BokehPolygon polygon = Aperture();
     color = BokehComposite(Layered0, Layered2, Layered3, Layered4, Layered14, Layered15, polygon, layers);
-    color = float4(Compressed(color.rgb), 1.0);
+    color = Shown(color.rgb, uv);
 }
 
 technique PolygonalBokeh < ui_tooltip = "Near objects spread over what is behind them."; >
@@ -330,7 +386,7 @@ void ExactHexagonSecond2PS(float4 position : SV_Position, float2 uv : TEXCOORD, 
     BokehPolygon polygon = Aperture();
     BokehFilter settings = BokehDefaultFilter(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
     color = BokehHexagonSecond(Exact1, Exact2, uv, polygon, settings);
-    color = float4(Compressed(color.rgb), 1.0);
+    color = Shown(color.rgb, uv);
 }
 
 technique PolygonalBokehExact < ui_tooltip = "Fewer passes; near objects keep a hard outline."; >
