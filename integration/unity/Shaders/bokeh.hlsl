@@ -152,12 +152,12 @@
 // [2] porting: the one place where the three languages differ
 //
 //   BOKEH_HLSL_SM: 3 (sampler2D, tex2Dlod) or 4, 5, 6 (Texture2D, SamplerState). Unset: 6 under
-//   DXC, else 3. From 4 on a function that filters has the sampler as its last parameter.
+//   DXC and Slang, else 3. From 4 on a function that filters has the sampler as its last parameter.
 //   To fetch in your own way (texture arrays for stereo, bindless textures) define
 //   BOKEH_CUSTOM_FETCH and, before this file, what stands inside of it.
 
 #ifndef BOKEH_HLSL_SM
-#ifdef __hlsl_dx_compiler
+#if defined(__hlsl_dx_compiler) || defined(__SLANG__)
 #define BOKEH_HLSL_SM 6
 #else
 #define BOKEH_HLSL_SM 3

@@ -82,9 +82,30 @@ SamplerState BokehLinearClamp;
 #define BOKEH_OUTPUT SV_Target
 #define BOKEH_TARGET(i) SV_Target##i
 #endif
-#define BOKEH_OUTPUTS_2 out float4 target0 : BOKEH_TARGET(0), out float4 target1 : BOKEH_TARGET(1)
-#define BOKEH_OUTPUTS_3 BOKEH_OUTPUTS_2, out float4 target2 : BOKEH_TARGET(2)
-#define BOKEH_OUTPUTS_4 BOKEH_OUTPUTS_3, out float4 target3 : BOKEH_TARGET(3)
+
+// what passes of 2 targets return
+struct BokehTargets2
+{
+    float4 target0 : BOKEH_TARGET(0);
+    float4 target1 : BOKEH_TARGET(1);
+};
+
+// what passes of 3 targets return
+struct BokehTargets3
+{
+    float4 target0 : BOKEH_TARGET(0);
+    float4 target1 : BOKEH_TARGET(1);
+    float4 target2 : BOKEH_TARGET(2);
+};
+
+// what passes of 4 targets return
+struct BokehTargets4
+{
+    float4 target0 : BOKEH_TARGET(0);
+    float4 target1 : BOKEH_TARGET(1);
+    float4 target2 : BOKEH_TARGET(2);
+    float4 target3 : BOKEH_TARGET(3);
+};
 
 BOKEH_SLOT(BOKEH_TEXTURE, BokehColorSamp, 0)
 BOKEH_SLOT(BOKEH_DEPTH_TEXTURE, BokehDepthSamp, 1)
@@ -432,12 +453,14 @@ float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehHexagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehHexagonFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehHexagonFirst(BokehColorSamp, uv, BokehAperture(uv, 6),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
+    BokehTargets2 result;
+    result.target0 = targets.edge2;
+    result.target1 = targets.edge3;
+    return result;
 }
 
 float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -446,13 +469,15 @@ float4 BokehHexagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehOctagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
+BokehTargets3 BokehOctagonFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehOctagonFirst(BokehColorSamp, uv, BokehAperture(uv, 8),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
+    BokehTargets3 result;
+    result.target0 = targets.edge2;
+    result.target1 = targets.edge3;
+    result.target2 = targets.edge4;
+    return result;
 }
 
 float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -461,14 +486,16 @@ float4 BokehOctagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehAperture(uv, 8), BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
-void BokehDecagonFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
+BokehTargets4 BokehDecagonFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehDecagonFirst(BokehColorSamp, uv, BokehAperture(uv, 10),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
-    target3 = targets.edge5;
+    BokehTargets4 result;
+    result.target0 = targets.edge2;
+    result.target1 = targets.edge3;
+    result.target2 = targets.edge4;
+    result.target3 = targets.edge5;
+    return result;
 }
 
 float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -594,94 +621,116 @@ float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
-void BokehPrefilter_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
+BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    target0 = targets.nearLayer;
-    target1 = targets.farLayer;
-    target2 = targets.kernelSums;
-    target3 = targets.leftovers;
+    BokehTargets4 result;
+    result.target0 = targets.nearLayer;
+    result.target1 = targets.farLayer;
+    result.target2 = targets.kernelSums;
+    result.target3 = targets.leftovers;
+    return result;
 }
 
-void BokehKernelReduce_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehKernelReduce_PS(BOKEH_INPUT)
 {
     BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    target0 = targets.leftovers;
-    target1 = targets.sums;
+    BokehTargets2 result;
+    result.target0 = targets.leftovers;
+    result.target1 = targets.sums;
+    return result;
 }
 
-void BokehKernelRows_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehKernelRows_PS(BOKEH_INPUT)
 {
     BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    target0 = targets.leftovers;
-    target1 = targets.sums;
+    BokehTargets2 result;
+    result.target0 = targets.leftovers;
+    result.target1 = targets.sums;
+    return result;
 }
 
-void BokehKernelColumns_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehKernelColumns_PS(BOKEH_INPUT)
 {
     BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    target0 = targets.reach;
-    target1 = targets.sizes;
+    BokehTargets2 result;
+    result.target0 = targets.reach;
+    result.target1 = targets.sizes;
+    return result;
 }
 
-void BokehDownsample_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
+BokehTargets4 BokehDownsample_PS(BOKEH_INPUT)
 {
     BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehAnyAperture(uv), BokehBeginTiles(uv) BOKEH_LINEAR);
-    target0 = targets.middle;
-    target1 = targets.far;
-    target2 = targets.nearLevel;
-    target3 = targets.farLevel;
+    BokehTargets4 result;
+    result.target0 = targets.middle;
+    result.target1 = targets.far;
+    result.target2 = targets.nearLevel;
+    result.target3 = targets.farLevel;
+    return result;
 }
 
-void BokehHoleFill_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehHoleFill_PS(BOKEH_INPUT)
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
-    target0 = targets.middle;
-    target1 = targets.back;
+    BokehTargets2 result;
+    result.target0 = targets.middle;
+    result.target1 = targets.back;
+    return result;
 }
 
-void BokehSquareLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehSquareLayerFirst_PS(BOKEH_INPUT)
 {
     BokehLayersTargets targets = BokehBothPolygons(uv, 4);
-    target0 = targets.near2;
-    target1 = targets.far2;
+    BokehTargets2 result;
+    result.target0 = targets.near2;
+    result.target1 = targets.far2;
+    return result;
 }
 
-void BokehSquareLayerSecond_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehSquareLayerSecond_PS(BOKEH_INPUT)
 {
     BokehBlurred targets = BokehBothResults(uv, BokehColorSamp, BokehColorSampB, 4);
-    target0 = targets.near;
-    target1 = targets.far;
+    BokehTargets2 result;
+    result.target0 = targets.near;
+    result.target1 = targets.far;
+    return result;
 }
 
-void BokehHexagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
+BokehTargets4 BokehHexagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehLayersTargets targets = BokehBothPolygons(uv, 6);
-    target0 = targets.near2;
-    target1 = targets.far2;
-    target2 = targets.near3;
-    target3 = targets.far3;
+    BokehTargets4 result;
+    result.target0 = targets.near2;
+    result.target1 = targets.far2;
+    result.target2 = targets.near3;
+    result.target3 = targets.far3;
+    return result;
 }
 
-void BokehHexagonLayerSecond_PS(BOKEH_INPUT, BOKEH_OUTPUTS_2)
+BokehTargets2 BokehHexagonLayerSecond_PS(BOKEH_INPUT)
 {
     BokehBlurred targets = BokehBothResults(uv, BokehColorSampC, BokehColorSampD, 6);
-    target0 = targets.near;
-    target1 = targets.far;
+    BokehTargets2 result;
+    result.target0 = targets.near;
+    result.target1 = targets.far;
+    return result;
 }
 
-void BokehOctagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_3)
+BokehTargets3 BokehOctagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 4, BokehAperture(uv, 8));
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
+    BokehTargets3 result;
+    result.target0 = targets.edge2;
+    result.target1 = targets.edge3;
+    result.target2 = targets.edge4;
+    return result;
 }
 
 float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -689,13 +738,15 @@ float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehLayerResult(uv, BokehColorSampC, BokehAperture(uv, 8));
 }
 
-void BokehDecagonLayerFirst_PS(BOKEH_INPUT, BOKEH_OUTPUTS_4)
+BokehTargets4 BokehDecagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 5, BokehAperture(uv, 10));
-    target0 = targets.edge2;
-    target1 = targets.edge3;
-    target2 = targets.edge4;
-    target3 = targets.edge5;
+    BokehTargets4 result;
+    result.target0 = targets.edge2;
+    result.target1 = targets.edge3;
+    result.target2 = targets.edge4;
+    result.target3 = targets.edge5;
+    return result;
 }
 
 float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT

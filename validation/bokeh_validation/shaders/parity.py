@@ -81,8 +81,10 @@ _CODE: Mapping[str, _Rewrites] = {
         (r" BOKEH_SAMPLER\)", ", sampler BokehLinearClamp)"),
         (r" BOKEH_LINEAR\)", ", BokehLinearClamp)"),
         (r"^float4 (Bokeh\w+_PS)\(BOKEH_INPUT\) : BOKEH_OUTPUT$", r"ENTRY \1()"),
-        (r"^void (Bokeh\w+_PS)\(BOKEH_INPUT, BOKEH_OUTPUTS_\d\)$", r"ENTRY \1()"),
-        (r"\btarget0 = (?=[^;]*;\n\})", "return "),
+        (r"^// what passes of \d targets return\nstruct BokehTargets\d\n\{\n(?:    float4 target(\d) .*\n)+\};$", ""),
+        (r"^BokehTargets\d (Bokeh\w+_PS)\(BOKEH_INPUT\)$", r"ENTRY \1()"),
+        (r"^    BokehTargets\d result;\n((?:    result\.target\d = [^;]*;\n)*.*;)\n    return result;$", r"\1"),
+        (r"\bresult\.target(?=\d = )", "target"),
     ),
     "glsl": (
         (
