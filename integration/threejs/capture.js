@@ -15,7 +15,7 @@ const SHAPES = {
 };
 
 // How each sample is asked.
-//   draw(options, size, changes)  one frame; changes: another camera, renderer or debug mode. { bokeh, ... }
+//   draw(options, size, changes)  one frame; changes: another camera, renderer, debug mode or chain. { bokeh, ... }
 //   read(frame)                   its pixels, first row in memory first: { color, depth, result }; depth is what the
 //                                 engine's buffer holds, of paper metres
 //   readPasses(frame)             what every pass wrote, in the order of docs/reference/passes.md
@@ -83,10 +83,9 @@ const samples = {
     const pixels = (renderer, target, index) => {
       return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height, index);
     };
-    const copied = (renderer, { scenePass }) => {
-      const { width, height } = scenePass.renderTarget;
+    const copied = (renderer, { size: [width, height], source }) => {
       const target = new RenderTarget(width, height, { type: FloatType, format: RedFormat, depthBuffer: false });
-      const fragmentNode = vec4(scenePass.getTextureNode('depth').r);
+      const fragmentNode = vec4(source.depth.r);
       renderer.setRenderTarget(target);
       new QuadMesh(Object.assign(new NodeMaterial(), { fragmentNode })).render(renderer);
       renderer.setRenderTarget(null);
@@ -96,8 +95,8 @@ const samples = {
       ...sample,
       engine: 'three.js WebGPURenderer',
       device: [vendor, architecture, description].filter(Boolean).join(' '),
-      draw(options, size, { camera = sample.camera, renderer = sample.renderer, mode = 0 } = {}) {
-        const { pipeline, bokeh } = sample.addBokeh(renderer, sample.scene, camera, options);
+      draw(options, size, { camera = sample.camera, renderer = sample.renderer, mode = 0, chain = sample.addBokeh } = {}) {
+        const { pipeline, bokeh } = chain(renderer, sample.scene, camera, options);
         const target = new RenderTarget(...size); // a canvas cannot be read back
         renderer.setSize(...size);
         renderer.setRenderTarget(target);
@@ -108,7 +107,8 @@ const samples = {
         return { bokeh, renderer, target };
       },
       async read({ bokeh, renderer }) {
-        const color = await pixels(renderer, bokeh.scenePass.renderTarget);
+        const { passNode, renderTarget = passNode.renderTarget } = bokeh.source.color;
+        const color = await pixels(renderer, renderTarget);
         const result = await pixels(renderer, bokeh.passes.at(-1).target);
         const [{ writes, target }] = bokeh.passes;
         const depth = await (writes[0] === 'metres' ? pixels(renderer, target) : copied(renderer, bokeh));
@@ -148,23 +148,25 @@ export async function capture(kind) {
   const data = { engine: `${engine} r${REVISION}`, device, width: SIZE[0], height: SIZE[1], shots: [] };
   const picture = await sample.picture(sample.draw({}, [2 * WIDTH, 2 * HEIGHT]));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  for (const [method, shapes] of Object.entries(SHAPES)) {
-    for (const [aperture, sides] of Object.entries(shapes)) {
-      const name = `${method}-${aperture}`;
-      const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-      const frame = sample.draw({ method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, ...settings(method, frame.bokeh.uniforms) };
-      for (const [what, array] of Object.entries(await sample.read(frame))) {
-        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-        files[shot[what]] = base64(array);
-      }
-      if (method === 'layered') {
-        shot.written = `${name}.written`;
-        files[shot.written] = base64(await sample.readPasses(frame));
-      }
-      data.shots.push(shot);
-      data.pull = pulled(frame.bokeh, sample, kind === 'webgl');
+  const rows = Object.entries(SHAPES).flatMap(([method, shapes]) => {
+    return Object.entries(shapes).map(([aperture, sides]) => [`${method}-${aperture}`, method, aperture, sides, {}]);
+  });
+  const occluded = ['after-occlusion', 'layered', 'hexagon', 6, { chain: sample.addOccludedBokeh }];
+  if (sample.addOccludedBokeh) rows.splice(1, 0, occluded);
+  for (const [name, method, aperture, sides, changes] of rows) {
+    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
+    const frame = sample.draw({ method, sides, opaque: false }, [width, height], changes);
+    const shot = { name, method, aperture, width, height, ...settings(method, frame.bokeh.uniforms) };
+    for (const [what, array] of Object.entries(await sample.read(frame))) {
+      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+      files[shot[what]] = base64(array);
     }
+    if (method === 'layered') {
+      shot.written = `${name}.written`;
+      files[shot.written] = base64(await sample.readPasses(frame));
+    }
+    data.shots.push(shot);
+    data.pull = pulled(frame.bokeh, sample, kind === 'webgl');
   }
   return { data, files };
 }

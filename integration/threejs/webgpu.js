@@ -1,7 +1,8 @@
 // The sample for WebGPURenderer.
 
 import { ACESFilmicToneMapping, RenderPipeline, WebGPURenderer } from 'three/webgpu';
-import { pass } from 'three/tsl';
+import { mrt, normalView, output, pass, vec4 } from 'three/tsl';
+import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
 import { makeScene } from './scene.js';
 
@@ -14,6 +15,18 @@ export function addBokeh(renderer, scene, camera, options) {
   bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
   const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
   return { pipeline, bokeh };
+}
+
+// The same after ambient occlusion: the bokeh takes any colour, and the depth that belongs to it.
+export function addOccludedBokeh(renderer, scene, camera, options) {
+  const scenePass = pass(scene, camera);
+  scenePass.setMRT(mrt({ output, normal: normalView }));
+  const depth = scenePass.getTextureNode('depth');
+  const occlusion = ao(depth, scenePass.getTextureNode('normal'), camera).getTextureNode();
+  const color = scenePass.getTextureNode().mul(vec4(occlusion.rrr, 1));
+  const bokeh = new PolygonBokehNode(color, depth, camera, options);
+  bokeh.setLens(1.4, 20);
+  return { pipeline: new RenderPipeline(renderer, bokeh), bokeh };
 }
 
 export const renderer = new WebGPURenderer();

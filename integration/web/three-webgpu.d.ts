@@ -1,5 +1,5 @@
 import type { Camera } from 'three';
-import { TempNode, type PassNode } from 'three/webgpu';
+import { type Node, type PassNode, TempNode, type TextureNode } from 'three/webgpu';
 import type { ThreeOptions, WithLens } from './three-common.js';
 
 export interface NodeOptions extends ThreeOptions {
@@ -7,8 +7,11 @@ export interface NodeOptions extends ThreeOptions {
   sharpLayer?: number;
 }
 
-/** Depth of field of `pass(scene, camera)`, for RenderPipeline: before bloom and tone mapping. With WebGL 2 nothing is blurred */
+/** Depth of field for RenderPipeline: before bloom and tone mapping. With WebGL 2 nothing is blurred */
 export class PolygonBokehNode extends TempNode<'vec4'> {
+  /** Of `pass(scene, camera)` */
   constructor(scenePass: PassNode, options?: NodeOptions);
+  /** Of any colour, such as a scene pass times ambient occlusion, and of the depth texture that belongs to it */
+  constructor(color: Node, depth: TextureNode, camera: Camera, options?: Omit<NodeOptions, 'sharpLayer'>);
 }
 export interface PolygonBokehNode extends WithLens<NodeOptions> {}

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of the WGSL
-// library. It reads the scene's pass, before bloom and tone mapping. WebGPU only: the WebGL 2 backend does not take WGSL,
-// and there the node shows the scene as it is.
+// library. It reads a scene pass, or any colour node and a depth texture, before bloom and tone mapping. WebGPU only: the
+// WebGL 2 backend does not take WGSL, and there the node shows its input unblurred.
 
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
-import { nodeObject, outputStruct, passTexture, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
+import { nodeObject, outputStruct, passTexture, rtt, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 import { checked, uniformsOf } from './common.js';
 import { METRES, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
@@ -22,25 +22,54 @@ const LOGARITHMIC =
   'polygonal-bokeh: PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / ' +
   "log(far / near) is none of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
 
+const INPUTS =
+  'polygonal-bokeh: PolygonBokehNode takes (scenePass, options), or (color, depth, camera, options), where depth is the ' +
+  "node of a depth texture, such as scenePass.getTextureNode('depth').";
+const SHARP =
+  'polygonal-bokeh: sharpLayer needs (scenePass, options). With (color, depth, camera), draw the glass after the bokeh.';
+
 // no blending: alpha is the circle of confusion, or a layer's share
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
 let rendererState;
+
+// The node of the texture that holds what `node` computes. Only an expression is drawn into a texture of its own.
+function textureOf(node) {
+  const held = node.getTextureNode?.() ?? node;
+  return held.isTextureNode && !held.uvNode && !held.levelNode ? held : rtt(held);
+}
+
+// Samples a pixel of a depth texture. A pass sets those of its target only when it is drawn.
+function samplesOf({ passNode, value }, renderer) {
+  if (passNode?.isPassNode) return passNode.options.samples ?? renderer.samples;
+  return value.renderTarget?.samples ?? 0;
+}
 
 export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vector3 }) {
   static get type() {
     return 'PolygonBokehNode';
   }
 
+  // (scenePass, options) or (color, depth, camera, options)
+  //
   // scenePass  pass(scene, camera)
+  // color      what is blurred: any node, such as a scene pass times ambient occlusion, or what TRAA or SSGI return
+  // depth      node of the depth texture that belongs to it: scenePass.getTextureNode('depth')
+  // camera     that the depth was drawn with
   // options    those of PolygonBokehPass but for depthTexture, and
   //   sharpLayer  a layer that is drawn sharp over the picture, behind what is before it: for glass and other
   //               transparents, which write no depth: object.layers.set(1), and here 1. From the second frame on, and
-  //               after a resize: three.js makes the target that shares depth anew.
-  constructor(scenePass, options) {
+  //               after a resize: three.js makes the target that shares depth anew. With a scene pass only.
+  constructor(color, ...others) {
     super('vec4');
+    const isPass = Boolean(color?.isPassNode && !others[0]?.isNode);
+    const [depth, camera, options] = isPass ? [color.getTextureNode('depth'), color.camera, others[0]] : others;
+    if (!color?.isNode || !depth?.value?.isDepthTexture || !camera?.isCamera) throw new Error(INPUTS);
     this.updateBeforeType = NodeUpdateType.FRAME;
-    this.scenePass = scenePass;
+    this.scenePass = isPass ? color : null;
+    this.source = { color: textureOf(color), depth };
+    this.ownCamera = camera;
     this.options = checked('PolygonBokehNode', options, CHOICES);
+    if (!isPass && this.options.sharpLayer !== undefined) throw new Error(SHARP);
 
     // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
     // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
@@ -58,11 +87,12 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   }
 
   get camera() {
-    return this.scenePass.camera;
+    return this.scenePass?.camera ?? this.ownCamera;
   }
 
   set camera(camera) {
-    this.scenePass.camera = camera;
+    if (this.scenePass) this.scenePass.camera = camera;
+    else this.ownCamera = camera;
   }
 
   // Passes of a frame, still without materials
@@ -130,17 +160,17 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   // three.js calls it when the node is first used.
   setup(builder) {
-    const scene = this.scenePass.getTextureNode();
-    builder.getNodeProperties(this).scene = scene; // so that the scene is drawn before this node
+    const { color, depth } = this.source;
+    Object.assign(builder.getNodeProperties(this), { color, depth }); // so that they are drawn before this node
     this.stepsAside = !builder.renderer.backend.isWebGPUBackend;
     if (this.stepsAside) {
       console.warn(WEBGL);
-      return scene;
+      return color;
     }
     if (!this.refused(builder.renderer)) {
-      this.given = { uv: uv(), color: scene, depth: this.scenePass.getTextureNode('depth') };
-      const { samples = builder.renderer.samples } = this.scenePass.options;
-      this.depthType = samples > 1 ? 'texture_depth_multisampled_2d' : 'texture_depth_2d';
+      // Nodes of their own: three.js would draw a colour that is an expression again for each pass that reads its node.
+      this.given ??= { uv: uv(), color: texture(color.value), depth: texture(depth.value) };
+      this.depthType = samplesOf(depth, builder.renderer) > 1 ? 'texture_depth_multisampled_2d' : 'texture_depth_2d';
       this.fill(this);
     }
     return passTexture(this, (this.sharp ?? this.result).texture);
@@ -177,14 +207,16 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     if (this.stepsAside) return;
     const problem = this.refused(renderer);
     if (problem) throw new Error(problem);
-    const { width, height } = this.scenePass.renderTarget;
+    const { color, depth } = this.source;
     const { depthKind, nearPlane, farPlane, imageSize, debugMode, frame: number } = this.uniforms;
     this.renderer = renderer;
     // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
     depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
     nearPlane.value = this.camera.near;
     farPlane.value = this.camera.far;
-    imageSize.value.set(width, height);
+    imageSize.value.set(...this.size);
+    this.given.color.value = color.value; // which may be another one in each frame
+    this.given.depth.value = depth.value;
     if (number) number.value += 1;
     this.resize(this.passes);
 
@@ -223,8 +255,14 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     Object.assign(scene, { background });
   }
 
+  // Of what is blurred: [width, height]
+  get size() {
+    const { width, height } = this.source.color.value.image;
+    return [width, height];
+  }
+
   resize(passes) {
-    const { width, height } = this.scenePass.renderTarget;
+    const [width, height] = this.size;
     for (const { target, scale } of passes) target.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
   }
 

@@ -35,6 +35,37 @@ for (const version of VERSIONS) {
       assert.deepEqual(await call('camera'), { off: 0, kind: 5, far: 40 });
     });
 
+    await t.test('(color, depth, camera): as the node of the pass; scales with its light; another camera', async () => {
+      const { same, half, kind, far } = await call('nodes');
+      assert.deepEqual([same, kind, far], [0, 5, 40]);
+      assert.ok(half < 2e-3, `${half}`);
+    });
+
+    await t.test('ambient occlusion before it: as of a texture with the same pixels; follows a resize', async () => {
+      const { baked, acts, resized, revision } = await call('occlusion');
+      assert.equal(baked, 0);
+      assert.ok(acts > 0.01, `${acts}`);
+      // the texture that three.js 0.172 draws an expression into keeps its first size
+      if (revision >= 180) assert.deepEqual(resized, [48, 32]);
+    });
+
+    await t.test('bloom after it leaves the bokeh as it is', async () => {
+      assert.deepEqual(await call('bloom'), { off: 0 });
+    });
+
+    await t.test('temporal anti-aliasing before it: the subject as sharp, and as much light', async (t) => {
+      const found = await call('traa');
+      if (!found) return t.skip('this three.js has no TRAANode');
+      assert.ok(found.middle < 2e-3, `${found.middle}`);
+      assertNear(found.light, 1, 0.02, 'light');
+    });
+
+    await t.test('arguments that are none are told in the constructor', async () => {
+      const said = await call('wrongNodes');
+      for (const text of said.slice(0, 4)) assert.match(text, /takes \(scenePass, options\), or \(color, depth, camera, options\)/);
+      assert.match(said[4], /sharpLayer needs \(scenePass, options\)/);
+    });
+
     await t.test('memory of exact: map, two targets and the result', async () => {
       assert.deepEqual(await call('memory'), { bytes: 4 * 8 * 96 * 64, passes: 3 });
     });

@@ -13,7 +13,7 @@ import { createElement, createRef } from 'react';
 import { Mesh, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
-import { pass } from 'three/tsl';
+import { mrt, normalView, output, pass } from 'three/tsl';
 import { RenderPipeline, WebGPURenderer } from 'three/webgpu';
 
 const [scene, camera] = [new Scene(), new PerspectiveCamera()];
@@ -40,6 +40,13 @@ export function webgpu(renderer: WebGPURenderer): RenderPipeline {
   return new RenderPipeline(renderer, bokeh);
 }
 
+export function afterOthers(): PolygonBokehNode {
+  const scenePass = pass(scene, camera);
+  scenePass.setMRT(mrt({ output, normal: normalView }));
+  const color = scenePass.getTextureNode().mul(0.5);
+  return new PolygonBokehNode(color, scenePass.getTextureNode('depth'), camera, { sides: 8 });
+}
+
 export function others(app: AppBase, component: CameraComponent, free: FreeCamera): void {
   const frame = new PolygonBokehFrame(app, component, { method: 'paper', opaque: false });
   frame.focusOn(new Vec3());
@@ -63,5 +70,7 @@ new PolygonBokehPass(camera, { preset: 'high' });
 new PolygonBokehPass(camera, { sides: 5 });
 // @ts-expect-error
 new PolygonBokehNode(pass(scene, camera), { depthTexture: null });
+// @ts-expect-error
+new PolygonBokehNode(pass(scene, camera).getTextureNode(), camera);
 // @ts-expect-error
 new PolygonBokehPass(camera).uniforms.focus;

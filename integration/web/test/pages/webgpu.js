@@ -1,7 +1,9 @@
 // What three-webgpu.test.js asks of the class for WebGPURenderer, in the scene of scene.js.
 
 import * as THREE from 'three/webgpu';
-import { pass } from 'three/tsl';
+import { add, mrt, normalView, output, pass, texture, vec4 } from 'three/tsl';
+import { bloom } from 'three/addons/tsl/display/BloomNode.js';
+import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
 import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './scene.js';
 
@@ -36,6 +38,24 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   const shown = bokeh.sharp ?? bokeh.result;
   const halves = await other.readRenderTargetPixelsAsync(shown, 0, 0, shown.width, shown.height);
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
+}
+
+// A chain of other nodes: build(scenePass) gives the arguments of PolygonBokehNode, after(bokeh) what is shown
+function graph({ scene, camera, subject }, build, after = (bokeh) => bokeh) {
+  const scenePass = pass(scene, camera);
+  const bokeh = new PolygonBokehNode(...build(scenePass, camera));
+  bokeh.setLens(1.4, 20);
+  bokeh.focusOn(subject);
+  return { bokeh, pipeline: new Pipeline(renderer, after(bokeh)), scene };
+}
+
+// Colour times ambient occlusion, as three.js's examples have it
+function occluded(scenePass, camera) {
+  scenePass.setMRT(mrt({ output, normal: normalView }));
+  const depth = scenePass.getTextureNode('depth');
+  const occlusion = ao(depth, scenePass.getTextureNode('normal'), camera);
+  occlusion.radius.value = 2;
+  return [scenePass.getTextureNode().mul(vec4(occlusion.getTextureNode().rrr, 1)), depth, camera];
 }
 
 const message = (call) => call().then(() => '', (error) => error.message);
@@ -97,6 +117,77 @@ window.bokeh = {
     for (const name of ['focalLength', 'apertureDiameter']) wanted.bokeh.uniforms[name].value = made.bokeh.uniforms[name].value;
     const { depthKind, farPlane } = made.bokeh.uniforms;
     return { off: off(await drawn(made), await drawn(wanted)), kind: depthKind.value, far: farPlane.value };
+  },
+
+  // (color, depth, camera): how far from the node of the pass, and of half the colour, doubled; which camera counts
+  async nodes() {
+    const plain = await drawn(chain(makeScene(), {}));
+    const depthOf = (scenePass) => scenePass.getTextureNode('depth');
+    const same = await drawn(graph(makeScene(), (scenePass, camera) => [scenePass, depthOf(scenePass), camera, {}]));
+    const half = (scenePass, camera) => [scenePass.getTextureNode().mul(0.5), depthOf(scenePass), camera];
+    const made = graph(makeScene(), half);
+    const doubled = (await drawn(made)).map((value, i) => (i % 4 < 3 ? 2 * value : value));
+    made.bokeh.setCamera(new THREE.OrthographicCamera(-1.5, 1.5, 1, -1, 0.2, 40));
+    await drawn(made);
+    const { depthKind, farPlane } = made.bokeh.uniforms;
+    return { same: off(same, plain), half: off(doubled, plain), kind: depthKind.value, far: farPlane.value };
+  },
+
+  // Ambient occlusion before it: how far from the bokeh of a texture with the same pixels, and from none; after a resize,
+  // [width, height] of the picture. Worlds of their own: old versions of three.js mix up passes of one scene.
+  async occlusion() {
+    const worldOf = () => {
+      const world = makeScene();
+      world.scene.children.at(-1).position.z = -4.3; // the wall, near enough to the subject for some occlusion
+      return world;
+    };
+    const made = graph(worldOf(), occluded);
+    const found = await drawn(made);
+    const colour = made.bokeh.source.color.renderTarget;
+    const halves = await renderer.readRenderTargetPixelsAsync(colour, 0, 0, ...SIZE);
+    const held = new THREE.DataTexture(halves, ...SIZE, THREE.RGBAFormat, THREE.HalfFloatType);
+    held.needsUpdate = true;
+    const baked = (scenePass, camera) => [texture(held), scenePass.getTextureNode('depth'), camera];
+    const [same, without] = [await drawn(graph(worldOf(), baked)), await drawn(chain(worldOf(), {}))];
+    renderer.setSize(48, 32);
+    await drawn(made);
+    renderer.setSize(...SIZE);
+    return { baked: off(found, same), acts: off(found, without), resized: made.bokeh.size, revision: Number(THREE.REVISION) };
+  },
+
+  // Bloom after it, which draws its input in shaders of its own: light added, and the bokeh drawn once
+  async bloom() {
+    const world = makeScene();
+    const plain = await drawn(chain(world, {}));
+    const made = graph(world, (scenePass) => [scenePass], (bokeh) => add(bokeh, bloom(bokeh, 1)));
+    return { off: off(await drawn(made), plain) };
+  },
+
+  // Temporal anti-aliasing before it, where three.js has it: a moving jitter, another texture in each frame
+  async traa() {
+    if (Number(THREE.REVISION) < 180) return null;
+    const { traa } = await import('three/addons/tsl/display/TRAANode.js');
+    const { velocity } = await import('three/tsl');
+    const world = makeScene();
+    const made = graph(world, (scenePass, camera) => {
+      scenePass.setMRT(mrt({ output, velocity }));
+      const depth = scenePass.getTextureNode('depth');
+      return [traa(scenePass.getTextureNode(), depth, scenePass.getTextureNode('velocity'), camera), depth, camera];
+    });
+    let image;
+    for (let i = 0; i < 8; i++) image = await drawn(made);
+    const plain = await drawn(chain(makeScene(), {}));
+    return { middle: off(inMiddle(image), inMiddle(plain)), light: total(image) / total(plain) };
+  },
+
+  // What the constructor says to arguments that are none
+  wrongNodes() {
+    const { scene, camera } = makeScene();
+    const scenePass = pass(scene, camera);
+    const depth = scenePass.getTextureNode('depth');
+    const given = [[], [scenePass.getTextureNode()], [scenePass, scenePass.getTextureNode(), camera], [scenePass, depth]];
+    given.push([scenePass, depth, camera, { sharpLayer: 1 }]);
+    return Promise.all(given.map((one) => message(async () => new PolygonBokehNode(...one))));
   },
 
   // Glass: the picture without it and with it, at three places
