@@ -11,7 +11,7 @@ from rich.table import Table
 
 from bokeh_validation import drivers, needs, paths, setup
 from bokeh_validation.compile_matrix.registry import COMPILERS
-from bokeh_validation.compilers import dxc, fxc
+from bokeh_validation.compilers import dxc, fxc, slang
 from bokeh_validation.terminal import console
 
 
@@ -71,6 +71,7 @@ def doctor(
     if install:
         dxc.fetch()
         fxc.fetch()
+        slang.fetch()
     table = Table("", "", "", box=None, show_header=False, pad_edge=False)
     for tool, version in {compiler.tool: compiler.version for compiler in COMPILERS}.items():
         table.add_row(f"compiler {tool}", *find(version))

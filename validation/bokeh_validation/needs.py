@@ -58,18 +58,20 @@ NEEDS = {
         "g++ libvulkan-dev glslang-tools vulkan-validationlayers",
     ),
     "reshade": _debian("ReShade's effects on Vulkan", 1, "vkbasalt vulkan-tools xvfb xauth mesa-vulkan-drivers"),
-    # setup.py installs none of these: a wheel of core has the first, a command downloads the next, the last is your own
+    # setup.py installs none of these: a wheel of core has the first; commands download DXC, fxc and Slang; the last is
+    # your own
     "glslang": _debian("shader compilers, where no wheel has them", 6, "glslang-tools spirv-tools", "Vulkan SDK"),
     "window": _debian("a display for samples with a window", 1, "xvfb xauth libgl1 libgl1-mesa-dri"),
     "dxc": Need("Microsoft's DXC, into the cache folder", 67, elsewhere="PyPI, compushady"),
     "fxc": Need("Microsoft's d3dcompiler_47, into the cache folder", 9, elsewhere="PyPI, kivy-deps-angle"),
+    "slang": Need("Slang's compiler, into the cache folder", 88, elsewhere="PyPI, slangpy"),
     "cargo": Need("Rust 1.97.1 or later, and Bevy's crates", 210, elsewhere="https://rustup.rs"),
 }  # fmt: skip
 
 DRAWN = ("core", "opengl", "vulkan")
 BROWSER = ("web", "chromium", "npm")
 ENGINES = ("mono", "love", "java", "ogre", "vulkan-sdk", "reshade")
-EVERYTHING = (*DRAWN, "spirv-cross", "lab", "wine", *BROWSER, *ENGINES, "dxc", "fxc")
+EVERYTHING = (*DRAWN, "spirv-cross", "lab", "wine", *BROWSER, *ENGINES, "dxc", "fxc", "slang")
 
 # What each command needs; '' is validation/run alone, 'test' is validation/test.
 COMMANDS = {
@@ -80,7 +82,7 @@ COMMANDS = {
     "isa": (*DRAWN, "lab", "dxc"),
     "peers": (*DRAWN, *BROWSER),
     "demo": ("core", "opengl", *BROWSER),
-    "compile": (*DRAWN, "spirv-cross", "wine", *BROWSER, "dxc", "fxc"),
+    "compile": (*DRAWN, "spirv-cross", "wine", *BROWSER, "dxc", "fxc", "slang"),
     "": (*DRAWN, "spirv-cross", "wine", "dxc", "fxc"),
     "engines": EVERYTHING,
     "test": EVERYTHING,

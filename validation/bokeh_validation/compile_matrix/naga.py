@@ -56,6 +56,16 @@ def build(vertex: Stage, fragment: Stage) -> CompileResult:
     return accepted("")
 
 
+def module(code: str) -> CompileResult:
+    """Make a module of WGSL, which checks all of it but its bindings and its interface between the stages."""
+    device = driver()
+    try:
+        _module(code)
+    except device.wgpu.GPUError as error:
+        return refused(str(error))
+    return accepted("")
+
+
 @lru_cache(maxsize=4)  # a WGSL module has all entry points, and the vertex stage of SPIR-V is always the same
 def _module(code: str | bytes):
     return driver().device.create_shader_module(code=code)

@@ -14,8 +14,8 @@ REGISTERS = {"b0": 0, "s0": passes.FIRST_SAMPLER} | {
 
 
 def validate(binary: bytes, profile: str = "450") -> CompileResult:
-    """Check a module against the rules of OpenGL 4.5, for the profile 330, or else of Vulkan 1.0."""
-    environment = "opengl4.5" if profile == "330" else "vulkan1.0"
+    """Check a module by the rules of OpenGL 4.5 for the profile 330, of Vulkan 1.2 for slang, else of Vulkan 1.0."""
+    environment = {"330": "opengl4.5", "slang": "vulkan1.2"}.get(profile, "vulkan1.0")
     return VAL.run(["--target-env", environment, "shader.spv"], {"shader.spv": binary})
 
 

@@ -67,9 +67,10 @@ def glsl(entry: str, profile: str = "330", values: Mapping[str, object] | None =
     return head + text("glsl")
 
 
-def hlsl(shader_model: int, values: Mapping[str, object] | None = None) -> str:
-    """A complete HLSL file with every entry point, for shader model 3 to 6."""
-    return defines({"BOKEH_HLSL_SM": shader_model, **(values or {})}) + text("hlsl")
+def hlsl(shader_model: int | None, values: Mapping[str, object] | None = None) -> str:
+    """A complete HLSL file with every entry point, for shader model 3 to 6; None: for that of the compiler."""
+    model = {"BOKEH_HLSL_SM": shader_model} if shader_model else {}
+    return defines({**model, **(values or {})}) + text("hlsl")
 
 
 def wgsl() -> str:

@@ -59,6 +59,8 @@ VARIANTS = (
     ("hlsl", "sm5", "fxc", "glslang spirv-val msl"),
     # Direct3D 12, and Vulkan by way of DXC
     ("hlsl", "sm6", "dxc-spirv", "dxc-dxil spirv-val msl naga"),
+    # Slang, to each of its languages; what Khronos and wgpu say of what comes out
+    ("hlsl", "slang", "slang-spirv slang-glsl slang-wgsl slang-metal", "spirv-val glslang naga"),
     # WebGPU; BOKEH_NUM_SAMPLES is a pipeline constant
     ("wgsl", "wgsl", "naga tint", ""),
 )
@@ -69,7 +71,7 @@ class Program:
     """A shader in one configuration.
 
     variant    such as 'glsl-330' or 'wgsl-viewport': what it is compiled for
-    profile    such as '330' or 'sm6'
+    profile    such as '330', 'sm6' or 'slang'
     entry      an entry's name or VERTEX
     samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
     compilers  those it goes through, of registry.COMPILERS
@@ -118,7 +120,9 @@ class Program:
         if self.language == "glsl":
             return shaders.glsl(self.entry, self.profile, self.configuration)
         if self.language == "hlsl":
-            return shaders.hlsl(int(self.profile.removeprefix("sm")), self.configuration)
+            # Slang is to find out its shader model itself
+            model = None if self.profile == "slang" else int(self.profile.removeprefix("sm"))
+            return shaders.hlsl(model, self.configuration)
         return shaders.wgsl()
 
 

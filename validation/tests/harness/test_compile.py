@@ -3,6 +3,7 @@
 By the main compilers of each language, by all with --all.
 """
 
+import re
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 from support import compiled, disassembled, needed
 from support_inputs import COMPILED
 
-from bokeh_validation import shaders
+from bokeh_validation import paths, shaders
 from bokeh_validation.compile_matrix import (
     FAILED,
     MISSING,
@@ -22,9 +23,11 @@ from bokeh_validation.compile_matrix import (
     naga,
     registry,
 )
-from bokeh_validation.compilers import dxc, glslang, spirv, tool
+from bokeh_validation.compilers import dxc, glslang, slang, spirv, tool
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.run.session import BRIEF
+from bokeh_validation.shaders import passes
+from bokeh_validation.shaders.entries import ENTRIES
 from bokeh_validation.shaders.variants import Program, load
 
 PROGRAMS = load()
@@ -36,6 +39,7 @@ SPIRV = {
     "GLSL": lambda entry: glslang.spirv(shaders.glsl(entry, "450"), "frag", glslang.VULKAN),
     "HLSL": lambda entry: glslang.hlsl(shaders.hlsl(5), "frag", f"{entry}_PS"),
     "HLSL, dxc": lambda entry: dxc.build(shaders.hlsl(6), "frag", f"{entry}_PS"),
+    "HLSL, Slang": lambda entry: slang.build(shaders.hlsl(None), "frag", f"{entry}_PS", "spirv"),
 }
 
 
@@ -70,8 +74,8 @@ def test_an_undeclared_name_is_noticed(program):
     result = compile_programs([program], edit=lambda source: source.replace(right, wrong))
     lines = shaders.file_text(program.language, "bokeh_paper").splitlines()
     first = next(index for index, line in enumerate(lines, 1) if right in line)
-    takes_text = {name for name in program.compilers if name not in ("spirv-val", "msl")}
-    takes_text -= {"naga"} if program.language == "hlsl" else set()
+    own = set(program.compilers)
+    takes_text = own - {one.name for one in registry.COMPILERS if own & set(one.takes)}
     assert {name for _, name, _ in cells_of(result, program.variant)} == takes_text
     for _, _, cell in cells_of(result, program.variant):
         assert cell.status == FAILED
@@ -95,16 +99,27 @@ def test_depth_and_kernel_need_no_filtering_sampler():
     assert all("filterable" in cell.message.lower() for _, name, cell in cells_of(result, "wgsl") if name == "naga")
 
 
+def test_slang_bindings():
+    """Slang's options in own-engine.md are those of the harness, and bind as the page says."""
+    assert " ".join(slang.SHIFTS) in (paths.ROOT / "docs/own-engine.md").read_text(encoding="utf-8")
+    text = disassembled(compiled(partial(SPIRV["HLSL, Slang"], "BokehComposite")).binary)
+    bound = {name: int(place) for name, place in re.findall(r"OpDecorate %(\w+) Binding (\d+)", text)}
+    read = [*ENTRIES["BokehComposite"].textures]
+    wanted = {f"Bokeh{slot}": list(passes.BINDINGS).index(slot) + 1 for slot in read}
+    assert bound == {**wanted, "BokehLinearClamp": 9, "BokehParameters": 0}
+
+
 @pytest.mark.parametrize(
     "build",
     [
         lambda: glslang.parse("#version 330\nvoid other() {}\n", "frag"),
         lambda: SPIRV["HLSL"]("BokehNone"),
         lambda: SPIRV["HLSL, dxc"]("BokehNone"),
+        lambda: SPIRV["HLSL, Slang"]("BokehNone"),
         lambda: spirv.validate(SPIRV["GLSL"]("BokehDebug").binary[:400]),
         lambda: spirv.msl(SPIRV["GLSL"]("BokehDebug").binary[:400]),
     ],
-    ids=["glslang", "glslang HLSL", "dxc", "spirv-val", "spirv-cross"],
+    ids=["glslang", "glslang HLSL", "dxc", "slang", "spirv-val", "spirv-cross"],
 )
 def test_what_is_missing_is_noticed(build):
     """An entry point, the end of a module."""
