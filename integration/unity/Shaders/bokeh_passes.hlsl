@@ -184,13 +184,20 @@ void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, o
 
 #else
 
+struct BokehVertex
+{
+    float4 position : SV_Position;
+    float2 uv : TEXCOORD0;
+};
+
 // Three vertices without a buffer. Clip space has +y up and v = 0 is the first row: v runs against
 // y.
-void BokehFullScreen_VS(uint id : SV_VertexID, out float4 position : SV_Position, out float2 uv :
-    TEXCOORD0)
+BokehVertex BokehFullScreen_VS(uint id : SV_VertexID)
 {
-    uv = float2(id == 1 ? 2.0 : 0.0, id == 2 ? 2.0 : 0.0);
-    position = float4(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0);
+    BokehVertex result;
+    result.uv = float2(id == 1 ? 2.0 : 0.0, id == 2 ? 2.0 : 0.0);
+    result.position = float4(result.uv.x * 2.0 - 1.0, 1.0 - result.uv.y * 2.0, 0.0, 1.0);
+    return result;
 }
 
 #endif

@@ -60,7 +60,7 @@ VARIANTS = (
     # Direct3D 12, and Vulkan by way of DXC
     ("hlsl", "sm6", "dxc-spirv", "dxc-dxil spirv-val msl naga"),
     # Slang, to each of its languages; what Khronos and wgpu say of what comes out
-    ("hlsl", "slang", "slang-spirv slang-glsl slang-wgsl slang-metal", "spirv-val glslang naga"),
+    ("hlsl", "slang", "slang-spirv slang-glsl slang-wgsl slang-metal naga", "spirv-val glslang"),
     # WebGPU; BOKEH_NUM_SAMPLES is a pipeline constant
     ("wgsl", "wgsl", "naga tint", ""),
 )
