@@ -32,6 +32,33 @@ const SHARP =
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
 let rendererState;
 
+const targetOf = (renderer) => [renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel()];
+
+// Renderer -> { calling: whether compileAsync is being called, target: what was set before it goes on }
+const compiling = new WeakMap();
+
+// New versions of three.js compile in pieces between frames. For each piece they set the target that was set when
+// compileAsync was called, and leave it set: what a frame in between draws onto the canvas would go there. Have them set
+// what was set before the piece. Old versions do not have these methods, nor the defect.
+function compilingOf(renderer) {
+  if (!compiling.has(renderer)) {
+    const state = { calling: false, target: [null] };
+    const { _beginPreCompile: begin, _finishPreCompile: finish } = renderer;
+    if (begin && finish) {
+      renderer._beginPreCompile = (...given) => {
+        if (!state.calling) state.target = targetOf(renderer);
+        begin.apply(renderer, given);
+      };
+      renderer._finishPreCompile = () => {
+        finish.call(renderer);
+        if (!state.calling) renderer.setRenderTarget(...state.target);
+      };
+    }
+    compiling.set(renderer, state);
+  }
+  return compiling.get(renderer);
+}
+
 // The node of the texture that holds what `node` computes. Only an expression is drawn into a texture of its own.
 function textureOf(node) {
   const held = node.getTextureNode?.() ?? node;
@@ -136,20 +163,26 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     if (renderer) {
       this.fill(made);
       this.resize(made.passes);
-      for (const { target, quad } of made.passes) {
-        rendererState = RendererUtils.resetRendererState(renderer, rendererState);
-        renderer.setRenderTarget(target);
-        const { depth } = renderer;
-        renderer.depth = false; // compileAsync takes this for the target's
-        const compiled = renderer.compileAsync(quad, quad.camera);
-        renderer.depth = depth;
-        RendererUtils.restoreRendererState(renderer, rendererState);
-        await compiled; // three.js compiles one at a time
-      }
+      for (const { target, quad } of made.passes) await this.compile(target, quad); // three.js compiles one at a time
     }
     // a later change is not undone by an earlier one whose shaders took longer
     this.discard(this.changing === made ? this : made);
     if (this.changing === made) Object.assign(this, made);
+  }
+
+  compile(target, quad) {
+    const { renderer } = this;
+    const state = compilingOf(renderer);
+    Object.assign(state, { calling: true, target: targetOf(renderer) });
+    rendererState = RendererUtils.resetRendererState(renderer, rendererState);
+    renderer.setRenderTarget(target);
+    const { depth } = renderer;
+    renderer.depth = false; // compileAsync takes this for the target's
+    const compiled = renderer.compileAsync(quad, quad.camera);
+    renderer.depth = depth;
+    RendererUtils.restoreRendererState(renderer, rendererState);
+    state.calling = false;
+    return compiled;
   }
 
   // Why it cannot draw; three.js logs what setup() throws, and goes on

@@ -31,6 +31,12 @@ for (const version of VERSIONS) {
       });
     }
 
+    await t.test('frames while shaders are compiled are as before, on the canvas too', async () => {
+      const { off, count } = await call('between', { sides: 4 });
+      assert.equal(off, 0);
+      assert.ok(count > 2, `${count}`);
+    });
+
     await t.test('it follows the camera of its scene\'s pass', async () => {
       assert.deepEqual(await call('camera'), { off: 0, kind: 5, far: 40 });
     });

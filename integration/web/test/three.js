@@ -16,7 +16,7 @@ const EXTRAS = [
   ['focusRange', {}, { nearScale: 0 }, {}],
 ];
 // without them Chromium's software device dies as soon as WebGPU draws onto a canvas
-const CANVAS = ['--enable-features=Vulkan', '--use-vulkan=swiftshader'];
+export const CANVAS = ['--enable-features=Vulkan', '--use-vulkan=swiftshader'];
 
 // Open pages/webgl.js or webgpu.js with a three.js
 export function openedWith(version, kind) {

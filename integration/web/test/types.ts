@@ -6,6 +6,7 @@ import { PolygonBokeh } from 'polygonal-bokeh/babylon';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
 import { PolygonBokehPass as PmndrsPass } from 'polygonal-bokeh/postprocessing';
 import { PolygonBokeh as Component } from 'polygonal-bokeh/react';
+import { PolygonBokeh as WebGPUComponent } from 'polygonal-bokeh/react-webgpu';
 import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
 import * as pmndrs from 'postprocessing';
@@ -14,7 +15,7 @@ import { Mesh, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { mrt, normalView, output, pass } from 'three/tsl';
-import { RenderPipeline, WebGPURenderer } from 'three/webgpu';
+import { type PassNode, RenderPipeline, WebGPURenderer } from 'three/webgpu';
 
 const [scene, camera] = [new Scene(), new PerspectiveCamera()];
 
@@ -62,6 +63,14 @@ export function react(composer: pmndrs.EffectComposer): unknown {
   return createElement(Component, { fStop: 2, focus, tau: 0.2, sides: 8, maxCoC: 0.05, ref: createRef<PmndrsPass>() });
 }
 
+export function reactWebGPU(): unknown {
+  const before = (scenePass: PassNode) => [scenePass.getTextureNode().mul(0.5), scenePass.getTextureNode('depth')] as const;
+  const after = (bokeh: PolygonBokehNode) => bokeh.mul(0.5);
+  return createElement(WebGPUComponent, { fStop: 2, before, after, sharpLayer: 1, ref: createRef<PolygonBokehNode>() });
+}
+
+// @ts-expect-error
+createElement(WebGPUComponent, { before: () => null });
 // @ts-expect-error
 createElement(Component, { sides: 5 });
 // @ts-expect-error

@@ -39,13 +39,26 @@ def test_uniforms():
     assert members("common.d.ts", "Lens") == keys("common.js", "LENS") | extras()
 
 
+def strings(file: str, name: str) -> set[str]:
+    """Of a list `const NAME = [ .. ];`."""
+    text = (WEB / file).read_text(encoding="utf-8")
+    return set(re.findall(r"'(\w+)'", re.search(rf"const {name} = \[(.*?)\];", text)[1]))
+
+
 def test_react():
-    """The properties that the component takes out of its own, beside its pass's options."""
-    taken = re.search(r"const \{ (.*?), \.\.\.uniforms \} = props", (WEB / "react.js").read_text(encoding="utf-8"))[1]
-    names = {name.partition(" ")[0] for name in taken.split(", ")}
+    """The properties that the components take beside uniforms: options, those of the lens, and those of their own."""
     options = members("common.d.ts", "Options") | members("three-common.d.ts", "ThreeOptions")
+    lens, react = strings("react-common.js", "OTHERS"), {"ref"}
+    assert strings("react.js", "OPTIONS") == options
     # a uniform of the pass, which all that is left over is
-    assert members("react.d.ts", "PolygonBokehProps") - {"debugMode"} == names - options
+    assert members("react.d.ts", "PolygonBokehProps") - {"debugMode"} == lens | react
+    node = members("three-webgpu.d.ts", "NodeOptions")
+    assert strings("react-webgpu.js", "OPTIONS") == options | node
+    own = {"before", "after"}
+    assert f"OPTIONS, {sorted(own, reverse=True)})" in (WEB / "react-webgpu.js").read_text(encoding="utf-8")
+    assert members("react-webgpu.d.ts", "PolygonBokehProps") == node | react | own
+    omitted = re.search(r"Omit<Lens, (.*?)>", (WEB / "react.d.ts").read_text(encoding="utf-8"))[1]
+    assert strings("react-common.js", "OF_LENS") == set(re.findall(r"\w+", omitted))
 
 
 def test_engine_options():

@@ -151,7 +151,7 @@ DEFAULTS = {
     "web/three-common.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/babylon.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/playcanvas.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
-    "web/react.js": (r"alpha, fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
+    "web/react-common.js": (r"const \{ fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
     "reshade/Shaders/PolygonalBokeh.fx": (
         r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
 }  # fmt: skip

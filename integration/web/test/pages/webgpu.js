@@ -107,6 +107,22 @@ window.bokeh = {
     return { off: off(result, wanted), acts: off(before, wanted), added };
   },
 
+  // Frames while the shaders of a change are compiled: how far from those before it, and how many there were
+  async between(change) {
+    const made = chain(makeScene(), {});
+    const before = await drawn(made);
+    let ended = false;
+    made.bokeh.change(change).then(() => (ended = true));
+    const found = [];
+    while (!ended) {
+      made.pipeline.render(); // onto the canvas
+      const image = await drawn(made);
+      if (!ended) found.push(off(image, before));
+      await new Promise(requestAnimationFrame);
+    }
+    return { off: Math.max(...found), count: found.length };
+  },
+
   // Another camera of another kind, and the planes that the node reads
   async camera() {
     const made = chain(makeScene(), {});

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+//
+// What the components for react-three-fiber share: their properties, checked, and handed on in each frame.
+
+import { useEffect, useRef, useState } from 'react';
+import { EXTRAS, uniformsOf } from './common.js';
+
+const OTHERS = ['fStop', 'bokehScale', 'focus', 'tau'];
+const OF_REACT = ['ref', 'children', 'key'];
+// What the lens and the focus are set by, in each frame
+const OF_LENS = ['apertureDiameter', 'focalLength', 'focusDistance'];
+
+// The options among the properties, as the class takes them
+export const optionsOf = (props, names) => Object.fromEntries(names.map((name) => [name, props[name]]));
+
+// Keep a pass or node as the properties say. Returns what is to be called in each frame, with its seconds.
+//
+// bokeh    a PolygonBokehPass or PolygonBokehNode
+// names    of its options; they may change
+// own      properties of the component besides
+// Throws an Error for a property that there is not, and for an f-stop or uniform that is no number.
+export function useBokeh(bokeh, props, names, own = []) {
+  const { fStop = 2.8, bokehScale = 10, focus = 5, tau = 0, ...others } = props;
+  const options = optionsOf(props, names);
+  const [, fail] = useState();
+  const defaults = useRef({});
+  const extras = Array.isArray(props.extras) ? props.extras : [];
+  const numbers = ['debugMode', ...Object.keys(uniformsOf({ extras }))].filter((name) => !OF_LENS.includes(name));
+  const wrong = refused(props, [...names, ...OTHERS, ...own], numbers);
+  if (wrong) throw new Error(`polygonal-bokeh, <PolygonBokeh>: ${wrong}`);
+
+  const key = JSON.stringify(options);
+  const drawn = useRef({});
+  useEffect(() => {
+    const changed = drawn.current.bokeh === bokeh && drawn.current.key !== key;
+    drawn.current = { bokeh, key };
+    if (!changed) return;
+    bokeh.change(options).catch((error) =>
+      fail(() => {
+        throw error;
+      }),
+    );
+  }, [bokeh, key]);
+  useEffect(() => () => bokeh.dispose(), [bokeh]);
+
+  const set = numbers.filter((name) => name in others);
+  return (dt) => {
+    for (const name of new Set([...Object.keys(defaults.current), ...set])) {
+      const uniform = bokeh.uniforms[name];
+      if (!uniform) continue; // of an extra whose shaders are not compiled yet
+      if (!(name in defaults.current)) defaults.current[name] = uniform.value;
+      uniform.value = others[name] ?? defaults.current[name];
+    }
+    // it has no field of view, and the one that a camera before it had does not count
+    if (bokeh.camera.isOrthographicCamera) bokeh.uniforms.focalLength.value = uniformsOf({ extras: [] }).focalLength;
+    bokeh.setLens(fStop, bokehScale);
+    const aim = focus.current ?? focus;
+    bokeh.pullFocus(dt, [typeof aim === 'number' ? aim : bokeh.depthOf(aim)], tau);
+  };
+}
+
+// What is wrong with properties, or nothing. Told while React renders: an error boundary gets it, once.
+function refused({ fStop = 1, bokehScale = 1, ...others }, names, numbers) {
+  if (!(fStop > 0)) return `fStop is ${fStop}. Give a number above 0.`;
+  if (!(bokehScale >= 0)) return `bokehScale is ${bokehScale}. Give 0 or a number above it.`;
+  for (const [name, value] of Object.entries(others)) {
+    if ([...names, ...OF_REACT].includes(name)) continue;
+    if (!numbers.includes(name)) {
+      const [extra] = Object.entries(EXTRAS).find(([, uniforms]) => name in uniforms) ?? [];
+      if (extra) return `${name} needs extras={['${extra}']}.`;
+      return `there is no property ${name}. There are ${[...names, ...numbers].join(', ')}.`;
+    }
+    if (value !== undefined && !Number.isFinite(value)) return `${name} is ${value}. Give a number.`;
+  }
+  return '';
+}
