@@ -1,6 +1,8 @@
 // For the validation suite only: every method and shape, and what went into it, as raw pixels.
 
-import { FILLMODE_NONE, PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
+import { BoundingBox, Entity, FILLMODE_NONE, FloatPacking, GSplatComponentSystem } from 'playcanvas';
+import { GSplatContainer, GSplatFormat } from 'playcanvas';
+import { PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
 import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
 import { addBokeh, app, box, camera, depthsUnder, frame as first, subject } from './sample.js';
 
@@ -42,8 +44,14 @@ const pixels = (texture) => texture.read(0, 0, texture.width, texture.height, { 
 
 // A frame's pixels, first row in memory first
 async function read({ renderPassCamera: { bokeh } }) {
-  const { color, metres, result } = bokeh.textures;
-  return { color: await pixels(color), depth: await pixels(metres), result: await pixels(result) };
+  const { color, depth, result } = bokeh.textures;
+  return { color: await pixels(color), depth: await pixels(depth), result: await pixels(result) };
+}
+
+// Its depth in metres: the scene pass writes 1 / metres
+async function metresOf(frame) {
+  const { depth } = await read(frame);
+  return frame.renderPassCamera.sceneDepthTexture ? depth.map((value) => 1 / value) : depth;
 }
 
 // What every pass wrote, in the order of docs/reference/passes.md
@@ -68,7 +76,7 @@ export async function capture() {
       const name = `${method}-${aperture}`;
       const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
       const frame = await draw({ method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, ...settings(method, frame.uniforms) };
+      const shot = { name, method, aperture, width, height, ...settings(method, frame) };
       for (const [what, array] of Object.entries(await read(frame))) {
         shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
         files[shot[what]] = base64(array);
@@ -101,11 +109,12 @@ const adapter = ({ adapterInfo: { vendor, architecture, description } }) =>
   [vendor, architecture, description].filter(Boolean).join(' ');
 
 // What the shaders got, which is float32.
-function settings(method, uniforms) {
+function settings(method, { uniforms, renderPassCamera: { sceneDepthTexture } }) {
   const value = (name) => Math.fround(uniforms[name]);
   return {
     // paper's lines with the preset's samples; the others have it themselves
     ...(method === 'paper' && { samples: 9, spacing: 1.5 }),
+    ...(sceneDepthTexture && { stored: { kind: 3, near: 1, far: 0 } }),
     camera: {
       aperture_diameter: value('apertureDiameter'),
       focal_length: value('focalLength'),
@@ -122,7 +131,7 @@ export async function depths() {
   const found = [];
   for (const [name, projection] of Object.entries({ PROJECTION_PERSPECTIVE, PROJECTION_ORTHOGRAPHIC })) {
     Object.assign(camera, { projection, orthoHeight: 1.2 });
-    const { depth } = await read(await draw({}, [WIDTH, HEIGHT]));
+    const depth = await metresOf(await draw({}, [WIDTH, HEIGHT]));
     const [drawn, met] = [[], []];
     for (let row = 0; row < HEIGHT; row++) {
       for (let x = 0; x < WIDTH / 10; x++) {
@@ -149,7 +158,7 @@ export async function views() {
   const found = { views: {} };
   for (const mode of [0, 1, 2, 3]) {
     const frame = await draw({ opaque: false }, [WIDTH, HEIGHT], (changed) => (changed.debugMode = mode));
-    const { depth, result } = await read(frame);
+    const [depth, { result }] = [await metresOf(frame), await read(frame)];
     const { focusDistance, maxCoC } = frame.uniforms;
     Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
     if (mode === 0) found.coc = base64(result);
@@ -175,9 +184,62 @@ export async function effects() {
     const { bokeh, scenePassHalf } = frame.renderPassCamera;
     const { result } = bokeh.textures;
     const blooms = scenePassHalf?.sourceTexture === result;
-    found[effect] = { size: [result.height, result.width], result: base64(await pixels(result)), blooms };
+    const { prePass } = frame.renderPassCamera;
+    const shown = { size: [result.height, result.width], result: base64(await pixels(result)) };
+    found[effect] = { ...shown, blooms, prepass: Boolean(prePass) };
   }
   return found;
+}
+
+const SPLATS = [32, 24, 2.5]; // columns, rows, metres before the camera
+
+// A wall of Gaussian splats before the camera
+function addSplats() {
+  const [columns, rows, distance] = SPLATS;
+  const count = columns * rows;
+  if (!app.systems.gsplat) app.systems.add(new GSplatComponentSystem(app));
+  const device = app.graphicsDevice;
+  const container = new GSplatContainer(device, count, GSplatFormat.createSimpleFormat(device));
+  const [centers, colors] = ['dataCenter', 'dataColor'].map((name) => container.getTexture(name));
+  const [places, shades] = [centers.lock(), colors.lock()];
+  for (let i = 0; i < count; i++) {
+    const [x, y] = [((i % columns) - columns / 2) * 0.06, (Math.floor(i / columns) - rows / 2) * 0.06];
+    places.set([x, y, -distance, 0.05], 4 * i);
+    shades.set([0.9, 0.5, 0.2, 1].map((value) => FloatPacking.float2Half(value)), 4 * i);
+    container.centers.set([x, y, -distance], 3 * i);
+  }
+  centers.unlock();
+  colors.unlock();
+  container.aabb = new BoundingBox(new Vec3(0, 0, -distance), new Vec3(1, 1, 0.1));
+  container.update();
+  const entity = new Entity();
+  entity.addComponent('gsplat', { resource: container });
+  camera.entity.addChild(entity);
+  return entity;
+}
+
+// Splats, which a prepass does not draw: metres in the middle of the picture without them, with them, and with them where
+// they write depth; metres that they are away
+export async function splats() {
+  const found = [];
+  const look = async () => {
+    const frame = await draw({}, [WIDTH, HEIGHT]);
+    // they are sorted beside the frames
+    for (let i = 0; i < 20; i++) {
+      await new Promise((done) => setTimeout(done, 20));
+      await drawn();
+    }
+    found.push((await metresOf(frame))[(HEIGHT * WIDTH + WIDTH) / 2]);
+  };
+  await look();
+  const entity = addSplats();
+  const { gsplat } = app.scene;
+  await look();
+  gsplat.sceneDepthWrite = true;
+  await look();
+  gsplat.sceneDepthWrite = false;
+  entity.destroy();
+  return { found, distance: SPLATS[2] };
 }
 
 // What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode

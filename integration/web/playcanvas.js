@@ -10,8 +10,8 @@ import { checked, diameter, pulled, uniformsOf } from './common.js';
 import { declared, frame, library, stored, views } from './frames.js';
 import { GLSL, WGSL } from './shaders.js';
 
-// What CameraFrame draws as depth, as BokehLinearDepth reads it: metres
-const DEPTH = '0, 0.0, 0.0';
+// What CameraFrame has as depth, as BokehLinearDepth reads it: metres from a prepass; 1 / metres from the scene pass
+const DEPTH = { prepass: '0, 0.0, 0.0', scene: '3, 1.0, 0.0' };
 
 // The names of uniforms and textures are common to all shaders of PlayCanvas: these get a prefix.
 const own = (name) => `bokeh_${name}`;
@@ -135,14 +135,15 @@ class BokehPass extends RenderPassShaderQuad {
 
 // All passes from colour and depth to the result: textures.color, .depth and .metres are set before each frame
 class PolygonBokeh extends FramePass {
-  constructor(device, uniforms, options) {
+  // held  a key of DEPTH: what textures.depth holds
+  constructor(device, uniforms, options, held) {
     super(device);
     this.uniforms = uniforms;
     this.textures = { color: null, depth: null, metres: null };
     const { method, sides, preset, opaque, extras } = options;
     const language = device.isWebGPU ? IN_WGSL : IN_GLSL;
     const text = language.library(options);
-    const rows = frame(options, DEPTH);
+    const rows = frame(options, DEPTH[held]);
     this.targets = rows.map(([writes]) => {
       const colorBuffers = writes.map((name) => (this.textures[name] = this.texture(name)));
       return new RenderTarget({ name: writes[0], colorBuffers, depth: false });
@@ -153,7 +154,7 @@ class PolygonBokeh extends FramePass {
       const last = opaque && target === this.targets.at(-1);
       const reads = Object.keys(this.textures).filter((name) => new RegExp(`\\b${name}\\b`).test(call));
       const shader = ShaderUtils.createShader(device, {
-        uniqueName: ['bokeh', method, sides, preset, ...extras, last, place].join('-'),
+        uniqueName: ['bokeh', method, sides, preset, ...extras, held, last, place].join('-'),
         attributes: { aPosition: SEMANTIC_POSITION },
         vertexGLSL: IN_GLSL.vertex,
         vertexWGSL: IN_WGSL.vertex,
@@ -162,7 +163,7 @@ class PolygonBokeh extends FramePass {
       return new BokehPass(this, shader, scale, reads, target);
     };
     this.passes = rows.map((row, i) => pass(row, i, this.targets[i]));
-    this.views = views(method, DEPTH).map((row, i) => pass(row, `view${i}`, this.targets.at(-1)));
+    this.views = views(method, DEPTH[held]).map((row, i) => pass(row, `view${i}`, this.targets.at(-1)));
     this.beforePasses.push(...this.passes, ...this.views);
   }
 
@@ -198,11 +199,20 @@ class PolygonBokeh extends FramePass {
 }
 
 class BokehCameraFrame extends FramePassCameraFrame {
+  // Depth as PlayCanvas has it for its own depth of field: from the scene pass, where Gaussian splats can be in it, or, with
+  // multisampling and on devices that cannot blend targets apart, from a prepass. paper reads metres, which only that has.
+  sanitizeOptions(options) {
+    const paper = this.cameraFrame?.bokehOptions?.method === 'paper';
+    const given = { ...options, dofEnabled: true, prepassEnabled: paper || options?.prepassEnabled };
+    return { ...super.sanitizeOptions(given), dofEnabled: options?.dofEnabled ?? false };
+  }
+
   createPasses(options) {
     super.createPasses(options);
     const { uniforms, bokehOptions } = this.cameraFrame;
     // CameraFrame makes its first passes before it is told of these
-    this.bokeh = uniforms && new PolygonBokeh(this.device, uniforms, bokehOptions);
+    const held = this.sceneDepthTexture ? 'scene' : 'prepass';
+    this.bokeh = uniforms && new PolygonBokeh(this.device, uniforms, bokehOptions, held);
   }
 
   collectPasses() {
@@ -216,7 +226,8 @@ class BokehCameraFrame extends FramePassCameraFrame {
     const { textures } = this.bokeh;
     this.bokeh.debugMode = this.cameraFrame.debugMode;
     textures.color = this.composePass.sceneTexture;
-    textures.depth = textures.metres = this.prePass.linearDepthTexture;
+    textures.metres = this.prePass?.linearDepthTexture;
+    textures.depth = this.sceneDepthTexture ?? textures.metres;
     this.composePass.sceneTexture = textures.result;
     this.scenePassHalf?.setSourceTexture(textures.result);
   }
@@ -240,7 +251,6 @@ export class PolygonBokehFrame extends CameraFrame {
     this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
     this.bokehOptions = bokehOptions;
     this.rendering.renderFormats = [PIXELFORMAT_RGBA16F];
-    this.rendering.sceneDepthMap = true; // a first pass for depth, in metres
     this.update();
   }
 

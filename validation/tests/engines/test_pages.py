@@ -70,10 +70,21 @@ def test_other_effects(sample):
     assert found.pop("scale").shape[:2] == (SIZE[0] // 2, SIZE[1] // 2)
     np.testing.assert_array_equal(found.pop("bloom"), plain)
     assert [name for name, one in said.items() if one["blooms"]] == ["bloom"]
+    # occlusion of the light and multisampling need a prepass; else depth comes from the scene pass
+    assert {name for name, one in said.items() if one["prepass"]} == {"ssao", "samples"}
     # of the picture's light; the most by TAA, which dims lamps of a pixel or two before they are blurred
     off = {name: (np.abs(result - plain).mean() / plain[..., :3].mean()) for name, result in found.items()}
     assert set(off) == {"ssao", "taa", "samples"}
     assert all(0 < by < 0.3 for by in off.values()), off
+
+
+@pytest.mark.parametrize("sample", samples(["playcanvas-webgl", "playcanvas-webgpu"]), indirect=True)
+def test_splats(sample):
+    """Gaussian splats that write depth are in the depth that is blurred by."""
+    said = sample[1].call("splats", None)
+    wall, without, splats = said["found"]
+    assert wall == without > 1.5 * said["distance"]
+    assert splats == pytest.approx(said["distance"], rel=0.02)
 
 
 @pytest.mark.parametrize(
