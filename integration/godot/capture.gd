@@ -32,6 +32,7 @@ void fragment()
 var _asked := JavaScriptBridge.create_callback(_answer)
 # expression of _read's jobs -> the shader that reads it
 var _shaders := {}
+var _effect: Resource
 
 
 func _ready() -> void:
@@ -65,7 +66,7 @@ func capture(shapes: Variant) -> Dictionary:
 func _shot(files: Dictionary, method: String, aperture: String, sides: int) -> Dictionary:
 	var size := ODD if method == "layered" else SHOT
 	var host := _host(size)
-	var bokeh: Sample.PolygonBokeh = host.get_child(0).bokeh
+	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = method
 	bokeh.sides = sides
 	bokeh.preset = PRESETS.get(aperture, "MEDIUM") if method != "paper" else "MEDIUM"
@@ -117,7 +118,7 @@ func _drawn() -> void:
 
 
 # What the shaders got, which is float32
-func _lens(bokeh: Sample.PolygonBokeh, focus: PackedByteArray) -> Dictionary:
+func _lens(bokeh: PolygonBokeh, focus: PackedByteArray) -> Dictionary:
 	var lens := { focus_distance = focus.decode_half(4) + focus.decode_half(6) }
 	for key: String in ["aperture_diameter", "focal_length", "sensor_height", "max_coc"]:
 		lens[key] = PackedFloat32Array([bokeh._values[key]])[0]
@@ -214,7 +215,7 @@ func _meets(camera: Camera3D, pixel: Vector2) -> float:
 func views(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	host.use_hdr_2d = true # not rounded to 8 bits
-	var bokeh: Sample.PolygonBokeh = host.get_child(0).bokeh
+	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = "exact"
 	await _drawn()
 	var textures := bokeh.textures
@@ -235,7 +236,7 @@ func views(_argument: Variant) -> Dictionary:
 # Autofocus: { frame, seconds, places: [[u, v], ...], depth, before, distances: [metres after each frame] }
 func pull(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
-	var bokeh: Sample.PolygonBokeh = host.get_child(0).bokeh
+	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = "exact"
 	bokeh.target = null
 	bokeh.distance = 2.0
@@ -261,7 +262,7 @@ func pull(_argument: Variant) -> Dictionary:
 # The result of the first frame after a change, and of a later one: { first, later, before }
 func latency(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
-	var bokeh: Sample.PolygonBokeh = host.get_child(0).bokeh
+	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	await _drawn()
 	var found := { before = await _result(bokeh) }
 	bokeh.pull_seconds = 0.0
@@ -277,11 +278,11 @@ func latency(_argument: Variant) -> Dictionary:
 	return found
 
 
-func _result(bokeh: Sample.PolygonBokeh) -> String:
+func _result(bokeh: PolygonBokeh) -> String:
 	return Marshalls.raw_to_base64(_joined(await _read(_halves(bokeh.textures.result)), 0))
 
 
-func _drawing(bokeh: Sample.PolygonBokeh, mode: SubViewport.UpdateMode) -> void:
+func _drawing(bokeh: PolygonBokeh, mode: SubViewport.UpdateMode) -> void:
 	for child in bokeh.get_children(true):
 		if child is SubViewport:
 			child.render_target_update_mode = mode
@@ -313,3 +314,35 @@ func interaction(_argument: Variant) -> Dictionary:
 	said.had = children
 	host.queue_free()
 	return said
+
+
+# Whether the effect for the other renderers is a script that this Godot can read, and the passes of its frames. It has
+# no RenderingDevice here, so nothing of it is drawn. The first call makes it, which warns of that.
+func compositor(_nothing: Variant) -> Dictionary:
+	var script: GDScript = load("res://addons/polygon_bokeh/polygon_bokeh_effect.gd")
+	if _effect == null:
+		_effect = script.new()
+	var effect := _effect
+	var projection := Projection.create_perspective(50.0, 1.5, 0.1, 100.0)
+	return {
+		read = script.can_instantiate() and load("res://forward_plus.gd").can_instantiate(), base = script.get_instance_base_type(), class_title = script.get_global_name(),
+		stage = effect.effect_callback_type, color = effect.access_resolved_color, depth = effect.access_resolved_depth,
+		frames = effect.Frames.FRAMES,
+		parameters = Array(effect._parameters(projection, Vector2i(64, 48)).to_float32_array()),
+	}
+
+
+# What the editor tells of a node in the wrong place, and of one in its place
+func warnings(_nothing: Variant) -> Dictionary:
+	var node := PolygonBokeh.new()
+	node.method = "paper"
+	node.sides = 10
+	add_child(node)
+	var wrong := node._get_configuration_warnings()
+	remove_child(node)
+	var camera := Camera3D.new()
+	camera.add_child(node)
+	node.sides = 6
+	var right := node._get_configuration_warnings()
+	camera.free()
+	return { wrong = wrong, right = right }

@@ -1,7 +1,6 @@
 # The sample: a scene, a camera, and depth of field for it.
 extends Node3D
 
-const PolygonBokeh := preload("res://addons/polygon_bokeh/polygon_bokeh.gd")
 const Stage := preload("res://stage.gd")
 
 var camera: Camera3D

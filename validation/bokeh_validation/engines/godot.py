@@ -4,6 +4,7 @@ The web build is the only one that a package registry has, and its renderer is C
 as its files are: text scenes, shaders and scripts need no import.
 """
 
+import re
 import struct
 from hashlib import md5
 from pathlib import Path
@@ -18,14 +19,13 @@ PACKAGE = paths.VALIDATION / "godot"
 # The version that it is
 VERSION = (4, 6, 0)
 
-# What the project does not have: a scene that makes captures, and a list that the editor writes.
+# What the project does not have: a scene that makes captures. classes() is a list that the editor writes.
 ADDED = {
     "capture.tscn": b"""[gd_scene load_steps=2 format=3]
 [ext_resource type="Script" path="res://capture.gd" id="1"]
 [node name="Capture" type="Node"]
 script = ExtResource("1")
 """,
-    ".godot/global_script_class_cache.cfg": b"list=[]\n",
 }
 PAGE = b"""<!doctype html><canvas id="canvas" width="640" height="480"></canvas><script src="index.js"></script><script>
 const args = ["--audio-driver", "Dummy"];
@@ -67,8 +67,24 @@ def project() -> dict[str, bytes]:
     """Path -> content of what is packed."""
     sources = sorted(path for path in SAMPLE.rglob("*") if path.is_file() and path.suffix not in (".md", ".png"))
     files = {path.relative_to(SAMPLE).as_posix(): path.read_bytes() for path in sources} | ADDED
+    files[".godot/global_script_class_cache.cfg"] = classes(files)
     files["project.godot"] = files["project.godot"].replace(b"sample.tscn", b"capture.tscn")
     return files
+
+
+def classes(files: dict[str, bytes]) -> bytes:
+    """The editor's list of the scripts with a class name, without which no script knows another's."""
+    rows = []
+    for name, content in files.items():
+        found = (
+            re.search(rb"^class_name (\w+)\nextends (\w+)$", content, re.MULTILINE) if name.endswith(".gd") else None
+        )
+        if found:
+            rows.append(
+                f'{{"base": &"{found[2].decode()}", "class": &"{found[1].decode()}", "icon": "", "is_abstract": false, '
+                f'"is_tool": true, "language": &"GDScript", "path": "res://{name}"}}'
+            )
+    return f"list=[{', '.join(rows)}]\n".encode()
 
 
 def packed(files: dict[str, bytes]) -> bytes:

@@ -11,7 +11,7 @@ import typer
 from bokeh_validation import files, paths, plan, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
-from bokeh_validation.generate import copies, samples
+from bokeh_validation.generate import compositor, copies, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -102,6 +102,8 @@ def context() -> dict:
         "after_map": samples.after_map,
         "camel": samples.camel,
         "targets": samples.targets,
+        "compositor_frame": compositor.frame,
+        "compositor_versions": compositor.versions(),
         "presets": presets(),
         "polygons": lambda method: samples.polygons(method).items(),
         "parameters": fields,

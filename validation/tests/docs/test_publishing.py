@@ -31,7 +31,7 @@ def test_version():
     for path in INTEGRATION.glob("*/addons/*/plugin.cfg"):
         found[str(path)] = re.search(r'^version="(.*)"$', path.read_text(encoding="utf-8"), re.MULTILINE)[1]
     for language in paths.LANGUAGES:
-        for path in (paths.ROOT / language).iterdir():
+        for path in (paths.ROOT / language).glob(f"*.{language}"):
             found[str(path)] = re.search(r"Version (\S+)\.( |$)", path.read_text(encoding="ascii"), re.MULTILINE)[1]
     assert len(found) >= 3 + 2 + 3 * 3
     assert set(found.values()) == {__version__}, found

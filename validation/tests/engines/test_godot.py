@@ -1,6 +1,6 @@
 """integration/godot: what its guide says of shaders, colour, depth, focus, debug views and frames is so."""
 
-from math import exp
+from math import exp, radians, tan
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from support import needed
 from support_inputs import of_sample
 from support_pages import SIZE, assert_debug_views, pixels
 
+from bokeh_validation import browser
 from bokeh_validation.engines import godot
 
 pytestmark = of_sample("godot")
@@ -89,3 +90,24 @@ def test_no_frame_late(sample):
     before, first, later = (pixels(said[name]) for name in ("before", "first", "later"))
     assert abs(before.astype(float) - first).max() > 0.1
     np.testing.assert_array_equal(first, later)
+
+
+def test_warnings(sample):
+    """A node that is no camera's child, or has sides that paper lacks, says so in the editor."""
+    said = sample.call("warnings", None)
+    assert said["right"] == []
+    assert [any(word in text for text in said["wrong"]) for word in ("Camera3D", "6 or 8")] == [True, True]
+    assert len(said["wrong"]) == 2
+
+
+def test_compositor_script(sample):
+    """The effect for Forward+ and Mobile is a script without an error; its passes are drawn nowhere here."""
+    with pytest.raises(browser.Refused, match=r"^WARNING: PolygonBokehEffect needs the Forward\+ or Mobile renderer;"):
+        sample.call("compositor", None)
+    said = sample.call("compositor", None)
+    assert (said["read"], said["base"], said["class_title"]) == (True, "CompositorEffect", "PolygonBokehEffect")
+    # after transparent surfaces, before glow and tone mapping
+    assert (said["stage"], said["color"], said["depth"]) == (4, True, True)
+    focal = 0.024 / 2.0 / tan(radians(25.0))
+    assert said["parameters"][:4] == pytest.approx([focal / 2.8 * 10.0, focal, 5.0, 0.024], rel=1e-6)
+    assert said["parameters"][6:] == pytest.approx([-1.0, 0.0, 64.0, 48.0, 0.1, 6.0, 0.0, 1.0, 0.0, 0.0], rel=1e-6)

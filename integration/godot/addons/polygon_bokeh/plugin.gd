@@ -1,10 +1,3 @@
 @tool
 extends EditorPlugin
-
-
-func _enter_tree() -> void:
-	add_custom_type("PolygonBokeh", "Node", preload("polygon_bokeh.gd"), null)
-
-
-func _exit_tree() -> void:
-	remove_custom_type("PolygonBokeh")
+# PolygonBokeh and PolygonBokehEffect are in the editor's lists by their class names: there is nothing to register.

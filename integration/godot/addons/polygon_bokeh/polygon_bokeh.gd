@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
+@tool
+@icon("icon.svg")
+class_name PolygonBokeh
+extends Node
 ## Depth of field with polygonal bokeh for the [Camera3D] that this is a child of.
 ##
 ## While that camera is current, its viewport draws no 3D: a viewport of this node's own does, as large
 ## and with more than 8 bits; further ones blur that in passes, and the result is shown behind all 2D.
-## For the Compatibility renderer.
-extends Node
+## For the Compatibility renderer; Forward+ and Mobile have [PolygonBokehEffect]. The editor shows no blur.
 
 const Frames := preload("frames.gd")
 
@@ -12,9 +15,15 @@ enum View { PICTURE, DEPTH, COC, FIELDS }
 
 ## [code]layered[/code]: near objects spread over what is behind them. [code]exact[/code]: each pixel by
 ## its own circle of confusion, fewer passes. [code]paper[/code]: lines and min; 6 or 8 sides.
-@export_enum("layered", "exact", "paper") var method := "layered"
+@export_enum("layered", "exact", "paper") var method := "layered":
+	set(value):
+		method = value
+		update_configuration_warnings()
 ## Of the aperture: 4, 6, 8 or 10.
-@export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6
+@export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6:
+	set(value):
+		sides = value
+		update_configuration_warnings()
 @export_enum("LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
 ## Of the lens, whose focal length comes from the camera's field of view.
 @export var f_stop := 2.8
@@ -85,6 +94,7 @@ var _cut := true
 func _enter_tree() -> void:
 	_camera = get_parent() as Camera3D
 	process_priority = 1000 # after all that moves the camera
+	update_configuration_warnings()
 
 
 func _exit_tree() -> void:
@@ -96,7 +106,21 @@ func cut() -> void:
 	_cut = true
 
 
+func _get_configuration_warnings() -> PackedStringArray:
+	var warnings := PackedStringArray()
+	if not get_parent() is Camera3D:
+		warnings.append("PolygonBokeh works as a child of a Camera3D.")
+	if RenderingServer.get_current_rendering_method() != "gl_compatibility":
+		warnings.append("PolygonBokeh is for the Compatibility renderer. Here, add a PolygonBokehEffect to the "
+				+ "camera's compositor.")
+	if method == "paper" and sides not in [6, 8]:
+		warnings.append("The method paper has 6 or 8 sides.")
+	return warnings
+
+
 func _process(delta: float) -> void:
+	if Engine.is_editor_hint():
+		return
 	if _camera == null or not _camera.current:
 		_remove()
 		return

@@ -1,0 +1,69 @@
+"""What Godot's CompositorEffect has of a frame: the versions of one shader, and the passes by those names."""
+
+import re
+from functools import cache
+from typing import NamedTuple
+
+from bokeh_validation.generate import samples
+
+METHODS = ("layered", "exact")
+# What the CoC map reads of the engine, and what the last pass writes
+COLOR, DEPTH = "color", "depth"
+MAP = "map"
+
+
+class Version(NamedTuple):
+    """A program. It reads `slot_0` and so on, those of `slots`; `returned` as in samples.Row."""
+
+    name: str
+    slots: tuple[int, ...]
+    call: str
+    returned: tuple[str, ...]
+
+
+class Step(NamedTuple):
+    """A pass: program, what the size of its targets is divided by, textures by slot ('-': none), targets."""
+
+    version: str
+    scale: int
+    reads: tuple[str, ...]
+    writes: tuple[str, ...]
+
+
+@cache
+def _numbered() -> dict[tuple[str, tuple[str, ...]], Version]:
+    """Call and what it returns -> version, of all passes after the CoC map; the same call is one program."""
+    found: dict[tuple[str, tuple[str, ...]], Version] = {}
+    for method in METHODS:
+        for aperture in samples.polygons(method):
+            for row in samples.after_map(method, aperture, memory="texture_"):
+                key = (_slotted(row), row.returned)
+                if key not in found:
+                    function = re.match(r"Bokeh(\w+)\(", row.call)[1]
+                    name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", function).lower()
+                    count = sum(re.sub(r"_\d+$", "", version.name) == name for version in found.values())
+                    slots = tuple(i for i, texture in enumerate(row.reads) if texture != "-")
+                    found[key] = Version(name + (f"_{count + 1}" if count else ""), slots, *key)
+    return found
+
+
+def versions() -> list[Version]:
+    """Return every program after the CoC map's, each once."""
+    return list(_numbered().values())
+
+
+def frame(method: str, aperture: str) -> list[Step]:
+    """Return the passes of a method, the CoC map first."""
+    first, *rows = samples.frame(method, aperture, memory="texture_")
+    steps = [Step(MAP, first.scale, (COLOR, DEPTH), first.writes)]
+    steps += [Step(_numbered()[_slotted(row), row.returned].name, row.scale, row.reads, row.writes) for row in rows]
+    steps[-1] = steps[-1]._replace(writes=(COLOR,))
+    return steps
+
+
+def _slotted(row: samples.Row) -> str:
+    """The call of a pass with slot_0, slot_1 .. in place of its textures."""
+    call = row.call
+    for i, texture in enumerate(row.reads):
+        call = re.sub(rf"(?<!\.)\b{texture}\b", f"slot_{i}", call) if texture != "-" else call
+    return call
