@@ -3,71 +3,74 @@
 
 using UnityEngine;
 
-[RequireComponent(typeof(Camera))]
-public sealed class BokehFocus : MonoBehaviour
+namespace PolygonalBokeh
 {
-    [Tooltip("Stays in focus; none: the distance below is used")]
-    public Transform target;
-
-    [Tooltip("Metres along the view axis")]
-    public float distance = 5.0f;
-
-    [Tooltip("Autofocus: points of the view, (0, 0) lower left to (1, 1); the nearest of what lies under them wins")]
-    public Vector2[] points = new Vector2[0];
-
-    [Tooltip("Time constant of the autofocus, seconds")]
-    public float pullTime = 0.2f;
-
-    // Depth along the view axis, not the length of the ray
-    public static float PlanarDepth(Camera camera, Vector3 position)
+    [RequireComponent(typeof(Camera))]
+    public sealed class BokehFocus : MonoBehaviour
     {
-        return Vector3.Dot(position - camera.transform.position, camera.transform.forward);
-    }
+        [Tooltip("Stays in focus; none: the distance below is used")]
+        public Transform target;
 
-    // pixel: as Input.mousePosition gives it. False where nothing with a collider is there.
-    public bool FocusOnPixel(Vector2 pixel)
-    {
-        Camera camera = GetComponent<Camera>();
-        if (!Physics.Raycast(camera.ScreenPointToRay(pixel), out RaycastHit hit))
+        [Tooltip("Metres along the view axis")]
+        public float distance = 5.0f;
+
+        [Tooltip("Autofocus: points of the view, (0, 0) lower left to (1, 1); the nearest of what lies under them wins")]
+        public Vector2[] points = new Vector2[0];
+
+        [Tooltip("Time constant of the autofocus, seconds")]
+        public float pullTime = 0.2f;
+
+        // Depth along the view axis, not the length of the ray
+        public static float PlanarDepth(Camera camera, Vector3 position)
         {
-            return false;
+            return Vector3.Dot(position - camera.transform.position, camera.transform.forward);
         }
-        target = null;
-        distance = PlanarDepth(camera, hit.point);
-        return true;
-    }
 
-    // Under points of the view; infinite where nothing with a collider is
-    public float NearestDepth(Camera camera)
-    {
-        float nearest = float.PositiveInfinity;
-        foreach (Vector2 point in points)
+        // pixel: as Input.mousePosition gives it. False where nothing with a collider is there.
+        public bool FocusOnPixel(Vector2 pixel)
         {
-            if (Physics.Raycast(camera.ViewportPointToRay(point), out RaycastHit hit))
+            Camera camera = GetComponent<Camera>();
+            if (!Physics.Raycast(camera.ScreenPointToRay(pixel), out RaycastHit hit))
             {
-                nearest = Mathf.Min(nearest, PlanarDepth(camera, hit.point));
+                return false;
             }
+            target = null;
+            distance = PlanarDepth(camera, hit.point);
+            return true;
         }
-        return nearest;
-    }
 
-    // 1 / distance goes the way: docs/lens.md
-    public void Pull(float nearest, float seconds)
-    {
-        float k = 1.0f - Mathf.Exp(-seconds / pullTime);
-        distance = 1.0f / ((1.0f - k) / distance + k / nearest);
-    }
-
-    void LateUpdate()
-    {
-        Camera camera = GetComponent<Camera>();
-        if (target != null)
+        // Under points of the view; infinite where nothing with a collider is
+        public float NearestDepth(Camera camera)
         {
-            distance = PlanarDepth(camera, target.position);
+            float nearest = float.PositiveInfinity;
+            foreach (Vector2 point in points)
+            {
+                if (Physics.Raycast(camera.ViewportPointToRay(point), out RaycastHit hit))
+                {
+                    nearest = Mathf.Min(nearest, PlanarDepth(camera, hit.point));
+                }
+            }
+            return nearest;
         }
-        else if (points.Length > 0)
+
+        // 1 / distance goes the way: docs/lens.md
+        public void Pull(float nearest, float seconds)
         {
-            Pull(NearestDepth(camera), Time.deltaTime);
+            float k = 1.0f - Mathf.Exp(-seconds / pullTime);
+            distance = 1.0f / ((1.0f - k) / distance + k / nearest);
+        }
+
+        void LateUpdate()
+        {
+            Camera camera = GetComponent<Camera>();
+            if (target != null)
+            {
+                distance = PlanarDepth(camera, target.position);
+            }
+            else if (points.Length > 0)
+            {
+                Pull(NearestDepth(camera), Time.deltaTime);
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Polygonal bokeh in the Universal Render Pipeline: Unity 6 (6000.0), URP 17, render graph.
-// Add it to the renderer asset (Add Renderer Feature, Bokeh Renderer Feature); its settings are those of BokehVolume.
+// Add it to the renderer asset (Add Renderer Feature, Bokeh Renderer Feature); its settings are those of BokehVolume. It
+// draws nothing until a volume overrides Strength.
 
 using System.Collections.Generic;
 using UnityEngine;
@@ -9,261 +10,274 @@ using UnityEngine.Rendering;
 using UnityEngine.Rendering.RenderGraphModule;
 using UnityEngine.Rendering.Universal;
 
-// A row of BokehFrames: textures that a pass reads ("-": leaves the slot out) and writes, and 1 / their size
-sealed class BokehStep
+namespace PolygonalBokeh
 {
-    public readonly BokehShaderPass pass;
-    public readonly string name;
-    public readonly string[] reads;
-    public readonly string[] writes;
-    public readonly int scale;
-    // parameters of its own; Angle in degrees, before the rotation
-    public float Axis, Layer, Sides, Angle;
-
-    public BokehStep(BokehShaderPass pass, string reads, string writes, int scale)
+    // A row of BokehFrames: textures that a pass reads ("-": leaves the slot out) and writes, and 1 / their size
+    sealed class BokehStep
     {
-        this.pass = pass;
-        name = "Bokeh " + pass;
-        this.reads = reads.Split(' ');
-        this.writes = writes.Split(' ');
-        this.scale = scale;
-    }
-}
+        public readonly BokehShaderPass pass;
+        public readonly string name;
+        public readonly string[] reads;
+        public readonly string[] writes;
+        public readonly int scale;
+        // parameters of its own; Angle in degrees, before the rotation
+        public float Axis, Layer, Sides, Angle;
 
-public sealed class BokehRendererFeature : ScriptableRendererFeature
-{
-    public enum View { Result, Colour, Depth, CircleOfConfusion, NearAndFar }
-
-    [Tooltip("What the camera shows: the result, or one step on the way to it")]
-    public View view = View.Result;
-
-    Material material;
-    BokehPass pass;
-
-    public override void Create()
-    {
-        pass = new BokehPass { renderPassEvent = RenderPassEvent.BeforeRenderingPostProcessing };
-    }
-
-    public override void AddRenderPasses(ScriptableRenderer renderer, ref RenderingData renderingData)
-    {
-        CameraType type = renderingData.cameraData.cameraType;
-        // URP has blended the volumes for this camera before it asks for passes
-        BokehVolume volume = VolumeManager.instance.stack?.GetComponent<BokehVolume>();
-        if (volume == null || !volume.IsActive() || type == CameraType.Preview || type == CameraType.Reflection)
+        public BokehStep(BokehShaderPass pass, string reads, string writes, int scale)
         {
-            return;
+            this.pass = pass;
+            name = "Bokeh " + pass;
+            this.reads = reads.Split(' ');
+            this.writes = writes.Split(' ');
+            this.scale = scale;
         }
-        if (material == null)
+    }
+
+    public sealed class BokehRendererFeature : ScriptableRendererFeature
+    {
+        public enum View { Result, Colour, Depth, CircleOfConfusion, NearAndFar }
+
+        // A build has the shader's variants of the materials that its renderers name, and no others
+        [Tooltip("The preset: one of the package's materials, from Bokeh Low to Bokeh Ultra")]
+        public Material material;
+
+        [Tooltip("What the camera shows: the result, or one step on the way to it")]
+        public View view = View.Result;
+
+        BokehPass pass;
+
+        public override void Create()
         {
-            // it is in a folder Resources, so every build has it; null while it is being imported
-            Shader shader = Shader.Find("Hidden/BokehDepthOfField");
-            if (shader == null)
+#if UNITY_EDITOR
+            if (material == null)
+            {
+                material = UnityEditor.AssetDatabase.LoadAssetAtPath<Material>(
+                    "Packages/com.polygonal-bokeh.urp/Materials/Bokeh Medium.mat");
+                UnityEditor.EditorUtility.SetDirty(this);
+            }
+#endif
+            pass = new BokehPass { renderPassEvent = RenderPassEvent.BeforeRenderingPostProcessing };
+        }
+
+        public override void AddRenderPasses(ScriptableRenderer renderer, ref RenderingData renderingData)
+        {
+            CameraType type = renderingData.cameraData.cameraType;
+            if (material == null || !renderingData.cameraData.postProcessEnabled)
             {
                 return;
             }
-            material = CoreUtils.CreateEngineMaterial(shader);
-        }
-        pass.Setup(material, volume, view);
-        renderer.EnqueuePass(pass);
-    }
-
-    protected override void Dispose(bool disposing)
-    {
-        CoreUtils.Destroy(material);
-    }
-
-    // What all passes of a camera are drawn with; metres
-    struct Values
-    {
-        public Material material;
-        public float apertureDiameter, focalLength, focusDistance, sensorHeight;
-        public float maxCoC, squeeze, rotation, debugMode;
-        public float width, height;
-        public float depthKind, near, far;
-    }
-
-    // What the render function of a pass is given
-    sealed class PassData
-    {
-        public BokehStep step;
-        public Values values;
-        public TextureHandle depth;
-        public readonly TextureHandle[] reads = new TextureHandle[BokehFrames.Slots.Length];
-    }
-
-    sealed class BokehPass : ScriptableRenderPass
-    {
-        static readonly BokehStep Metres = new BokehStep(BokehShaderPass.LinearDepth, "", "metres", 1);
-        static readonly BokehStep SignedMap = new BokehStep(BokehShaderPass.SignedCoCMap, "color", "coc", 1);
-        static readonly BokehStep PaperMap = new BokehStep(BokehShaderPass.CoCMap, "color", "coc", 1);
-        static readonly BokehStep Shown = new BokehStep(BokehShaderPass.Debug, "coc", "result", 1);
-        static readonly string[][] Keywords =
-        {
-            new[] { "BOKEH_PRESET_LOW" }, new string[0], new[] { "BOKEH_PRESET_HIGH" }, new[] { "BOKEH_PRESET_ULTRA" }
-        };
-        static readonly MaterialPropertyBlock Properties = new MaterialPropertyBlock();
-
-        readonly Dictionary<string, TextureHandle> textures = new Dictionary<string, TextureHandle>();
-        Values values;
-        BokehVolume volume;
-        View view;
-        TextureDesc description;
-
-        public void Setup(Material material, BokehVolume newVolume, View newView)
-        {
-            values.material = material;
-            volume = newVolume;
-            view = newView;
-            // the depth texture, and a colour target that a shader can read
-            ConfigureInput(ScriptableRenderPassInput.Depth);
-            requiresIntermediateTexture = true;
+            // URP has blended the volumes for this camera before it asks for passes
+            BokehVolume volume = VolumeManager.instance.stack?.GetComponent<BokehVolume>();
+            if (volume == null || !volume.IsActive() || type == CameraType.Preview || type == CameraType.Reflection)
+            {
+                return;
+            }
+            pass.Setup(material, volume, view);
+            renderer.EnqueuePass(pass);
         }
 
-        public override void RecordRenderGraph(RenderGraph graph, ContextContainer frameData)
+        // What all passes of a camera are drawn with; metres
+        struct Values
         {
-            UniversalResourceData resources = frameData.Get<UniversalResourceData>();
-            TextureHandle color = resources.activeColorTexture;
-            description = graph.GetTextureDesc(color);
-            description.clearBuffer = false;
-            description.msaaSamples = MSAASamples.None;
-            description.filterMode = FilterMode.Bilinear;
-            description.wrapMode = TextureWrapMode.Clamp;
-            SetValues(frameData.Get<UniversalCameraData>().camera);
-            values.material.shaderKeywords = Keywords[(int)volume.preset.value];
-
-            textures.Clear();
-            textures["color"] = color;
-            textures["depth"] = resources.cameraDepthTexture;
-            // the last pass writes into the camera's own texture, which only the first pass has read
-            textures["result"] = color;
-            BokehMethod method = volume.method.value;
-            if (view != View.Result)
-            {
-                Draw(graph, SignedMap);
-                Draw(graph, Shown);
-            }
-            else if (method == BokehMethod.Paper)
-            {
-                Draw(graph, Metres);
-                textures["depth"] = textures["metres"];
-                values.depthKind = 0.0f;
-                Draw(graph, PaperMap);
-                Draw(graph, BokehFrames.Paper);
-            }
-            else
-            {
-                Draw(graph, SignedMap);
-                Draw(graph, method == BokehMethod.Exact ? BokehFrames.Exact : BokehFrames.Layered);
-            }
+            public Material material;
+            public float apertureDiameter, focalLength, focusDistance, sensorHeight;
+            public float maxCoC, squeeze, rotation, debugMode;
+            public float width, height;
+            public float depthKind, near, far;
+            public int sides;
         }
 
-        void SetValues(Camera camera)
+        // What the render function of a pass is given
+        sealed class PassData
         {
-            // the field of view is the vertical one: docs/lens.md
-            float fovy = Mathf.Deg2Rad * camera.fieldOfView;
-            values.sensorHeight = 0.001f * volume.sensorHeight.value;
-            values.focalLength = values.sensorHeight / (2.0f * Mathf.Tan(0.5f * fovy));
-            values.apertureDiameter = volume.strength.value * volume.bokehScale.value * values.focalLength / volume.fStop.value;
-            values.focusDistance = volume.focusDistance.value;
-            if (camera.TryGetComponent(out BokehFocus focus))
-            {
-                values.focusDistance = focus.distance;
-            }
-            values.maxCoC = volume.maxCoC.value;
-            values.squeeze = volume.squeeze.value;
-            values.rotation = volume.rotation.value;
-            values.debugMode = (int)view - (int)View.Colour;
-            values.width = description.width;
-            values.height = description.height;
-            // what the depth texture holds, as BokehLinearDepth counts: 0 near .. 1 far or reversed, or orthographic
-            values.depthKind = (camera.orthographic ? 5.0f : 1.0f) + (SystemInfo.usesReversedZBuffer ? 1.0f : 0.0f);
-            values.near = camera.nearClipPlane;
-            values.far = camera.farClipPlane;
+            public BokehStep step;
+            public Values values;
+            public TextureHandle depth;
+            public readonly TextureHandle[] reads = new TextureHandle[BokehFrames.Slots.Length];
         }
 
-        void Draw(RenderGraph graph, Dictionary<int, BokehStep[]> frames)
+        sealed class BokehPass : ScriptableRenderPass
         {
-            if (!frames.TryGetValue((int)volume.aperture.value, out BokehStep[] steps))
-            {
-                steps = frames[(int)BokehAperture.Hexagon];
-            }
-            foreach (BokehStep step in steps)
-            {
-                Draw(graph, step);
-            }
-        }
+            static readonly BokehStep Metres = new BokehStep(BokehShaderPass.LinearDepth, "", "metres", 1);
+            static readonly BokehStep SignedMap = new BokehStep(BokehShaderPass.SignedCoCMap, "color", "coc", 1);
+            static readonly BokehStep PaperMap = new BokehStep(BokehShaderPass.CoCMap, "color", "coc", 1);
+            static readonly BokehStep Shown = new BokehStep(BokehShaderPass.Debug, "coc", "result", 1);
+            static readonly MaterialPropertyBlock Properties = new MaterialPropertyBlock();
 
-        void Draw(RenderGraph graph, BokehStep step)
-        {
-            using (IRasterRenderGraphBuilder builder = graph.AddRasterRenderPass(step.name, out PassData data))
+            readonly Dictionary<string, TextureHandle> textures = new Dictionary<string, TextureHandle>();
+            Values values;
+            BokehVolume volume;
+            View view;
+            TextureDesc description;
+
+            public void Setup(Material material, BokehVolume newVolume, View newView)
             {
-                data.step = step;
-                data.values = values;
-                data.depth = textures["depth"];
-                builder.UseTexture(data.depth);
+                values.material = material;
+                volume = newVolume;
+                view = newView;
+                // the depth texture, and a colour target that a shader can read
+                ConfigureInput(ScriptableRenderPassInput.Depth);
+                requiresIntermediateTexture = true;
+            }
+
+            public override void RecordRenderGraph(RenderGraph graph, ContextContainer frameData)
+            {
+                UniversalResourceData resources = frameData.Get<UniversalResourceData>();
+                TextureHandle color = resources.activeColorTexture;
+                description = graph.GetTextureDesc(color);
+                description.clearBuffer = false;
+                description.msaaSamples = MSAASamples.None;
+                description.filterMode = FilterMode.Bilinear;
+                description.wrapMode = TextureWrapMode.Clamp;
+                SetValues(frameData.Get<UniversalCameraData>().camera);
+
+                textures.Clear();
+                textures["color"] = color;
+                textures["depth"] = resources.cameraDepthTexture;
+                // the last pass writes into the camera's own texture, which only the first pass has read
+                textures["result"] = color;
+                BokehMethod method = volume.method.value;
+                if (view != View.Result)
+                {
+                    Draw(graph, SignedMap);
+                    Draw(graph, Shown);
+                }
+                else if (method == BokehMethod.Paper)
+                {
+                    Draw(graph, Metres);
+                    textures["depth"] = textures["metres"];
+                    values.depthKind = 0.0f;
+                    Draw(graph, PaperMap);
+                    Draw(graph, BokehFrames.Paper);
+                }
+                else
+                {
+                    Draw(graph, SignedMap);
+                    Draw(graph, method == BokehMethod.Exact ? BokehFrames.Exact : BokehFrames.Layered);
+                }
+            }
+
+            void SetValues(Camera camera)
+            {
+                // the field of view is the vertical one: docs/lens.md
+                float fovy = Mathf.Deg2Rad * camera.fieldOfView;
+                values.sensorHeight = 0.001f * volume.sensorHeight.value;
+                values.focalLength = values.sensorHeight / (2.0f * Mathf.Tan(0.5f * fovy));
+                values.focusDistance = volume.focusDistance.value;
+                values.squeeze = volume.squeeze.value;
+                values.sides = (int)volume.aperture.value;
+                float fStop = volume.fStop.value;
+                if (volume.physicalCamera.value && camera.usePhysicalProperties)
+                {
+                    // the same field of view, whatever the gate fit, with the camera's own focal length
+                    float size = 0.001f * camera.focalLength / values.focalLength;
+                    values.sensorHeight *= size;
+                    values.focalLength *= size;
+                    fStop = camera.aperture;
+                    values.focusDistance = camera.focusDistance;
+                    // blades 3 to 11, of which an even number is drawn, 4 to 10
+                    values.sides = Mathf.Clamp((camera.bladeCount + 1) / 2 * 2, 4, 10);
+                    values.squeeze *= (4.0f - camera.anamorphism) / (4.0f + camera.anamorphism);
+                }
+                values.apertureDiameter = volume.strength.value * volume.bokehScale.value * values.focalLength / fStop;
+                if (camera.TryGetComponent(out BokehFocus focus))
+                {
+                    values.focusDistance = focus.distance;
+                }
+                values.maxCoC = volume.maxCoC.value;
+                values.rotation = volume.rotation.value;
+                values.debugMode = (int)view - (int)View.Colour;
+                values.width = description.width;
+                values.height = description.height;
+                // what the depth texture holds, as BokehLinearDepth counts: 0 near .. 1 far or reversed, or orthographic
+                values.depthKind = (camera.orthographic ? 5.0f : 1.0f) + (SystemInfo.usesReversedZBuffer ? 1.0f : 0.0f);
+                values.near = camera.nearClipPlane;
+                values.far = camera.farClipPlane;
+            }
+
+            void Draw(RenderGraph graph, Dictionary<int, BokehStep[]> frames)
+            {
+                if (!frames.TryGetValue(values.sides, out BokehStep[] steps))
+                {
+                    steps = frames[(int)BokehAperture.Hexagon];
+                }
+                foreach (BokehStep step in steps)
+                {
+                    Draw(graph, step);
+                }
+            }
+
+            void Draw(RenderGraph graph, BokehStep step)
+            {
+                using (IRasterRenderGraphBuilder builder = graph.AddRasterRenderPass(step.name, out PassData data))
+                {
+                    data.step = step;
+                    data.values = values;
+                    data.depth = textures["depth"];
+                    builder.UseTexture(data.depth);
+                    for (int slot = 0; slot < data.reads.Length; slot++)
+                    {
+                        string name = slot < step.reads.Length ? step.reads[slot] : "-";
+                        if (textures.TryGetValue(name, out data.reads[slot]))
+                        {
+                            builder.UseTexture(data.reads[slot]);
+                        }
+                    }
+                    for (int index = 0; index < step.writes.Length; index++)
+                    {
+                        builder.SetRenderAttachment(Target(graph, step.writes[index], step.scale), index);
+                    }
+                    builder.SetRenderFunc((PassData given, RasterGraphContext context) => Execute(given, context));
+                }
+            }
+
+            TextureHandle Target(RenderGraph graph, string name, int scale)
+            {
+                if (name != "result")
+                {
+                    TextureDesc wanted = description;
+                    wanted.name = name;
+                    wanted.width = (wanted.width + scale - 1) / scale;
+                    wanted.height = (wanted.height + scale - 1) / scale;
+                    wanted.colorFormat = name == "metres" ? GraphicsFormat.R32_SFloat : GraphicsFormat.R16G16B16A16_SFloat;
+                    textures[name] = graph.CreateTexture(wanted);
+                }
+                return textures[name];
+            }
+
+            static void Execute(PassData data, RasterGraphContext context)
+            {
+                Values values = data.values;
+                BokehStep step = data.step;
+                Properties.Clear();
+                Properties.SetTexture(BokehFrames.DepthSlot, data.depth);
                 for (int slot = 0; slot < data.reads.Length; slot++)
                 {
-                    string name = slot < step.reads.Length ? step.reads[slot] : "-";
-                    if (textures.TryGetValue(name, out data.reads[slot]))
+                    if (data.reads[slot].IsValid())
                     {
-                        builder.UseTexture(data.reads[slot]);
+                        Properties.SetTexture(BokehFrames.Slots[slot], data.reads[slot]);
                     }
                 }
-                for (int index = 0; index < step.writes.Length; index++)
-                {
-                    builder.SetRenderAttachment(Target(graph, step.writes[index], step.scale), index);
-                }
-                builder.SetRenderFunc((PassData given, RasterGraphContext context) => Execute(given, context));
+                Properties.SetFloat(BokehFrames.ApertureDiameter, values.apertureDiameter);
+                Properties.SetFloat(BokehFrames.FocalLength, values.focalLength);
+                Properties.SetFloat(BokehFrames.FocusDistance, values.focusDistance);
+                Properties.SetFloat(BokehFrames.SensorHeight, values.sensorHeight);
+                Properties.SetFloat(BokehFrames.MaxCoC, values.maxCoC);
+                Properties.SetFloat(BokehFrames.Squeeze, values.squeeze);
+                Properties.SetFloat(BokehFrames.DebugMode, values.debugMode);
+                Properties.SetFloat(BokehFrames.ImageWidth, values.width);
+                Properties.SetFloat(BokehFrames.ImageHeight, values.height);
+                Properties.SetFloat(BokehFrames.AspectRatio, values.width / values.height);
+                Properties.SetFloat(BokehFrames.DepthKind, values.depthKind);
+                Properties.SetFloat(BokehFrames.Near, values.near);
+                Properties.SetFloat(BokehFrames.Far, values.far);
+                Properties.SetFloat(BokehFrames.Axis, step.Axis);
+                Properties.SetFloat(BokehFrames.Layer, step.Layer);
+                Properties.SetFloat(BokehFrames.Sides, step.Sides);
+                Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle + values.rotation));
+                context.cmd.DrawProcedural(Matrix4x4.identity, values.material, (int)step.pass, MeshTopology.Triangles, 3, 1,
+                    Properties);
             }
-        }
-
-        TextureHandle Target(RenderGraph graph, string name, int scale)
-        {
-            if (name != "result")
-            {
-                TextureDesc wanted = description;
-                wanted.name = name;
-                wanted.width = (wanted.width + scale - 1) / scale;
-                wanted.height = (wanted.height + scale - 1) / scale;
-                wanted.colorFormat = name == "metres" ? GraphicsFormat.R32_SFloat : GraphicsFormat.R16G16B16A16_SFloat;
-                textures[name] = graph.CreateTexture(wanted);
-            }
-            return textures[name];
-        }
-
-        static void Execute(PassData data, RasterGraphContext context)
-        {
-            Values values = data.values;
-            BokehStep step = data.step;
-            Properties.Clear();
-            Properties.SetTexture(BokehFrames.DepthSlot, data.depth);
-            for (int slot = 0; slot < data.reads.Length; slot++)
-            {
-                if (data.reads[slot].IsValid())
-                {
-                    Properties.SetTexture(BokehFrames.Slots[slot], data.reads[slot]);
-                }
-            }
-            Properties.SetFloat(BokehFrames.ApertureDiameter, values.apertureDiameter);
-            Properties.SetFloat(BokehFrames.FocalLength, values.focalLength);
-            Properties.SetFloat(BokehFrames.FocusDistance, values.focusDistance);
-            Properties.SetFloat(BokehFrames.SensorHeight, values.sensorHeight);
-            Properties.SetFloat(BokehFrames.MaxCoC, values.maxCoC);
-            Properties.SetFloat(BokehFrames.Squeeze, values.squeeze);
-            Properties.SetFloat(BokehFrames.DebugMode, values.debugMode);
-            Properties.SetFloat(BokehFrames.ImageWidth, values.width);
-            Properties.SetFloat(BokehFrames.ImageHeight, values.height);
-            Properties.SetFloat(BokehFrames.AspectRatio, values.width / values.height);
-            Properties.SetFloat(BokehFrames.DepthKind, values.depthKind);
-            Properties.SetFloat(BokehFrames.Near, values.near);
-            Properties.SetFloat(BokehFrames.Far, values.far);
-            Properties.SetFloat(BokehFrames.Axis, step.Axis);
-            Properties.SetFloat(BokehFrames.Layer, step.Layer);
-            Properties.SetFloat(BokehFrames.Sides, step.Sides);
-            Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle + values.rotation));
-            context.cmd.DrawProcedural(Matrix4x4.identity, values.material, (int)step.pass, MeshTopology.Triangles, 3, 1,
-                Properties);
         }
     }
 }

@@ -1,79 +1,65 @@
 // SPDX-License-Identifier: MIT
-// All settings of BokehRendererFeature, as a Volume override (Add Override, Post-processing, Polygonal Bokeh). Without an
-// override they are the defaults below, with which the blur is seen.
+// All settings of BokehRendererFeature but its preset, as a Volume override (Add Override, Post-processing, Polygonal
+// Bokeh). Nothing is drawn until a volume overrides Strength.
 
 using System;
 using UnityEngine;
 using UnityEngine.Rendering;
+using UnityEngine.Rendering.Universal;
 
-public enum BokehMethod { Layered, Exact, Paper }
-
-public enum BokehAperture { Square = 4, Hexagon = 6, Octagon = 8, Decagon = 10 }
-
-public enum BokehPreset { Low, Medium, High, Ultra }
-
-// Unity keeps an enum of a volume only in a class of its own
-[Serializable]
-public sealed class BokehMethodParameter : VolumeParameter<BokehMethod>
+namespace PolygonalBokeh
 {
-    public BokehMethodParameter(BokehMethod value) : base(value, false) { }
-}
+    public enum BokehMethod { Layered, Exact, Paper }
 
-[Serializable]
-public sealed class BokehApertureParameter : VolumeParameter<BokehAperture>
-{
-    public BokehApertureParameter(BokehAperture value) : base(value, false) { }
-}
+    public enum BokehAperture { Square = 4, Hexagon = 6, Octagon = 8, Decagon = 10 }
 
-[Serializable]
-public sealed class BokehPresetParameter : VolumeParameter<BokehPreset>
-{
-    public BokehPresetParameter(BokehPreset value) : base(value, false) { }
-}
-
-[Serializable, VolumeComponentMenu("Post-processing/Polygonal Bokeh")]
-public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
-{
-    [Tooltip("Share of the aperture: 0 is no blur, and no pass is drawn. Blend this one between volumes.")]
-    public ClampedFloatParameter strength = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
-
-    [Header("Lens")]
-    [Tooltip("Metres along the view axis. A BokehFocus on the camera overrides it.")]
-    public MinFloatParameter focusDistance = new MinFloatParameter(5.0f, 0.1f);
-
-    [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view")]
-    public MinFloatParameter fStop = new MinFloatParameter(2.8f, 0.01f);
-
-    [Tooltip("How many times wider the blur is than that lens's. 1 is the real lens, which hardly blurs at a game's field "
-        + "of view; 0 is off")]
-    public MinFloatParameter bokehScale = new MinFloatParameter(10.0f, 0.0f);
-
-    [Tooltip("Millimetres: 24 is 35 mm film")]
-    public MinFloatParameter sensorHeight = new MinFloatParameter(24.0f, 1.0f);
-
-    [Tooltip("Largest circle of confusion: its diameter as a fraction of the image height")]
-    public ClampedFloatParameter maxCoC = new ClampedFloatParameter(0.1f, 0.0f, 0.5f);
-
-    [Header("Bokeh")]
-    [Tooltip("The paper's method has Hexagon and Octagon")]
-    public BokehApertureParameter aperture = new BokehApertureParameter(BokehAperture.Hexagon);
-
-    [Tooltip("Degrees")]
-    public ClampedFloatParameter rotation = new ClampedFloatParameter(0.0f, 0.0f, 360.0f);
-
-    [Tooltip("Width over height: 0.5 is anamorphic")]
-    public ClampedFloatParameter squeeze = new ClampedFloatParameter(1.0f, 0.25f, 1.0f);
-
-    [Header("Quality")]
-    [Tooltip("Layered: near things spread over what is behind them. Exact: one layer, cheaper, near things keep a hard "
-        + "outline. Paper: McIntosh 2012, lines combined by min")]
-    public BokehMethodParameter method = new BokehMethodParameter(BokehMethod.Layered);
-
-    [Tooltip("Samples of a line and distance between them")]
-    public BokehPresetParameter preset = new BokehPresetParameter(BokehPreset.Medium);
-
-    public bool IsActive()
+    [Serializable, VolumeComponentMenu("Post-processing/Polygonal Bokeh")]
+    [SupportedOnRenderPipeline(typeof(UniversalRenderPipelineAsset))]
+    [VolumeRequiresRendererFeatures(typeof(BokehRendererFeature))]
+    public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
     {
-        return strength.value > 0.0f && bokehScale.value > 0.0f;
+        [Tooltip("Share of the aperture: 1 is all of it; 0 is no blur, and no pass is drawn. Blend this one between volumes.")]
+        public ClampedFloatParameter strength = new ClampedFloatParameter(0.0f, 0.0f, 1.0f);
+
+        [Header("Lens")]
+        [Tooltip("Take focal length, f-stop, focus distance, number of blades and anamorphism from a camera whose Physical "
+            + "Camera is ticked")]
+        public BoolParameter physicalCamera = new BoolParameter(false);
+
+        [Tooltip("Metres along the view axis. A BokehFocus on the camera overrides it.")]
+        public MinFloatParameter focusDistance = new MinFloatParameter(5.0f, 0.1f);
+
+        [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view")]
+        public MinFloatParameter fStop = new MinFloatParameter(2.8f, 0.01f);
+
+        [Tooltip("How many times wider the blur is than that lens's. 1 is the real lens, which hardly blurs at a game's field "
+            + "of view; 0 is off")]
+        public MinFloatParameter bokehScale = new MinFloatParameter(10.0f, 0.0f);
+
+        [Tooltip("Millimetres: 24 is 35 mm film")]
+        public MinFloatParameter sensorHeight = new MinFloatParameter(24.0f, 1.0f);
+
+        [Tooltip("Largest circle of confusion: its diameter as a fraction of the image height")]
+        public ClampedFloatParameter maxCoC = new ClampedFloatParameter(0.1f, 0.0f, 0.5f);
+
+        [Header("Bokeh")]
+        [Tooltip("The paper's method has Hexagon and Octagon")]
+        public EnumParameter<BokehAperture> aperture = new EnumParameter<BokehAperture>(BokehAperture.Hexagon);
+
+        [Tooltip("Degrees")]
+        public ClampedFloatParameter rotation = new ClampedFloatParameter(0.0f, 0.0f, 360.0f);
+
+        [Tooltip("Width over height: 0.5 is anamorphic")]
+        public ClampedFloatParameter squeeze = new ClampedFloatParameter(1.0f, 0.25f, 1.0f);
+
+        [Header("Quality")]
+        [Tooltip("Layered: near things spread over what is behind them. Exact: one layer, cheaper, near things keep a hard "
+            + "outline. Paper: McIntosh 2012, lines combined by min")]
+        public EnumParameter<BokehMethod> method = new EnumParameter<BokehMethod>(BokehMethod.Layered);
+
+        public bool IsActive()
+        {
+            return strength.value > 0.0f && bokehScale.value > 0.0f;
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import posixpath
 import re
 from collections.abc import Mapping
 
@@ -18,6 +19,34 @@ LICENSED = (
     f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE",
     "integration/panda3d/LICENSE", "integration/bevy/LICENSE", "integration/wgpu/LICENSE",
 )  # fmt: skip
+# A material for each preset. Unity builds those variants of the shader that a material has the keywords of.
+MATERIAL = """%YAML 1.1
+%TAG !u! tag:unity3d.com,2011:
+--- !u!21 &2100000
+Material:
+  serializedVersion: 8
+  m_ObjectHideFlags: 0
+  m_CorrespondingSourceObject: {{fileID: 0}}
+  m_PrefabInstance: {{fileID: 0}}
+  m_PrefabAsset: {{fileID: 0}}
+  m_Name: Bokeh {name}
+  m_Shader: {{fileID: 4800000, guid: {guid}, type: 3}}
+  m_ValidKeywords:{keywords}
+  m_InvalidKeywords: []
+  m_LightmapFlags: 4
+  m_EnableInstancingVariants: 0
+  m_DoubleSidedGI: 0
+  m_CustomRenderQueue: -1
+  stringTagMap: {{}}
+  disabledShaderPasses: []
+  m_SavedProperties:
+    serializedVersion: 3
+    m_TexEnvs: []
+    m_Ints: []
+    m_Floats: []
+    m_Colors: []
+  m_BuildTextureStacks: []
+"""
 # These engines place textures and parameters themselves
 UNPLACED = (
     (r" : register\([\w#]+\)", ""),
@@ -43,7 +72,26 @@ def texts() -> dict[str, str]:
         made |= {f"{UNITY}/Shaders/{stem}.hlsl": head + text, f"{UNREAL}/Shaders/{stem}.ush": head + plain}
         if stem in ("bokeh", "bokeh_layers"):
             made[f"{RESHADE}/{stem}.hlsl"] = head + text
-    return made
+    return made | materials()
+
+
+def materials() -> dict[str, str]:
+    """The materials of Unity's package: MEDIUM is the shader without a keyword."""
+    shader = guid("Shaders/BokehDepthOfField.shader")
+    found = {}
+    for preset in methods.PRESETS:
+        keywords = " []" if preset == "medium" else f"\n  - BOKEH_PRESET_{preset.upper()}"
+        text = MATERIAL.format(name=preset.title(), guid=shader, keywords=keywords)
+        found[f"{UNITY}/Materials/Bokeh {preset.title()}.mat"] = text
+    return found
+
+
+def guid(place: str) -> str:
+    """Of a file of Unity's package: by name and place, so that it is the same in the next version, since scenes and
+    profiles refer to it.
+    """
+    package = json.loads((paths.ROOT / UNITY / "package.json").read_bytes())["name"]
+    return hashlib.md5(f"{package}/{place}".encode()).hexdigest()
 
 
 def _changed(text: str, changes: tuple[tuple[str, str], ...]) -> str:
@@ -59,13 +107,11 @@ def metas(made: Mapping[str, str]) -> dict[str, str]:
     folder = paths.ROOT / UNITY
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if "~/" not in f"{path}/"}
     there |= {name.removeprefix(f"{UNITY}/") for name in made if name.startswith(UNITY)}
-    package = json.loads((folder / "package.json").read_bytes())["name"]
+    there |= {posixpath.dirname(name) for name in there} - {""}
     found = {}
     for place in (name for name in there if not name.endswith(".meta")):
-        # by name and place, so that it is the same in the next version: scenes and profiles refer to it
-        guid = hashlib.md5(f"{package}/{place}".encode()).hexdigest()
-        of_folder = "folderAsset: yes\n" if (folder / place).is_dir() else ""
-        found[f"{UNITY}/{place}.meta"] = f"fileFormatVersion: 2\nguid: {guid}\n{of_folder}"
+        of_folder = "folderAsset: yes\n" if "." not in posixpath.basename(place) else ""
+        found[f"{UNITY}/{place}.meta"] = f"fileFormatVersion: 2\nguid: {guid(place)}\n{of_folder}"
     return found
 
 

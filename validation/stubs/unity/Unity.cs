@@ -67,6 +67,12 @@ namespace UnityEngine
         public float nearClipPlane { get; set; }
         public float farClipPlane { get; set; }
         public bool orthographic { get; set; }
+        public bool usePhysicalProperties { get; set; }
+        public float focalLength { get; set; }
+        public float aperture { get; set; }
+        public float focusDistance { get; set; }
+        public int bladeCount { get; set; }
+        public float anamorphism { get; set; }
         public Ray ScreenPointToRay(Vector3 pos) { return default(Ray); }
         public Ray ViewportPointToRay(Vector3 pos) { return default(Ray); }
     }
@@ -116,6 +122,7 @@ namespace UnityEngine
         public static float Tan(float f) { return 0.0f; }
         public static float Exp(float power) { return 0.0f; }
         public static float Min(float a, float b) { return 0.0f; }
+        public static int Clamp(int value, int min, int max) { return 0; }
         public static float Lerp(float a, float b, float t) { return 0.0f; }
         public static float PingPong(float t, float length) { return 0.0f; }
     }
@@ -131,13 +138,11 @@ namespace UnityEngine
 
     public sealed class Shader : Object
     {
-        public static Shader Find(string name) { return null; }
         public static int PropertyToID(string name) { return 0; }
     }
 
     public class Material : Object
     {
-        public string[] shaderKeywords { get; set; }
         public void EnableKeyword(string keyword) { }
         public void SetColor(string name, Color value) { }
     }
@@ -192,12 +197,6 @@ namespace UnityEngine.Rendering
     public enum RenderTextureSubElement { Color, Depth, Stencil, Default }
     public enum MSAASamples { None = 1, MSAA2x = 2, MSAA4x = 4, MSAA8x = 8 }
 
-    public static class CoreUtils
-    {
-        public static Material CreateEngineMaterial(Shader shader) { return null; }
-        public static void Destroy(UnityEngine.Object obj) { }
-    }
-
     [AttributeUsage(AttributeTargets.Class)]
     public class VolumeComponentMenu : Attribute
     {
@@ -212,6 +211,25 @@ namespace UnityEngine.Rendering
         protected VolumeParameter(T value, bool overrideState) { }
         public virtual T value { get; set; }
     }
+
+    public class BoolParameter : VolumeParameter<bool>
+    {
+        public BoolParameter(bool value, bool overrideState = false) { }
+    }
+
+    [Serializable]
+    public sealed class EnumParameter<T> : VolumeParameter<T>
+    {
+        public EnumParameter(T value, bool overrideState = false) : base(value, overrideState) { }
+    }
+
+    [AttributeUsage(AttributeTargets.Class)]
+    public class SupportedOnRenderPipelineAttribute : Attribute
+    {
+        public SupportedOnRenderPipelineAttribute(params Type[] renderPipeline) { }
+    }
+
+    public abstract class RenderPipelineAsset : ScriptableObject { }
 
     public class FloatParameter : VolumeParameter<float>
     {
@@ -329,12 +347,22 @@ namespace UnityEngine.Rendering.Universal
 
     public struct CameraData
     {
+        static bool enabled;
         public CameraType cameraType { get { return CameraType.Game; } }
+        public ref bool postProcessEnabled => ref enabled;
     }
 
     public struct RenderingData
     {
         public CameraData cameraData;
+    }
+
+    public class UniversalRenderPipelineAsset : RenderPipelineAsset { }
+
+    [AttributeUsage(AttributeTargets.Class, AllowMultiple = false)]
+    public sealed class VolumeRequiresRendererFeatures : Attribute
+    {
+        public VolumeRequiresRendererFeatures(params Type[] featureTypes) { }
     }
 
     public class UniversalCameraData : ContextItem
@@ -367,5 +395,18 @@ namespace UnityEngine.Rendering.Universal
         public abstract void AddRenderPasses(ScriptableRenderer renderer, ref RenderingData renderingData);
         public void Dispose() { }
         protected virtual void Dispose(bool disposing) { }
+    }
+}
+
+namespace UnityEditor
+{
+    public sealed class AssetDatabase
+    {
+        public static T LoadAssetAtPath<T>(string assetPath) where T : UnityEngine.Object { return null; }
+    }
+
+    public sealed class EditorUtility
+    {
+        public static void SetDirty(UnityEngine.Object target) { }
     }
 }

@@ -32,7 +32,7 @@ UNITY, PLUGIN = paths.ROOT / copies.UNITY, paths.ROOT / copies.UNREAL
 MODULE = PLUGIN / "Source/BokehDepthOfField"
 EXTENSION = MODULE / "Private/BokehViewExtension.cpp"
 SHADERS = {
-    "unity": UNITY / "Shaders/Resources/BokehDepthOfField.shader",
+    "unity": UNITY / "Shaders/BokehDepthOfField.shader",
     "unreal": PLUGIN / "Shaders/BokehDepthOfField.usf",
 }
 # What shaders are compiled to, by fxc and by DXC; and the presets, by the quicker one
@@ -55,12 +55,12 @@ def source(engine: str) -> str:
     shader, stubs = text(SHADERS[engine]), STUBS / engine
     found = {path.relative_to(stubs).as_posix(): path for path in stubs.rglob("*") if path.is_file()}
     found |= {f"/{name}": path for name, path in found.items()}
-    for path in SHADERS[engine].parents[engine == "unity"].glob("bokeh*"):
-        found |= {f"../{path.name}": path, f"/Plugin/BokehDepthOfField/{path.name}": path}
+    for path in SHADERS[engine].parent.glob("bokeh*"):
+        found |= {path.name: path, f"/Plugin/BokehDepthOfField/{path.name}": path}
     result, count = shader.partition("HLSLINCLUDE\n")[2].partition("ENDHLSL")[0] or shader, 1
     while count:
         result, count = INCLUDE.subn(lambda line: text(found.pop(line[1])) if line[1] else "", result, count=1)
-    return re.sub(r"^ *#pragma (target|multi_compile).*", "", result, flags=re.MULTILINE)
+    return re.sub(r"^ *#pragma (target|shader_feature).*", "", result, flags=re.MULTILINE)
 
 
 @cache
@@ -127,7 +127,9 @@ CSHARP = {
 def test_csharp(engine):
     """The classes of Unity's package and its samples, and the plug-in's Build.cs."""
     files = {path.name: text(path) for path in CSHARP[engine]}
-    check_compiled("mcs", "mono-mcs", ["-target:library", "-warnaserror", "-out:out.dll"], files)
+    options = ["-target:library", "-warnaserror", "-out:out.dll"]
+    for editor in ([], ["-define:UNITY_EDITOR"]):
+        check_compiled("mcs", "mono-mcs", [*options, *editor], files)
 
 
 def test_unreal_classes():
@@ -171,3 +173,43 @@ def test_unity_package():
     )
     samples = [posixpath.normpath(sample["path"]) for sample in json.loads(text(UNITY / "package.json"))["samples"]]
     assert samples == [name for name in names if re.fullmatch(r"Samples~/[^/]+", name)]
+
+
+def test_unity_presets():
+    """A material for each preset, with the shader's GUID and one of its keywords: a build has the variants that it uses."""
+    shader = text(SHADERS["unity"])
+    (keywords,) = re.findall(r"#pragma shader_feature_local_fragment _ (.*)", shader)
+    assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 31
+    guid = re.search("^guid: (.*)$", text(SHADERS["unity"].with_name("BokehDepthOfField.shader.meta")), re.MULTILINE)[1]
+    found = {}
+    for path in (UNITY / "Materials").glob("*.mat"):
+        assert f"m_Shader: {{fileID: 4800000, guid: {guid}, type: 3}}" in text(path)
+        assert f"m_Name: {path.stem}\n" in text(path)
+        found[path.stem] = re.findall(r"^  - (BOKEH_\w+)$", text(path), re.MULTILINE)
+    wanted = {"Bokeh Low": ["BOKEH_PRESET_LOW"], "Bokeh Medium": [], "Bokeh High": ["BOKEH_PRESET_HIGH"]}
+    assert found == {**wanted, "Bokeh Ultra": ["BOKEH_PRESET_ULTRA"]}
+    assert sorted(sum(found.values(), [])) == sorted(keywords.split())
+    feature = text(UNITY / "Runtime/BokehRendererFeature.cs")
+    (named,) = re.findall(r'"Packages/com\.polygonal-bokeh\.urp/(.*?)"', feature)
+    assert (UNITY / named).is_file()
+
+
+def test_unity_waits_for_a_volume():
+    """Strength is 0 where no volume overrides it, and nothing is drawn without the camera's post-processing."""
+    volume, feature = (text(UNITY / f"Runtime/{name}.cs") for name in ("BokehVolume", "BokehRendererFeature"))
+    assert "strength = new ClampedFloatParameter(0.0f, 0.0f, 1.0f);" in volume
+    assert "return strength.value > 0.0f && bokehScale.value > 0.0f;" in volume
+    entered = feature.partition("override void AddRenderPasses")[2].partition("renderer.EnqueuePass")[0]
+    for condition in ("material == null", "!renderingData.cameraData.postProcessEnabled", "!volume.IsActive()"):
+        assert condition in entered
+    for path in (UNITY / "Runtime").glob("*.cs"):
+        assert re.search(r"^namespace PolygonalBokeh\n\{", text(path), re.MULTILINE), path
+
+
+@pytest.mark.parametrize(("blades", "sides"), [(3, 4), (4, 4), (5, 6), (6, 6), (7, 8), (8, 8), (9, 10), (11, 10)])
+def test_unity_blades(blades, sides):
+    """A physical camera's blades -> sides of the polygon, by the formula in the source."""
+    feature = text(UNITY / "Runtime/BokehRendererFeature.cs")
+    (lowest, highest, formula) = re.search(r"Mathf\.Clamp\((.*), (\d+), (\d+)\);", feature).group(2, 3, 1)
+    value = eval(formula.replace("camera.bladeCount", str(blades)).replace("/", "//"), {"__builtins__": {}})
+    assert min(max(value, int(lowest)), int(highest)) == sides

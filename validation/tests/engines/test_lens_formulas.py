@@ -21,7 +21,7 @@ SOURCES = {
     "unity/Runtime/BokehRendererFeature.cs": (
         r"values\.focalLength = (.*?);", r"values\.apertureDiameter = (.*?);",
         {r"Mathf\.Tan": "tan", r"values\.sensorHeight": "h", r"volume\.strength\.value": "1.0",
-         r"volume\.bokehScale\.value": "k", r"values\.focalLength": "f", r"volume\.fStop\.value": "n"},
+         r"volume\.bokehScale\.value": "k", r"values\.focalLength": "f", "fStop": "n"},
     ),
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
         r"BokehFocalLength = (.*?);", r"BokehApertureDiameter = (.*?);",

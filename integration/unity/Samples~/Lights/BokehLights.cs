@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Put it on the main camera of an empty scene and press Play: lights from 2 m to 20 m, and a focus that goes through them.
 
+using PolygonalBokeh;
 using UnityEngine;
 
 [RequireComponent(typeof(BokehPull))]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 
+using PolygonalBokeh;
 using UnityEngine;
 
 // On a camera: the focus goes from 2 m to 20 m and back in 8 seconds.

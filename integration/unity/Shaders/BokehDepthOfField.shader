@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The passes of BokehRendererFeature.cs: those of bokeh_passes.hlsl. In a folder Resources, so that every build has it.
+// The passes of BokehRendererFeature.cs: those of bokeh_passes.hlsl. A build has it through
+// the materials that its renderers name, and of the presets only those.
 
 Shader "Hidden/BokehDepthOfField"
 {
@@ -60,7 +61,7 @@ Shader "Hidden/BokehDepthOfField"
     HLSLINCLUDE
 
     #pragma target 3.5
-    #pragma multi_compile_local_fragment _ BOKEH_PRESET_LOW BOKEH_PRESET_HIGH BOKEH_PRESET_ULTRA
+    #pragma shader_feature_local_fragment _ BOKEH_PRESET_LOW BOKEH_PRESET_HIGH BOKEH_PRESET_ULTRA
 
     #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
 
@@ -72,10 +73,10 @@ Shader "Hidden/BokehDepthOfField"
     #pragma warning (disable : 3556)
     // textures and samplers as Direct3D 11 has them; Unity translates that for all of its platforms
     #define BOKEH_HLSL_SM 5
-    #include "../bokeh.hlsl"
-    #include "../bokeh_paper.hlsl"
-    #include "../bokeh_layers.hlsl"
-    #include "../bokeh_passes.hlsl"
+    #include "bokeh.hlsl"
+    #include "bokeh_paper.hlsl"
+    #include "bokeh_layers.hlsl"
+    #include "bokeh_passes.hlsl"
 
     // Unity's triangle: it knows which row of a texture is the first on this platform
     void FullScreenVertex(uint id : SV_VertexID, out float4 position : SV_Position, out float2 uv : TEXCOORD0)
