@@ -17,7 +17,7 @@
 // [15] apertures
 
 // Lens: a polygon whose lengths have changed, with what follows from them
-BokehPolygon BokehClosed(BokehPolygon polygon)
+BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
 {
     BokehPolygon closed = polygon;
     closed.mean = vec2(0.0, 0.0);
@@ -51,7 +51,7 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
         float odd = sin(max(corner, 0.001));
         float even = sin(0.78539816 - corner);
         result.lengths = vec4(odd, even, odd, even);
-        result = BokehClosed(result);
+        result = BokehUpdatePolygon(result);
     }
     return result;
 }
@@ -114,7 +114,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
     result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
         widths), BokehCutLength(4, widths));
     result.fifth = BokehCutLength(5, widths);
-    return BokehClosed(result);
+    return BokehUpdatePolygon(result);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -170,8 +170,9 @@ vec4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXT
     }
     vec2 velocity = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
     // NaN leaves the image
-    vec2 before = uv - vec2(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0, 2.0));
-    float history = BokehSafe(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
+    vec2 before = uv - vec2(BokehSanitize(velocity.x, -2.0, 2.0), BokehSanitize(velocity.y, -2.0,
+        2.0));
+    float history = BokehSanitize(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
     if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
     {
         pixel += vec4(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));

@@ -41,7 +41,7 @@
 // Listing 1: depth of this pixel, made safe
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
 {
-    return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -105,7 +105,7 @@ vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
 //   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
 //   1 / bleedingMult up. All other samples have the weight 1.
 float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
-    BokehFilter settings)
+    BokehSamplingSettings settings)
 {
     float weight = 1.0;
     if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -140,7 +140,7 @@ vec4 BokehResolve(vec4 color, float totalWeight, vec4 centerPixel, bool blurCoC)
 //   settings      of which the leakage test is used; there are always BOKEH_PAPER_SAMPLES samples,
 //                 in shader model 3 254 at most
 vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-    vec2 lineEnd, BokehFilter settings, bool blurCoC)
+    vec2 lineEnd, BokehSamplingSettings settings, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -165,7 +165,7 @@ vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 //   segment       from BokehSegment
 //   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
 vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-    vec4 segment, BokehFilter settings, bool blurCoC)
+    vec4 segment, BokehSamplingSettings settings, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
     vec4 result = centerPixel;
@@ -174,24 +174,24 @@ vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE Dept
     {
         float centerDepth = BokehPaperDepth(DepthSamp, uv);
         float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        float cells = BokehCells(lengthInPixels, settings.spacing);
-        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        float samples = BokehSampleCount(lengthInPixels, settings.spacing);
+        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
         vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
         vec2 first = uv + (segment.xy - segment.zw) * scale;
-        vec2 cellLength = segment.zw * scale * (2.0 / cells);
+        vec2 sampleStep = segment.zw * scale * (2.0 / samples);
         vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
         float totalWeight = 0.0;
         for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+            if (BOKEH_SPACING > 0.0 && float(i) >= samples)
             {
                 break;
             }
-            float cell = clamp(cells - float(i), 0.0, 1.0);
-            vec2 sampleCoords = first + cellLength * (float(i) + cell * phase);
+            float part = clamp(samples - float(i), 0.0, 1.0);
+            vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
             vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
             float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-            float weight = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+            float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
             totalWeight += weight;
@@ -219,7 +219,7 @@ vec4 BokehCombine(vec4 a, vec4 b, bool useMax)
 //   CompareSamp   the finished first parallelogram
 //   useMax        false: intersection (hexagon, octagon); true: union (star)
 vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-    BOKEH_TEXTURE CompareSamp, vec2 uv, vec2 lineEnd, BokehFilter settings, bool blurCoC,
+    BOKEH_TEXTURE CompareSamp, vec2 uv, vec2 lineEnd, BokehSamplingSettings settings, bool blurCoC,
     bool useMax)
 {
     vec4 a = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC);
@@ -234,7 +234,7 @@ vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSa
 //   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right,
 //                 y towards the last row
 vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-    BOKEH_TEXTURE KernelSamp, vec2 uv, BokehFilter settings, bool blurCoC)
+    BOKEH_TEXTURE KernelSamp, vec2 uv, BokehSamplingSettings settings, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -260,7 +260,7 @@ vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 //   BOKEH_PAPER_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
 vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, vec2 lineEndU,
-    vec2 lineEndV, BokehFilter settings, bool blurCoC)
+    vec2 lineEndV, BokehSamplingSettings settings, bool blurCoC)
 {
     vec4 centerPixel = BokehFetch(ColorSamp, uv);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);

@@ -33,11 +33,11 @@
 //   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
-//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
-//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
-//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
-//   target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
+//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
+//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
+//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
+//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/reference/parameters.md has units and offsets, and the block as a struct for C++,
@@ -71,9 +71,9 @@
 #define BOKEH_TILE_MAX 23
 #define BOKEH_TILE_DILATE 24
 #define BOKEH_PREFILTER 25
-#define BOKEH_KERNEL_REDUCE 26
-#define BOKEH_KERNEL_ROWS 27
-#define BOKEH_KERNEL_COLUMNS 28
+#define BOKEH_LAYER_COC_REDUCE 26
+#define BOKEH_LAYER_COC_ROWS 27
+#define BOKEH_LAYER_COC_COLUMNS 28
 #define BOKEH_DOWNSAMPLE 29
 #define BOKEH_HOLE_FILL 30
 #define BOKEH_SQUARE_LAYER_FIRST 31
@@ -86,9 +86,9 @@
 #define BOKEH_DECAGON_LAYER_SECOND 38
 #define BOKEH_COMPOSITE 39
 #define BOKEH_PREFILTER_ONE 40
-#define BOKEH_KERNEL_REDUCE_ONE 41
-#define BOKEH_KERNEL_ROWS_ONE 42
-#define BOKEH_KERNEL_COLUMNS_ONE 43
+#define BOKEH_LAYER_COC_REDUCE_ONE 41
+#define BOKEH_LAYER_COC_ROWS_ONE 42
+#define BOKEH_LAYER_COC_COLUMNS_ONE 43
 #define BOKEH_DOWNSAMPLE_ONE 44
 #define BOKEH_HOLE_FILL_ONE 45
 #define BOKEH_LAYER_EDGE 46
@@ -242,9 +242,9 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST || BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE || BOKEH_PASS == BOKEH_KERNEL_ROWS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE || BOKEH_PASS == BOKEH_LAYER_COC_ROWS
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 #define BOKEH_TARGETS 3
@@ -302,10 +302,10 @@ float BokehPassJitter(vec2 uv, vec2 imageSize, float passIndex)
 }
 
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
-BokehFilter BokehBegin(vec2 uv, float passIndex)
+BokehSamplingSettings BokehBegin(vec2 uv, float passIndex)
 {
     BokehUseViewport();
-    BokehFilter settings;
+    BokehSamplingSettings settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
     settings.spacing = BokehSpacing;
@@ -392,7 +392,7 @@ vec2 BokehDepthUV(vec2 uv)
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
-vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
+vec4 BokehSelectTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 {
     vec4 picked = first;
     if (BOKEH_TARGET_INDEX == 1)
@@ -415,7 +415,7 @@ vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 // one line of the filter, adaptive
 vec4 BokehAdaptiveLine(vec2 uv)
 {
-    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    BokehSamplingSettings settings = BokehBegin(uv, BokehPassIndex);
     vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
     vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
@@ -428,11 +428,11 @@ vec4 BokehAdaptiveLine(vec2 uv)
 
 // what a pass of the layers begins with: the viewport set, and its settings
 //   scale         of its target
-BokehLayers BokehBeginLayers(vec2 uv, float scale, float passIndex)
+BokehLayerContext BokehBeginLayers(vec2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-    BokehLayers layers = BokehMakeLayers(uv, imageSize, BokehMaxCoC);
+    BokehLayerContext layers = BokehMakeLayerContext(uv, imageSize, BokehMaxCoC);
     if (BOKEH_VIEWPORT > 0)
     {
         layers.origin = vec2(BokehViewportX, BokehViewportY);
@@ -443,7 +443,7 @@ BokehLayers BokehBeginLayers(vec2 uv, float scale, float passIndex)
 }
 
 // the same for a pass without samples of its own
-BokehLayers BokehBeginTiles(vec2 uv)
+BokehLayerContext BokehBeginTiles(vec2 uv)
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
@@ -452,33 +452,34 @@ BokehLayers BokehBeginTiles(vec2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC,
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
         layers), BokehLayer > 0.5, last, polygon, layers);
 }
 
 // the polygon of a layer, second pass
-vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Edge5Samp, BokehPolygon polygon)
+vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
-        BokehLayerSizes(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
+        BokehLayerCoC(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
 }
 
 // both layers, first pass, of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
+        BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
 
 // both layers, second pass
-BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, int sides)
+BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
+    int sides)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
-        BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
+        BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
 
 #endif
@@ -522,7 +523,7 @@ void main()
 void main()
 {
     BokehResult = BokehSquareFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4),
-        BokehBegin(BokehUV, 0.0)).edge2;
+        BokehBegin(BokehUV, 0.0)).strip2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_SECOND
@@ -539,8 +540,8 @@ void main()
 {
     BokehTargets targets = BokehHexagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 6),
         BokehBegin(BokehUV, 0.0));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
@@ -557,9 +558,9 @@ void main()
 {
     BokehTargets targets = BokehOctagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 8),
         BokehBegin(BokehUV, 0.0));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
@@ -576,10 +577,10 @@ void main()
 {
     BokehTargets targets = BokehDecagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 10),
         BokehBegin(BokehUV, 0.0));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
-    BokehResultD = targets.edge5;
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
+    BokehResultD = targets.strip5;
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_SECOND
@@ -596,7 +597,7 @@ void main()
 {
     BokehTargets targets = BokehExactFirst(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(BokehUV), BokehBegin(BokehUV, 0.0));
-    BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 #elif BOKEH_PASS == BOKEH_DEBUG
@@ -675,7 +676,7 @@ void main()
 
 void main()
 {
-    BokehFilter settings = BokehBegin(BokehUV, 0.0);
+    BokehSamplingSettings settings = BokehBegin(BokehUV, 0.0);
     settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
     BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV,
         settings, BokehBlurCoC > 0.5);
@@ -731,50 +732,50 @@ void main()
         BokehBeginTiles(BokehUV));
     BokehResult = targets.nearLayer;
     BokehResultB = targets.farLayer;
-    BokehResultC = targets.kernelSums;
-    BokehResultD = targets.leftovers;
+    BokehResultC = targets.layerCoCSums;
+    BokehResultD = targets.gatherCoC;
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE
 
 void main()
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
-    BokehResult = targets.leftovers;
+    BokehResult = targets.gatherCoC;
     BokehResultB = targets.sums;
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_ROWS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_ROWS
 
 void main()
 {
-    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(BokehUV));
-    BokehResult = targets.leftovers;
+    BokehResult = targets.gatherCoC;
     BokehResultB = targets.sums;
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS
 
 void main()
 {
-    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(BokehUV));
-    BokehResult = targets.reach;
-    BokehResultB = targets.sizes;
+    BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(BokehUV));
+    BokehResult = targets.gatherTiles;
+    BokehResultB = targets.layerCoC;
 }
 
 #elif BOKEH_PASS == BOKEH_DOWNSAMPLE
 
 void main()
 {
-    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
-    BokehResult = targets.middle;
-    BokehResultB = targets.far;
-    BokehResultC = targets.nearLevel;
-    BokehResultD = targets.farLevel;
+    BokehResult = targets.midWithHoles;
+    BokehResultB = targets.farWithHoles;
+    BokehResultC = targets.nearQuarter;
+    BokehResultD = targets.farQuarter;
 }
 
 #elif BOKEH_PASS == BOKEH_HOLE_FILL
@@ -783,8 +784,8 @@ void main()
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
-    BokehResult = targets.middle;
-    BokehResultB = targets.back;
+    BokehResult = targets.midFill;
+    BokehResultB = targets.farFill;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST
@@ -792,8 +793,8 @@ void main()
 void main()
 {
     BokehLayersTargets targets = BokehBothPolygons(BokehUV, 4);
-    BokehResult = targets.near2;
-    BokehResultB = targets.far2;
+    BokehResult = targets.nearStrip2;
+    BokehResultB = targets.farStrip2;
 }
 
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
@@ -810,10 +811,10 @@ void main()
 void main()
 {
     BokehLayersTargets targets = BokehBothPolygons(BokehUV, 6);
-    BokehResult = targets.near2;
-    BokehResultB = targets.far2;
-    BokehResultC = targets.near3;
-    BokehResultD = targets.far3;
+    BokehResult = targets.nearStrip2;
+    BokehResultB = targets.farStrip2;
+    BokehResultC = targets.nearStrip3;
+    BokehResultD = targets.farStrip3;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
@@ -830,9 +831,9 @@ void main()
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, 4, BokehAperture(BokehUV, 8));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_SECOND
@@ -847,10 +848,10 @@ void main()
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, 5, BokehAperture(BokehUV, 10));
-    BokehResult = targets.edge2;
-    BokehResultB = targets.edge3;
-    BokehResultC = targets.edge4;
-    BokehResultD = targets.edge5;
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
+    BokehResultD = targets.strip5;
 }
 
 #elif BOKEH_PASS == BOKEH_DECAGON_LAYER_SECOND
@@ -875,44 +876,46 @@ void main()
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
-        targets.leftovers);
+    BokehResult = BokehSelectTarget(targets.nearLayer, targets.farLayer, targets.layerCoCSums,
+        targets.gatherCoC);
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE_ONE
 
 void main()
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    BokehResult = BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_ROWS_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_ROWS_ONE
 
 void main()
 {
-    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    BokehResult = BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS_ONE
 
 void main()
 {
-    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+    BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(BokehUV));
+    BokehResult = BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
+        targets.layerCoC);
 }
 
 #elif BOKEH_PASS == BOKEH_DOWNSAMPLE_ONE
 
 void main()
 {
-    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
-    BokehResult = BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
+    BokehResult = BokehSelectTarget(targets.midWithHoles, targets.farWithHoles, targets.nearQuarter,
+        targets.farQuarter);
 }
 
 #elif BOKEH_PASS == BOKEH_HOLE_FILL_ONE
@@ -921,7 +924,8 @@ void main()
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
-    BokehResult = BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
+    BokehResult = BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill,
+        targets.farFill);
 }
 
 #elif BOKEH_PASS == BOKEH_LAYER_EDGE
@@ -930,7 +934,7 @@ void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(BokehUV));
-    BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 #elif BOKEH_PASS == BOKEH_LAYER_SECOND_ONE

@@ -47,29 +47,29 @@
 //          float2 imageSize;
 //          float rotation;
 //          void first(float4 position : SV_Position, float2 uv : TEXCOORD0,
-//              out float4 edge2 : SV_Target0, out float4 edge3 : SV_Target1)
+//              out float4 strip2 : SV_Target0, out float4 strip3 : SV_Target1)
 //          {
 //              BokehTargets targets = BokehHexagonFirst(Map, uv,
-//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize), Linear);
-//              edge2 = targets.edge2;
-//              edge3 = targets.edge3;
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultSampling(imageSize), Linear);
+//              strip2 = targets.strip2;
+//              strip3 = targets.strip3;
 //          }
 //
-//   3. Second pass. Edge2, Edge3: from 2. Linear: as above. Target: RGBA16F.
-//          Texture2D Edge2 : register(t0);
-//          Texture2D Edge3 : register(t1);
+//   3. Second pass. Strip2, Strip3: from 2. Linear: as above. Target: RGBA16F.
+//          Texture2D Strip2 : register(t0);
+//          Texture2D Strip3 : register(t1);
 //          SamplerState Linear : register(s0);
 //          float2 imageSize;
 //          float rotation;
 //          float4 second(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
 //          {
-//              return BokehHexagonSecond(Edge2, Edge3, uv,
-//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultFilter(imageSize), Linear);
+//              return BokehHexagonSecond(Strip2, Strip3, uv,
+//                  BokehMakePolygon(6, rotation, 1.0), BokehDefaultSampling(imageSize), Linear);
 //          }
 //
 // CONTENTS
 //   [1] configuration   [2] porting   [3] circle of confusion: BokehMakeLens, BokehSignedCoCMap
-//   [4] samples along a line: BokehDefaultFilter   [5] exact polygons: BokehMakePolygon,
+//   [4] samples along a line: BokehDefaultSampling   [5] exact polygons: BokehMakePolygon,
 //   BokehHexagonFirst, BokehHexagonSecond, and of Square, Octagon, Decagon
 
 // -------------------------------------------------------------------------------------------------
@@ -332,12 +332,12 @@ float BokehSignedCoC(float depth, BokehLens lens)
 // Listing 1: bad input made safe: NaN and what is below `least` become that, infinity `most`
 //   NaN fails this comparison; max() may return either operand. fxc for shader model 3 turns > into
 //   the opposite comparison, which NaN passes: it has to be >=.
-float BokehSafe(float value, float least, float most)
+float BokehSanitize(float value, float minimum, float maximum)
 {
-    float safe = least;
-    if (value >= least)
+    float safe = minimum;
+    if (value >= minimum)
     {
-        safe = min(value, most);
+        safe = min(value, maximum);
     }
     return safe;
 }
@@ -354,58 +354,59 @@ float BokehSafe(float value, float least, float most)
 //   near, far     planes of the camera, metres; 0 < near < far in kinds 1 to 4
 //   returns       the sky is at far; in kind 3, and in kind 1 where near is below far / 2^24, at
 //                 BOKEH_MAX_DEPTH
-float BokehLinearDepth(float stored, int kind, float near, float far)
+float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
 {
     float depth = stored;
     if (kind == 1)
     {
-        depth = near * far / (far - stored * (far - near));
+        depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
     }
     else if (kind == 2)
     {
-        depth = near * far / (near + stored * (far - near));
+        depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
     }
     else if (kind == 3)
     {
         depth = BOKEH_MAX_DEPTH;
-        if (stored >= near / BOKEH_MAX_DEPTH)
+        if (stored >= nearPlane / BOKEH_MAX_DEPTH)
         {
-            depth = near / stored;
+            depth = nearPlane / stored;
         }
     }
     else if (kind == 4)
     {
-        depth = 2.0 * near * far / (far + near - stored * (far - near));
+        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+            nearPlane));
     }
     else if (kind == 5)
     {
-        depth = near + stored * (far - near);
+        depth = nearPlane + stored * (farPlane - nearPlane);
     }
     else if (kind == 6)
     {
-        depth = near + (1.0 - stored) * (far - near);
+        depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
     }
     else if (kind == 7)
     {
-        depth = stored * far;
+        depth = stored * farPlane;
     }
     else if (kind == 8)
     {
         depth = 0.0;
         if (stored >= 0.0)
         {
-            depth = exp2(stored * log2(far + 1.0)) - 1.0;
+            depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
         }
     }
-    return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+    return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 
 // Listing 1: colour as it is, CoC beside it in alpha
 //   returns       what every later pass reads: rgb finite and >= 0, a = CoC
 float4 BokehPackCoC(float4 color, float CoC)
 {
-    return float4(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0,
-        BOKEH_MAX_COLOR), BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+    return float4(BokehSanitize(color.r, 0.0, BOKEH_MAX_COLOR), BokehSanitize(color.g, 0.0,
+        BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
 // Listing 1: sum of the channels of a colour, made safe as in the map
@@ -509,7 +510,7 @@ float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 //   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
 //                 neither this nor bleedingMult has an effect on the hexagon of [5]
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
-struct BokehFilter
+struct BokehSamplingSettings
 {
     float aspectRatio;
     float imageHeight;
@@ -520,9 +521,9 @@ struct BokehFilter
 };
 
 // Lines: settings without jitter; imageSize: width, height; pixels
-BokehFilter BokehDefaultFilter(float2 imageSize)
+BokehSamplingSettings BokehDefaultSampling(float2 imageSize)
 {
-    BokehFilter settings;
+    BokehSamplingSettings settings;
     settings.aspectRatio = imageSize.x / imageSize.y;
     settings.imageHeight = imageSize.y;
     settings.spacing = BOKEH_SPACING;
@@ -550,14 +551,14 @@ float BokehFilterCoC(float CoC, float imageHeight)
 //
 //      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
 //        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
-float BokehCells(float lengthInPixels, float spacing)
+float BokehSampleCount(float lengthInPixels, float spacing)
 {
-    float cells = float(BOKEH_NUM_SAMPLES);
+    float samples = float(BOKEH_NUM_SAMPLES);
     if (BOKEH_SPACING > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
+        samples = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
     }
-    return cells;
+    return samples;
 }
 
 // Lines: weight of one sample against intensity leakage (section 2.1), from signed CoC alone: the
@@ -566,7 +567,7 @@ float BokehCells(float lengthInPixels, float spacing)
 //   every sample counts. The test sets in around the bias: a step would make outlines pop. In the
 //   second pass a rejected sample also displaces what its own line would have gathered; squared
 //   weights make up for that. 0.001: half floats' rounding must not reject a surface's own samples.
-float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
+float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
 {
     float scale = 1.0 / max(settings.bleedingBias, 0.001);
     float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
@@ -594,8 +595,8 @@ float4 BokehResolved(float4 sum, float4 centerPixel)
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
-//   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
-//          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
+//   edge 3 |     |            first pass   strip2 = blur along 1; strip3 = along 1 and 2, weighted
+//          '-, ,-'            second pass  strip2 blurred along 2, strip3 along 3: 1/3 + 2/3
 //
 //   A polygon of 4, 6, 8 or 10 sides has 1, 2, 3 or 4 such targets.
 
@@ -606,7 +607,7 @@ float4 BokehResolved(float4 sum, float4 centerPixel)
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
 //   lengths       of edges 1 to 4; fifth: of edge 5; of which sides / 2 count
 //   corner        where edge 1 begins; mean: of the middles of all edges but the last; area: of the
-//                 polygon: what follows from the lengths (BokehClosed of bokeh_lens)
+//                 polygon: what follows from the lengths (BokehUpdatePolygon of bokeh_lens)
 struct BokehPolygon
 {
     int sides;
@@ -622,10 +623,10 @@ struct BokehPolygon
 // Exact: what the first pass writes, and the second one blurs along edges 2 to 5
 struct BokehTargets
 {
-    float4 edge2;
-    float4 edge3;
-    float4 edge4;
-    float4 edge5;
+    float4 strip2;
+    float4 strip3;
+    float4 strip4;
+    float4 strip5;
 };
 
 // Exact: a regular polygon, its corners on the circle of confusion
@@ -767,7 +768,7 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 //   In front of the focus every sample reaches this pixel, with half the weight where it is sharp
 //   or lies behind the focus: a near light is as dense on its own pixels as beside them. The half
 //   sets in over an eighth of this pixel's CoC, since a step would show in a focus pull.
-//   samples       on the ray, from BokehCells
+//   samples       on the ray, from BokehSampleCount
 //   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
 //                 surface of this pixel: all of it at the same CoC, none below 3/4
 float3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
@@ -804,7 +805,7 @@ struct BokehLine
 //   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
 //   rays          whether the lines are those of BokehRay
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon, bool secondPass,
-    bool rays, float centerCoC, BokehFilter settings BOKEH_SAMPLER)
+    bool rays, float centerCoC, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     float reached = 0.0;
@@ -817,42 +818,42 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
             segment = BokehRay(k, polygon, secondPass);
         }
         float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        float cells = BokehCells(lengthInPixels, settings.spacing);
-        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        float samples = BokehSampleCount(lengthInPixels, settings.spacing);
+        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
         float2 scale = float2(CoC / settings.aspectRatio, CoC);
         float2 first = uv + (segment.xy - segment.zw) * scale;
-        float2 cellLength = segment.zw * scale * (2.0 / cells);
+        float2 sampleStep = segment.zw * scale * (2.0 / samples);
         float4 surface = float4(0.0, 0.0, 0.0, 0.0);
         BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+            if (BOKEH_SPACING > 0.0 && float(i) >= samples)
             {
                 break;
             }
-            float cell = clamp(cells - float(i), 0.0, 1.0);
-            float4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell *
+            float part = clamp(samples - float(i), 0.0, 1.0);
+            float4 samplePixel = BokehFetch(tex, first + sampleStep * (float(i) + part *
                 phase) BOKEH_LINEAR);
             if (rays)
             {
-                float3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+                float3 weights = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
                 sum += float4(samplePixel.rgb, 1.0) * weights.x;
                 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
                 surface += float4(samplePixel.rgb, 1.0) * weights.z;
             }
             else
             {
-                float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+                float weight = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
                 sum += float4(samplePixel.rgb, 1.0) * weight;
             }
         }
         if (rays)
         {
-            float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+            float covered = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
             sum -= surface * covered;
             reached -= (surface.r + surface.g + surface.b) * covered;
         }
-        sum = sum / cells;
-        reached = reached / cells;
+        sum = sum / samples;
+        reached = reached / samples;
         if (secondPass)
         {
             sum *= BokehEdgeArea(k, polygon);
@@ -889,7 +890,7 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Bo
 // Exact: first pass, of any polygon
 //   last          sides / 2; where a pass can write one target only, the edge of that target
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(MapSamp, uv BOKEH_LINEAR);
     float CoC = centerPixel.a;
@@ -918,92 +919,94 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
         L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings BOKEH_LINEAR);
     }
     BokehTargets targets;
-    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
 // Exact: first pass of a square
-//   MapSamp       from BokehSignedCoCMap; Edge2Samp ..: from the first pass; linear filter, clamp
+//   MapSamp       from BokehSignedCoCMap; Strip2Samp ..: from the first pass; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..), below with 6, 8 and 10
-//   returns       edge2, below more; the second pass: rgb = colour, a = CoC, as in the map
+//   returns       strip2, below more; the second pass: rgb = colour, a = CoC, as in the map
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     return BokehExactFirst(MapSamp, uv, 2, polygon, settings BOKEH_LINEAR);
 }
 
 // Exact: second pass of a square
-float4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, float2 uv, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polygon,
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum, pixel);
 }
 
 // Exact: first pass of a hexagon
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     return BokehExactFirst(MapSamp, uv, 3, polygon, settings BOKEH_LINEAR);
 }
 
 // Exact: second pass of a hexagon
-float4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, float2 uv,
-    BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
+float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, float2 uv,
+    BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
 // Exact: first pass of an octagon
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     return BokehExactFirst(MapSamp, uv, 4, polygon, settings BOKEH_LINEAR);
 }
 
 // Exact: second pass of an octagon
-float4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
+float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
+    BOKEH_TEXTURE Strip4Samp, float2 uv, BokehPolygon polygon,
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
 // Exact: first pass of a decagon
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
-    BokehFilter settings BOKEH_SAMPLER)
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     return BokehExactFirst(MapSamp, uv, 5, polygon, settings BOKEH_LINEAR);
 }
 
 // Exact: second pass of a decagon
-float4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, float2 uv, BokehPolygon polygon, BokehFilter settings BOKEH_SAMPLER)
+float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
+    BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 uv, BokehPolygon polygon,
+    BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Edge2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
-    BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings
+    BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

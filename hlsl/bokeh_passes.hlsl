@@ -33,11 +33,11 @@
 //   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
-//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
-//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
-//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
-//   target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
+//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
+//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
+//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
+//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
 //   buffer in SM4 and up; the buffer has 192 bytes (docs/reference/parameters.md has units, and the
@@ -244,10 +244,10 @@ float BokehPassJitter(float2 uv, float2 imageSize, float passIndex)
 }
 
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
-BokehFilter BokehBegin(float2 uv, float passIndex)
+BokehSamplingSettings BokehBegin(float2 uv, float passIndex)
 {
     BokehUseViewport();
-    BokehFilter settings;
+    BokehSamplingSettings settings;
     settings.aspectRatio = BokehAspectRatio;
     settings.imageHeight = BokehImageHeight;
     settings.spacing = BokehSpacing;
@@ -334,7 +334,7 @@ float2 BokehDepthUV(float2 uv)
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
-float4 BokehPickTarget(float4 first, float4 second, float4 third, float4 fourth)
+float4 BokehSelectTarget(float4 first, float4 second, float4 third, float4 fourth)
 {
     float4 picked = first;
     if (BOKEH_TARGET_INDEX == 1)
@@ -357,7 +357,7 @@ float4 BokehPickTarget(float4 first, float4 second, float4 third, float4 fourth)
 // one line of the filter, adaptive
 float4 BokehAdaptiveLine(float2 uv)
 {
-    BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+    BokehSamplingSettings settings = BokehBegin(uv, BokehPassIndex);
     float2 lineCenter = float2(BokehLineCenterX, BokehLineCenterY);
     float4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
     return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
@@ -370,11 +370,11 @@ float4 BokehAdaptiveLine(float2 uv)
 
 // what a pass of the layers begins with: the viewport set, and its settings
 //   scale         of its target
-BokehLayers BokehBeginLayers(float2 uv, float scale, float passIndex)
+BokehLayerContext BokehBeginLayers(float2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
-    BokehLayers layers = BokehMakeLayers(uv, imageSize, BokehMaxCoC);
+    BokehLayerContext layers = BokehMakeLayerContext(uv, imageSize, BokehMaxCoC);
     if (BOKEH_VIEWPORT > 0)
     {
         layers.origin = float2(BokehViewportX, BokehViewportY);
@@ -385,7 +385,7 @@ BokehLayers BokehBeginLayers(float2 uv, float scale, float passIndex)
 }
 
 // the same for a pass without samples of its own
-BokehLayers BokehBeginTiles(float2 uv)
+BokehLayerContext BokehBeginTiles(float2 uv)
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
@@ -394,35 +394,36 @@ BokehLayers BokehBeginTiles(float2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC,
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
         layers BOKEH_LINEAR), BokehLayer > 0.5, last, polygon, layers BOKEH_LINEAR);
 }
 
 // the polygon of a layer, second pass
-float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Edge5Samp, BokehPolygon polygon)
+float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
-        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehLayer > 0.5, polygon,
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
+        BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehLayer > 0.5, polygon,
         layers BOKEH_LINEAR);
 }
 
 // both layers, first pass, of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
+        BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
         layers BOKEH_LINEAR);
 }
 
 // both layers, second pass
-BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, int sides)
+BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
+    int sides)
 {
-    BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
-        BokehLayerSizes(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
+    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
+        BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
         layers BOKEH_LINEAR);
 }
 
@@ -459,7 +460,7 @@ float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehSquareFirst_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     return BokehSquareFirst(BokehColorSamp, uv, BokehAperture(uv, 4),
-        BokehBegin(uv, 0.0) BOKEH_LINEAR).edge2;
+        BokehBegin(uv, 0.0) BOKEH_LINEAR).strip2;
 }
 
 float4 BokehSquareSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -473,8 +474,8 @@ BokehTargets2 BokehHexagonFirst_PS(BOKEH_INPUT)
     BokehTargets targets = BokehHexagonFirst(BokehColorSamp, uv, BokehAperture(uv, 6),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
     BokehTargets2 result;
-    result.target0 = targets.edge2;
-    result.target1 = targets.edge3;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
     return result;
 }
 
@@ -489,9 +490,9 @@ BokehTargets3 BokehOctagonFirst_PS(BOKEH_INPUT)
     BokehTargets targets = BokehOctagonFirst(BokehColorSamp, uv, BokehAperture(uv, 8),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
     BokehTargets3 result;
-    result.target0 = targets.edge2;
-    result.target1 = targets.edge3;
-    result.target2 = targets.edge4;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
     return result;
 }
 
@@ -506,10 +507,10 @@ BokehTargets4 BokehDecagonFirst_PS(BOKEH_INPUT)
     BokehTargets targets = BokehDecagonFirst(BokehColorSamp, uv, BokehAperture(uv, 10),
         BokehBegin(uv, 0.0) BOKEH_LINEAR);
     BokehTargets4 result;
-    result.target0 = targets.edge2;
-    result.target1 = targets.edge3;
-    result.target2 = targets.edge4;
-    result.target3 = targets.edge5;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
+    result.target3 = targets.strip5;
     return result;
 }
 
@@ -523,7 +524,7 @@ float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTargets targets = BokehExactFirst(BokehColorSamp, uv, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(uv), BokehBegin(uv, 0.0) BOKEH_LINEAR);
-    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 // BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
@@ -590,7 +591,7 @@ float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehNaiveGather_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehFilter settings = BokehBegin(uv, 0.0);
+    BokehSamplingSettings settings = BokehBegin(uv, 0.0);
     settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
     return BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, uv, settings,
         BokehBlurCoC > 0.5 BOKEH_LINEAR);
@@ -643,50 +644,50 @@ BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
     BokehTargets4 result;
     result.target0 = targets.nearLayer;
     result.target1 = targets.farLayer;
-    result.target2 = targets.kernelSums;
-    result.target3 = targets.leftovers;
+    result.target2 = targets.layerCoCSums;
+    result.target3 = targets.gatherCoC;
     return result;
 }
 
-BokehTargets2 BokehKernelReduce_PS(BOKEH_INPUT)
+BokehTargets2 BokehLayerCoCReduce_PS(BOKEH_INPUT)
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets2 result;
-    result.target0 = targets.leftovers;
+    result.target0 = targets.gatherCoC;
     result.target1 = targets.sums;
     return result;
 }
 
-BokehTargets2 BokehKernelRows_PS(BOKEH_INPUT)
+BokehTargets2 BokehLayerCoCRows_PS(BOKEH_INPUT)
 {
-    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets2 result;
-    result.target0 = targets.leftovers;
+    result.target0 = targets.gatherCoC;
     result.target1 = targets.sums;
     return result;
 }
 
-BokehTargets2 BokehKernelColumns_PS(BOKEH_INPUT)
+BokehTargets2 BokehLayerCoCColumns_PS(BOKEH_INPUT)
 {
-    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+    BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets2 result;
-    result.target0 = targets.reach;
-    result.target1 = targets.sizes;
+    result.target0 = targets.gatherTiles;
+    result.target1 = targets.layerCoC;
     return result;
 }
 
 BokehTargets4 BokehDownsample_PS(BOKEH_INPUT)
 {
-    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehAnyAperture(uv), BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets4 result;
-    result.target0 = targets.middle;
-    result.target1 = targets.far;
-    result.target2 = targets.nearLevel;
-    result.target3 = targets.farLevel;
+    result.target0 = targets.midWithHoles;
+    result.target1 = targets.farWithHoles;
+    result.target2 = targets.nearQuarter;
+    result.target3 = targets.farQuarter;
     return result;
 }
 
@@ -695,8 +696,8 @@ BokehTargets2 BokehHoleFill_PS(BOKEH_INPUT)
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
     BokehTargets2 result;
-    result.target0 = targets.middle;
-    result.target1 = targets.back;
+    result.target0 = targets.midFill;
+    result.target1 = targets.farFill;
     return result;
 }
 
@@ -704,8 +705,8 @@ BokehTargets2 BokehSquareLayerFirst_PS(BOKEH_INPUT)
 {
     BokehLayersTargets targets = BokehBothPolygons(uv, 4);
     BokehTargets2 result;
-    result.target0 = targets.near2;
-    result.target1 = targets.far2;
+    result.target0 = targets.nearStrip2;
+    result.target1 = targets.farStrip2;
     return result;
 }
 
@@ -722,10 +723,10 @@ BokehTargets4 BokehHexagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehLayersTargets targets = BokehBothPolygons(uv, 6);
     BokehTargets4 result;
-    result.target0 = targets.near2;
-    result.target1 = targets.far2;
-    result.target2 = targets.near3;
-    result.target3 = targets.far3;
+    result.target0 = targets.nearStrip2;
+    result.target1 = targets.farStrip2;
+    result.target2 = targets.nearStrip3;
+    result.target3 = targets.farStrip3;
     return result;
 }
 
@@ -742,9 +743,9 @@ BokehTargets3 BokehOctagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 4, BokehAperture(uv, 8));
     BokehTargets3 result;
-    result.target0 = targets.edge2;
-    result.target1 = targets.edge3;
-    result.target2 = targets.edge4;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
     return result;
 }
 
@@ -757,10 +758,10 @@ BokehTargets4 BokehDecagonLayerFirst_PS(BOKEH_INPUT)
 {
     BokehTargets targets = BokehLayerPolygon(uv, 5, BokehAperture(uv, 10));
     BokehTargets4 result;
-    result.target0 = targets.edge2;
-    result.target1 = targets.edge3;
-    result.target2 = targets.edge4;
-    result.target3 = targets.edge5;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
+    result.target3 = targets.strip5;
     return result;
 }
 
@@ -780,49 +781,51 @@ float4 BokehPrefilterOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
-        targets.leftovers);
+    return BokehSelectTarget(targets.nearLayer, targets.farLayer, targets.layerCoCSums,
+        targets.gatherCoC);
 }
 
-float4 BokehKernelReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehLayerCoCReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-float4 BokehKernelRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehLayerCoCRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-float4 BokehKernelColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehLayerCoCColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+    BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
+    return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
+        targets.layerCoC);
 }
 
 float4 BokehDownsampleOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehColorSampD, BokehColorSampE, BokehAnyAperture(uv), BokehBeginTiles(uv) BOKEH_LINEAR);
-    return BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
+    return BokehSelectTarget(targets.midWithHoles, targets.farWithHoles, targets.nearQuarter,
+        targets.farQuarter);
 }
 
 float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(uv), BokehBeginLayers(uv, 4.0, 0.0) BOKEH_LINEAR);
-    return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
+    return BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill, targets.farFill);
 }
 
 float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTargets targets = BokehLayerPolygon(uv, BOKEH_TARGET_INDEX + 2, BokehAnyAperture(uv));
-    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 float4 BokehLayerSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT

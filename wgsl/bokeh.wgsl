@@ -43,7 +43,7 @@
 //
 //   2. First pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
-//          struct Targets { @location(0) edge2: vec4f, @location(1) edge3: vec4f }
+//          struct Targets { @location(0) strip2: vec4f, @location(1) strip3: vec4f }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
 //          @group(0) @binding(1) var Map: texture_2d<f32>;
 //          @group(0) @binding(2) var Linear: sampler;
@@ -51,26 +51,26 @@
 //          {
 //              let targets = BokehHexagonFirst(Map, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
-//                  BokehDefaultFilter(aperture.imageSize), Linear);
-//              return Targets(targets.edge2, targets.edge3);
+//                  BokehDefaultSampling(aperture.imageSize), Linear);
+//              return Targets(targets.strip2, targets.strip3);
 //          }
 //
-//   3. Second pass. Edge2, Edge3: from 2. Linear: as above. Target: rgba16float.
+//   3. Second pass. Strip2, Strip3: from 2. Linear: as above. Target: rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
-//          @group(0) @binding(1) var Edge2: texture_2d<f32>;
-//          @group(0) @binding(2) var Edge3: texture_2d<f32>;
+//          @group(0) @binding(1) var Strip2: texture_2d<f32>;
+//          @group(0) @binding(2) var Strip3: texture_2d<f32>;
 //          @group(0) @binding(3) var Linear: sampler;
 //          @fragment fn second(@location(0) uv: vec2f) -> @location(0) vec4f
 //          {
-//              return BokehHexagonSecond(Edge2, Edge3, uv,
+//              return BokehHexagonSecond(Strip2, Strip3, uv,
 //                  BokehMakePolygon(6, aperture.rotation, 1.0),
-//                  BokehDefaultFilter(aperture.imageSize), Linear);
+//                  BokehDefaultSampling(aperture.imageSize), Linear);
 //          }
 //
 // CONTENTS
 //   [1] configuration   [2] porting   [3] circle of confusion: BokehMakeLens, BokehSignedCoCMap
-//   [4] samples along a line: BokehDefaultFilter   [5] exact polygons: BokehMakePolygon,
+//   [4] samples along a line: BokehDefaultSampling   [5] exact polygons: BokehMakePolygon,
 //   BokehHexagonFirst, BokehHexagonSecond, and of Square, Octagon, Decagon
 
 // -------------------------------------------------------------------------------------------------
@@ -229,12 +229,12 @@ fn BokehSignedCoC(depth: f32, lens: BokehLens) -> f32
 // Listing 1: bad input made safe: NaN and what is below `least` become that, infinity `most`
 //   NaN fails this comparison; max() may return either operand. fxc for shader model 3 turns > into
 //   the opposite comparison, which NaN passes: it has to be >=.
-fn BokehSafe(value: f32, least: f32, most: f32) -> f32
+fn BokehSanitize(value: f32, minimum: f32, maximum: f32) -> f32
 {
-    var safe: f32 = least;
-    if (value >= least)
+    var safe: f32 = minimum;
+    if (value >= minimum)
     {
-        safe = min(value, most);
+        safe = min(value, maximum);
     }
     return safe;
 }
@@ -251,58 +251,59 @@ fn BokehSafe(value: f32, least: f32, most: f32) -> f32
 //   near, far     planes of the camera, metres; 0 < near < far in kinds 1 to 4
 //   returns       the sky is at far; in kind 3, and in kind 1 where near is below far / 2^24, at
 //                 BOKEH_MAX_DEPTH
-fn BokehLinearDepth(stored: f32, kind: i32, near: f32, far: f32) -> f32
+fn BokehLinearDepth(stored: f32, kind: i32, nearPlane: f32, farPlane: f32) -> f32
 {
     var depth: f32 = stored;
     if (kind == 1)
     {
-        depth = near * far / (far - stored * (far - near));
+        depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
     }
     else if (kind == 2)
     {
-        depth = near * far / (near + stored * (far - near));
+        depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
     }
     else if (kind == 3)
     {
         depth = BOKEH_MAX_DEPTH;
-        if (stored >= near / BOKEH_MAX_DEPTH)
+        if (stored >= nearPlane / BOKEH_MAX_DEPTH)
         {
-            depth = near / stored;
+            depth = nearPlane / stored;
         }
     }
     else if (kind == 4)
     {
-        depth = 2.0 * near * far / (far + near - stored * (far - near));
+        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+            nearPlane));
     }
     else if (kind == 5)
     {
-        depth = near + stored * (far - near);
+        depth = nearPlane + stored * (farPlane - nearPlane);
     }
     else if (kind == 6)
     {
-        depth = near + (1.0 - stored) * (far - near);
+        depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
     }
     else if (kind == 7)
     {
-        depth = stored * far;
+        depth = stored * farPlane;
     }
     else if (kind == 8)
     {
         depth = 0.0;
         if (stored >= 0.0)
         {
-            depth = exp2(stored * log2(far + 1.0)) - 1.0;
+            depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
         }
     }
-    return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+    return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 
 // Listing 1: colour as it is, CoC beside it in alpha
 //   returns       what every later pass reads: rgb finite and >= 0, a = CoC
 fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
 {
-    return vec4f(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
-        BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+    return vec4f(BokehSanitize(color.r, 0.0, BOKEH_MAX_COLOR), BokehSanitize(color.g, 0.0,
+        BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
 // Listing 1: sum of the channels of a colour, made safe as in the map
@@ -407,7 +408,7 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
 //   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
 //                 neither this nor bleedingMult has an effect on the hexagon of [5]
 //   bleedingMult  weight for each unit of CoC of a sample that does not pass
-struct BokehFilter
+struct BokehSamplingSettings
 {
     aspectRatio: f32,
     imageHeight: f32,
@@ -418,9 +419,9 @@ struct BokehFilter
 }
 
 // Lines: settings without jitter; imageSize: width, height; pixels
-fn BokehDefaultFilter(imageSize: vec2f) -> BokehFilter
+fn BokehDefaultSampling(imageSize: vec2f) -> BokehSamplingSettings
 {
-    var settings: BokehFilter;
+    var settings: BokehSamplingSettings;
     settings.aspectRatio = imageSize.x / imageSize.y;
     settings.imageHeight = imageSize.y;
     settings.spacing = BOKEH_SPACING;
@@ -448,14 +449,14 @@ fn BokehFilterCoC(CoC: f32, imageHeight: f32) -> f32
 //
 //      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
 //        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
-fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
+fn BokehSampleCount(lengthInPixels: f32, spacing: f32) -> f32
 {
-    var cells: f32 = f32(BOKEH_NUM_SAMPLES);
+    var samples: f32 = f32(BOKEH_NUM_SAMPLES);
     if (BOKEH_SPACING > 0.0)
     {
-        cells = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
+        samples = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
     }
-    return cells;
+    return samples;
 }
 
 // Lines: weight of one sample against intensity leakage (section 2.1), from signed CoC alone: the
@@ -464,7 +465,7 @@ fn BokehCells(lengthInPixels: f32, spacing: f32) -> f32
 //   every sample counts. The test sets in around the bias: a step would make outlines pop. In the
 //   second pass a rejected sample also displaces what its own line would have gathered; squared
 //   weights make up for that. 0.001: half floats' rounding must not reject a surface's own samples.
-fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehFilter) -> f32
+fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehSamplingSettings) -> f32
 {
     let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
     let rejected: f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
@@ -492,8 +493,8 @@ fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
 //          ,-' '-,  edge 1    same, turned.
-//   edge 3 |     |            first pass   edge2 = blur along 1; edge3 = along 1 and 2, weighted
-//          '-, ,-'            second pass  edge2 blurred along 2, edge3 along 3: 1/3 + 2/3
+//   edge 3 |     |            first pass   strip2 = blur along 1; strip3 = along 1 and 2, weighted
+//          '-, ,-'            second pass  strip2 blurred along 2, strip3 along 3: 1/3 + 2/3
 //
 //   A polygon of 4, 6, 8 or 10 sides has 1, 2, 3 or 4 such targets.
 
@@ -504,7 +505,7 @@ fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
 //   lengths       of edges 1 to 4; fifth: of edge 5; of which sides / 2 count
 //   corner        where edge 1 begins; mean: of the middles of all edges but the last; area: of the
-//                 polygon: what follows from the lengths (BokehClosed of bokeh_lens)
+//                 polygon: what follows from the lengths (BokehUpdatePolygon of bokeh_lens)
 struct BokehPolygon
 {
     sides: i32,
@@ -520,10 +521,10 @@ struct BokehPolygon
 // Exact: what the first pass writes, and the second one blurs along edges 2 to 5
 struct BokehTargets
 {
-    edge2: vec4f,
-    edge3: vec4f,
-    edge4: vec4f,
-    edge5: vec4f,
+    strip2: vec4f,
+    strip3: vec4f,
+    strip4: vec4f,
+    strip5: vec4f,
 }
 
 // Exact: a regular polygon, its corners on the circle of confusion
@@ -665,7 +666,7 @@ fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 //   In front of the focus every sample reaches this pixel, with half the weight where it is sharp
 //   or lies behind the focus: a near light is as dense on its own pixels as beside them. The half
 //   sets in over an eighth of this pixel's CoC, since a step would show in a focus pull.
-//   samples       on the ray, from BokehCells
+//   samples       on the ray, from BokehSampleCount
 //   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
 //                 surface of this pixel: all of it at the same CoC, none below 3/4
 fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
@@ -702,7 +703,8 @@ struct BokehLine
 //   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
 //   rays          whether the lines are those of BokehRay
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-    rays: bool, centerCoC: f32, settings: BokehFilter, BokehLinearClamp: sampler) -> BokehLine
+    rays: bool, centerCoC: f32, settings: BokehSamplingSettings,
+        BokehLinearClamp: sampler) -> BokehLine
 {
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var reached: f32 = 0.0;
@@ -715,43 +717,43 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
             segment = BokehRay(k, polygon, secondPass);
         }
         let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        let samples: f32 = BokehSampleCount(lengthInPixels, settings.spacing);
+        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
         let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
         var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+            if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
             {
                 break;
             }
-            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-            let samplePixel: vec4f = BokehFetch(tex, first + cellLength * (f32(i) + cell * phase),
+            let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+            let samplePixel: vec4f = BokehFetch(tex, first + sampleStep * (f32(i) + part * phase),
                 BokehLinearClamp);
             if (rays)
             {
-                let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+                let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
                 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
                 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
                 surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
             }
             else
             {
-                let weight: f32 = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
+                let weight: f32 = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
                     settings);
                 sum += vec4f(samplePixel.rgb, 1.0) * weight;
             }
         }
         if (rays)
         {
-            let covered: f32 = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+            let covered: f32 = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
             sum -= surface * covered;
             reached -= (surface.r + surface.g + surface.b) * covered;
         }
-        sum = sum / cells;
-        reached = reached / cells;
+        sum = sum / samples;
+        reached = reached / samples;
         if (secondPass)
         {
             sum *= BokehEdgeArea(k, polygon);
@@ -789,7 +791,7 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2
 // Exact: first pass, of any polygon
 //   last          sides / 2; where a pass can write one target only, the edge of that target
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
     let CoC: f32 = centerPixel.a;
@@ -819,94 +821,94 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
         L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
     }
     var targets: BokehTargets;
-    targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 
 // Exact: first pass of a square
-//   MapSamp       from BokehSignedCoCMap; Edge2Samp ..: from the first pass; linear filter, clamp
+//   MapSamp       from BokehSignedCoCMap; Strip2Samp ..: from the first pass; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..), below with 6, 8 and 10
-//   returns       edge2, below more; the second pass: rgb = colour, a = CoC, as in the map
+//   returns       strip2, below more; the second pass: rgb = colour, a = CoC, as in the map
 fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     return BokehExactFirst(MapSamp, uv, 2, polygon, settings, BokehLinearClamp);
 }
 
 // Exact: second pass of a square
-fn BokehSquareSecond(Edge2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum, pixel);
 }
 
 // Exact: first pass of a hexagon
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     return BokehExactFirst(MapSamp, uv, 3, polygon, settings, BokehLinearClamp);
 }
 
 // Exact: second pass of a hexagon
-fn BokehHexagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>, uv: vec2f,
-    polygon: BokehPolygon, settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
+    polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
 // Exact: first pass of an octagon
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     return BokehExactFirst(MapSamp, uv, 4, polygon, settings, BokehLinearClamp);
 }
 
 // Exact: second pass of an octagon
-fn BokehOctagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-    Edge4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehFilter,
+fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
+    Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
     BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
-    let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
 // Exact: first pass of a decagon
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> BokehTargets
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     return BokehExactFirst(MapSamp, uv, 5, polygon, settings, BokehLinearClamp);
 }
 
 // Exact: second pass of a decagon
-fn BokehDecagonSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
-    settings: BokehFilter, BokehLinearClamp: sampler) -> vec4f
+fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
+    Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
+    settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Edge2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
-    let L4: BokehLine = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
-    let L5: BokehLine = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+    let L5: BokehLine = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

@@ -13,22 +13,25 @@
 //   blending off. RGBA16F; what uses two channels may be RG16F.
 //   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
 //
-//   function        size  reads                             writes
-//   TileMax         1/8   map                               largest near and far CoC, light level
-//   TileDilate      1/8   TileMax; then itself              the same of all tiles that reach here
-//   Prefilter       1/2   map, tiles                        nearLayer, farLayer, kernelSums,
-//                                                           leftovers (RG)
-//   KernelReduce    1/8   kernelSums, leftovers             leftovers (RG), sums: of a tile
-//   KernelRows      1/8   both, tiles                       the same of the tiles in its row
-//   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
-//                                                           CoC of the layers
-//   Downsample      1/4   map, tiles, both layers, sizes   middle, far; nearLevel, farLevel: for
-//                                                           wide lines of LayerFirst
-//   HoleFill        1/4   middle, far, tiles                middle, back: without holes
-//   LayerFirst      1/2   a layer, its level, sizes         exact polygon, first pass
-//   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
-//   Composite       1     map, reach, both layers,          the picture
-//                         middle, back
+//   function         size  reads                            writes
+//   TileMax          1/8   map                              tiles: largest near and far CoC, mean
+//                                                           log brightness of 8 x 8 pixels
+//   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
+//                                                           whose blur reaches this tile
+//   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
+//                                                           gatherCoC (RG)
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
+//   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
+//                                                           layerCoC (RG): CoC of both layers
+//   Downsample       1/4   map, dilatedTiles, both layers,  midWithHoles, farWithHoles: background;
+//                          layerCoC                         nearQuarter, farQuarter: both layers
+//   HoleFill         1/4   midWithHoles, farWithHoles,      midFill, farFill: without holes
+//                          dilatedTiles
+//   LayerFirst       1/2   a layer, its quarter, layerCoC   strips: exact polygon, first pass
+//   LayerSecond      1/2   strips, layerCoC                 the blurred layer: second pass
+//   Composite        1     map, gatherTiles, both blurred   the finished image
+//                          layers, midFill, farFill
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
 //   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
@@ -39,11 +42,11 @@
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
 //                                              where no layer is, or with CUBIC 0 small ones
-//   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
+//   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
-//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
-//                                              not lower the level of light
+//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
+//                                              its tile any further
 //
 //   Presets: define one before bokeh.wgsl, or set the constants instead; in WGSL set all three.
 //
@@ -54,9 +57,9 @@
 //   BOKEH_PRESET_ULTRA      4          18      1
 
 override BOKEH_LAYER_RINGS: i32 = 2;
-override BOKEH_LAYER_CELLS: i32 = 11;
+override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
-const BOKEH_MIN_LEVEL: f32 = 0.00001;
+const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 
 // Layers: where the image lies in textures of one size, all in their texels
 //   size          of the image
@@ -74,7 +77,7 @@ struct BokehGrid
 //   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
 //   largest       possible CoC: maxCoC of the map times the image height, pixels
 //   jitter        from BokehNoise, times its amount; 0 = none
-struct BokehLayers
+struct BokehLayerContext
 {
     uv: vec2f,
     size: vec2f,
@@ -86,9 +89,9 @@ struct BokehLayers
 
 // Layers: settings for an image that fills its textures, without jitter
 //   maxCoC        fraction of the image height, as in the CoC map
-fn BokehMakeLayers(uv: vec2f, imageSize: vec2f, maxCoC: f32) -> BokehLayers
+fn BokehMakeLayerContext(uv: vec2f, imageSize: vec2f, maxCoC: f32) -> BokehLayerContext
 {
-    var layers: BokehLayers;
+    var layers: BokehLayerContext;
     layers.uv = uv;
     layers.size = imageSize;
     layers.origin = vec2f(0.0, 0.0);
@@ -99,7 +102,7 @@ fn BokehMakeLayers(uv: vec2f, imageSize: vec2f, maxCoC: f32) -> BokehLayers
 }
 
 // Layers: the grid of the full size
-fn BokehFullGrid(layers: BokehLayers) -> BokehGrid
+fn BokehFullGrid(layers: BokehLayerContext) -> BokehGrid
 {
     var grid: BokehGrid;
     grid.size = layers.size;
@@ -109,7 +112,7 @@ fn BokehFullGrid(layers: BokehLayers) -> BokehGrid
 }
 
 // Layers: the grid of textures of 1 / scale of the full size
-fn BokehReducedGrid(layers: BokehLayers, scale: f32) -> BokehGrid
+fn BokehReducedGrid(layers: BokehLayerContext, scale: f32) -> BokehGrid
 {
     var grid: BokehGrid;
     grid.size = ceil(layers.size / scale);
@@ -162,12 +165,12 @@ fn BokehBrightest(color: vec3f) -> f32
     return max(max(color.r, color.g), color.b);
 }
 
-// Layers: how fast a share grows with the CoC, for BokehLayerShare; 1 / pixels
-//   largest       CoC of a neighbourhood, pixels: where it is `none` or less there is no layer,
-//                 from `whole` up all of it
-fn BokehLayerSlope(largest: f32, none: f32, whole: f32) -> f32
+// Layers: how fast a share grows with the CoC, for BokehLayerWeight; 1 / pixels
+//   largest       CoC of a neighbourhood, pixels: up to startCoC there is no layer, from
+//                 fullCoC up all of it
+fn BokehLayerSlope(largest: f32, startCoC: f32, fullCoC: f32) -> f32
 {
-    let gate: f32 = clamp((largest - none) / (whole - none), 0.001, 1.0);
+    let gate: f32 = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
     return 5.0 / max(largest / gate, 2.0);
 }
 
@@ -191,14 +194,15 @@ fn BokehFarSlope(largest: f32) -> f32
 //   From 0.2 to 0.4, what is half as near is blurred as the nearest (market_7: FLIP .184 for .180);
 //   from 0.6 to 0.8, more of it is left to the gather, and grainy (.181).
 //   CoC           pixels: -s for the near layer, s for the far one
-fn BokehLayerShare(CoC: f32, slope: f32) -> f32
+fn BokehLayerWeight(CoC: f32, slope: f32) -> f32
 {
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
 // Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
-//   returns       r = near, g = far, both >= 0, pixels; b = level
-fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+//   returns       r = near, g = far, both >= 0, pixels; b = mean log2 of brightness
+fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> vec4f
 {
     let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5, 0.5);
     var found: vec3f = vec3f(0.0, 0.0, 0.0);
@@ -210,8 +214,8 @@ fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp:
             let pixel: vec4f = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers),
                 BokehLinearClamp);
             let s: f32 = pixel.a * layers.size.y;
-            let level: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
-            found = vec3f(max(found.r, -s), max(found.g, s), found.b + level);
+            let logBrightness: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
+            found = vec3f(max(found.r, -s), max(found.g, s), found.b + logBrightness);
         }
     }
     return vec4f(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
@@ -227,20 +231,20 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
 }
 
 // Layers: how many tiles the largest CoC reaches, with BokehReaching's margin; 127 at most
-fn BokehReachTiles(layers: BokehLayers) -> f32
+fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
     return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
 
 // Layers: the largest CoC of any neighbouring tile that reaches this one; rows first, then columns
 //   axis          (1, 0), then (0, 1)
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> vec4f
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
     let radius: f32 = BokehReachTiles(layers);
     var found: vec2f = vec2f(0.0, 0.0);
-    var level: f32 = 0.0;
+    var logBrightness: f32 = 0.0;
     for (var i: i32 = 0; i < 255; i++)
     {
         let tiles: f32 = f32(i) - radius;
@@ -251,37 +255,39 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
         let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
             BokehLinearClamp);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
-        level += tile.b;
+        logBrightness += tile.b;
     }
-    return vec4f(found, level / (2.0 * radius + 1.0), 1.0);
+    return vec4f(found, logBrightness / (2.0 * radius + 1.0), 1.0);
 }
 
 // Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
-//   unit          1 / the level around
-//   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
-//                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
+//   inverseBrightness  1 / mean brightness of the tiles around
+//   maxWeight     10000 at most; times the largest CoC / 8 it has to fit into a half float. The
+//                 least that BokehLayerCoCColumns takes for a layer, 0.0001 of 6 pixels, is then no
 //                 subnormal half either, which some GPUs flush to 0.
-fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, unit: f32, heaviest: f32) -> vec4f
+fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, inverseBrightness: f32,
+    maxWeight: f32) -> vec4f
 {
     let brightest: vec4f = vec4f(BokehBrightest(a.rgb), BokehBrightest(b.rgb),
         BokehBrightest(c.rgb), BokehBrightest(d.rgb));
-    return min(0.01 + brightest * unit, vec4f(heaviest, heaviest, heaviest, heaviest));
+    return min(0.01 + brightest * inverseBrightness, vec4f(maxWeight, maxWeight, maxWeight,
+        maxWeight));
 }
 
 // Layers: what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times share, share
-//   kernelSums    for the mean CoC of both layers: CoC / 8 times weight, weight
-//   leftovers     rg = largest near and far CoC that is not wholly in its layer, pixels
+//   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
+//   gatherCoC     rg = largest near and far CoC that is not wholly in its layer, pixels
 struct BokehPrefiltered
 {
     nearLayer: vec4f,
     farLayer: vec4f,
-    kernelSums: vec4f,
-    leftovers: vec4f,
+    layerCoCSums: vec4f,
+    gatherCoC: vec4f,
 }
 
-// Layers: BokehLayerShare of four pixels
-fn BokehLayerShares(CoC: vec4f, slope: f32) -> vec4f
+// Layers: BokehLayerWeight of four pixels
+fn BokehLayerWeights(CoC: vec4f, slope: f32) -> vec4f
 {
     return clamp(CoC * slope - 2.0, vec4f(0.0, 0.0, 0.0, 0.0), vec4f(1.0, 1.0, 1.0, 1.0));
 }
@@ -289,10 +295,10 @@ fn BokehLayerShares(CoC: vec4f, slope: f32) -> vec4f
 // Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
 //   found         of the pixels before this one
 //   nearest       largest share: from a half of it a pixel is near
-fn BokehSurroundings(found: vec4f, pixel: vec4f, nearShare: f32, nearest: f32) -> vec4f
+fn BokehSurroundings(found: vec4f, pixel: vec4f, nearWeight: f32, maxNearWeight: f32) -> vec4f
 {
     var result: vec4f = vec4f(min(found.rgb, pixel.rgb), found.a);
-    if (nearShare < 0.5 * nearest)
+    if (nearWeight < 0.5 * maxNearWeight)
     {
         result = vec4f(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
     }
@@ -302,63 +308,64 @@ fn BokehSurroundings(found: vec4f, pixel: vec4f, nearShare: f32, nearest: f32) -
 // Layers: a near pixel without the light from behind that antialiasing has put into it
 //   around        from BokehSurroundings
 //   returns       colour, share
-fn BokehNearPixel(pixel: vec4f, nearShare: f32, around: vec4f) -> vec4f
+fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
 {
-    var result: vec4f = vec4f(pixel.rgb, nearShare);
+    var result: vec4f = vec4f(pixel.rgb, nearWeight);
     let brightest: f32 = BokehBrightest(pixel.rgb);
     let limit: f32 = BokehBrightest(around.rgb);
     if (around.a > brightest)
     {
-        result = vec4f(min(pixel.rgb, around.rgb), nearShare);
+        result = vec4f(min(pixel.rgb, around.rgb), nearWeight);
         if (brightest > limit)
         {
             // the part of it that is not light from behind
-            result = vec4f(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+            result = vec4f(result.rgb, nearWeight * (around.a - brightest) / (around.a - limit));
         }
     }
     return result;
 }
 
 // Layers: near and far layer at half size, and what is known of their CoC
-fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> BokehPrefiltered
+fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+    layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
 {
     let full: BokehGrid = BokehFullGrid(layers);
     let middle: vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0, 1.0);
-    let reach: vec4f = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
+    let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
-    let nearSlope: f32 = BokehNearSlope(reach.r);
-    let farSlope: f32 = BokehFarSlope(reach.g);
-    let unit: f32 = exp2(-reach.b);
-    let heaviest: f32 = 500000.0 / max(layers.largest, 50.0);
+    let nearSlope: f32 = BokehNearSlope(tile.r);
+    let farSlope: f32 = BokehFarSlope(tile.g);
+    let inverseBrightness: f32 = exp2(-tile.b);
+    let maxWeight: f32 = 500000.0 / max(layers.largest, 50.0);
     // the four pixels of this texel
     var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
     var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
     var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
     var d: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, 0.5), full, BokehLinearClamp);
     let s: vec4f = vec4f(a.a, b.a, c.a, d.a) * full.size.y;
-    let nearShares: vec4f = BokehLayerShares(-s, nearSlope);
-    let farShares: vec4f = BokehLayerShares(s, farSlope);
-    let far: vec4f = vec4f(a.rgb, 1.0) * farShares.x + vec4f(b.rgb, 1.0) * farShares.y +
-        vec4f(c.rgb, 1.0) * farShares.z + vec4f(d.rgb, 1.0) * farShares.w;
-    var weights: vec4f = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+    let nearWeights: vec4f = BokehLayerWeights(-s, nearSlope);
+    let farWeights: vec4f = BokehLayerWeights(s, farSlope);
+    let farSum: vec4f = vec4f(a.rgb, 1.0) * farWeights.x + vec4f(b.rgb, 1.0) * farWeights.y +
+        vec4f(c.rgb, 1.0) * farWeights.z + vec4f(d.rgb, 1.0) * farWeights.w;
+    var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
     var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    let nearLeft: vec4f = -s * min(4.0 - 4.0 * nearShares, one);
-    let farLeft: vec4f = s * min(4.0 - 4.0 * farShares, one);
-    let left: vec2f = max(max(vec2f(nearLeft.x, farLeft.x), vec2f(nearLeft.y, farLeft.y)),
-        max(vec2f(nearLeft.z, farLeft.z), vec2f(nearLeft.w, farLeft.w)));
-    let nearest: f32 = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
-    var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    if (nearest > 0.0)
+    let nearGather: vec4f = -s * min(4.0 - 4.0 * nearWeights, one);
+    let farGather: vec4f = s * min(4.0 - 4.0 * farWeights, one);
+    let gatherCoC: vec2f = max(max(vec2f(nearGather.x, farGather.x), vec2f(nearGather.y,
+        farGather.y)), max(vec2f(nearGather.z, farGather.z), vec2f(nearGather.w, farGather.w)));
+    let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
+        nearWeights.w));
+    var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    if (maxNearWeight > 0.0)
     {
         // an antialiased pixel of a near edge holds light of what is behind it: where that is
         // brighter, no near pixel stays brighter than the darkest one around
         var around: vec4f = vec4f(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
-        around = BokehSurroundings(around, a, nearShares.x, nearest);
-        around = BokehSurroundings(around, b, nearShares.y, nearest);
-        around = BokehSurroundings(around, c, nearShares.z, nearest);
-        around = BokehSurroundings(around, d, nearShares.w, nearest);
+        around = BokehSurroundings(around, a, nearWeights.x, maxNearWeight);
+        around = BokehSurroundings(around, b, nearWeights.y, maxNearWeight);
+        around = BokehSurroundings(around, c, nearWeights.z, maxNearWeight);
+        around = BokehSurroundings(around, d, nearWeights.w, maxNearWeight);
         for (var y: i32 = 0; y < 4; y++)
         {
             for (var x: i32 = 0; x < 4; x++)
@@ -369,75 +376,79 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, layers: 
                 {
                     let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
                         BokehLinearClamp);
-                    around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
-                        full.size.y, nearSlope), nearest);
+                    around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
+                        full.size.y, nearSlope), maxNearWeight);
                 }
             }
         }
-        a = BokehNearPixel(a, nearShares.x, around);
-        b = BokehNearPixel(b, nearShares.y, around);
-        c = BokehNearPixel(c, nearShares.z, around);
-        d = BokehNearPixel(d, nearShares.w, around);
-        near = vec4f(a.rgb, 1.0) * a.a + vec4f(b.rgb, 1.0) * b.a + vec4f(c.rgb, 1.0) * c.a +
+        a = BokehNearPixel(a, nearWeights.x, around);
+        b = BokehNearPixel(b, nearWeights.y, around);
+        c = BokehNearPixel(c, nearWeights.z, around);
+        d = BokehNearPixel(d, nearWeights.w, around);
+        nearSum = vec4f(a.rgb, 1.0) * a.a + vec4f(b.rgb, 1.0) * b.a + vec4f(c.rgb, 1.0) * c.a +
             vec4f(d.rgb, 1.0) * d.a;
-        weights = vec4f(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+        weights = vec4f(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, inverseBrightness,
+            maxWeight);
         sums = vec4f(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
     }
     var targets: BokehPrefiltered;
-    targets.nearLayer = near * 0.25;
-    targets.farLayer = far * 0.25;
-    let most: f32 = BOKEH_MAX_COLOR;
-    targets.kernelSums = min(sums * 0.25, vec4f(most, most, most, most));
-    targets.leftovers = vec4f(clamp(left, vec2f(0.0, 0.0), vec2f(most, most)), 0.0, 1.0);
+    targets.nearLayer = nearSum * 0.25;
+    targets.farLayer = farSum * 0.25;
+    let maxValue: f32 = BOKEH_MAX_COLOR;
+    targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
+    targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxValue)), 0.0,
+        1.0);
     return targets;
 }
 
 // Layers: what is known of the CoC of a tile, and of those around
-//   leftovers     rg = the largest
-//   sums          the mean of kernelSums
-struct BokehKernels
+//   gatherCoC     rg = the largest
+//   sums          the mean of layerCoCSums
+struct BokehTileSums
 {
-    leftovers: vec4f,
+    gatherCoC: vec4f,
     sums: vec4f,
 }
 
-// Layers: kernelSums and leftovers of BokehPrefilter for each tile
-fn BokehKernelReduce(SumsSamp: texture_2d<f32>, LeftSamp: texture_2d<f32>, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> BokehKernels
+// Layers: layerCoCSums and gatherCoC of BokehPrefilter for each tile
+fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
+    layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTileSums
 {
     let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
     let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5, 0.5);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var left: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec2f = vec2f(0.0, 0.0);
     for (var y: i32 = 0; y < 4; y++)
     {
         for (var x: i32 = 0; x < 4; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
             sums += BokehFetchGrid(SumsSamp, place, halves, BokehLinearClamp);
-            left = max(left, BokehFetchGrid(LeftSamp, place, halves, BokehLinearClamp).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, halves,
+                BokehLinearClamp).rg);
         }
     }
-    var targets: BokehKernels;
-    targets.leftovers = vec4f(left, 0.0, 1.0);
+    var targets: BokehTileSums;
+    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
     targets.sums = sums / 16.0;
     return targets;
 }
 
-// Layers: BokehKernelRows along any axis
+// Layers: BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
-fn BokehKernelAlong(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    ReachSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> BokehKernels
+fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
+    DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehTileSums
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
+    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+        BokehLinearClamp).rg;
     // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
     // .180), half as wide, the kernel changes within one light
-    let sigma: vec2f = max(reach * 0.0375, vec2f(0.6, 0.6));
+    let sigma: vec2f = max(tile * 0.0375, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var left: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec2f = vec2f(0.0, 0.0);
     var total: vec2f = vec2f(0.0, 0.0);
     for (var i: i32 = 0; i < 255; i++)
     {
@@ -450,60 +461,63 @@ fn BokehKernelAlong(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid, BokehLinearClamp).rg,
-            abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
+            BokehLinearClamp).rg, abs(tiles)));
         total += weight;
     }
-    var targets: BokehKernels;
-    targets.leftovers = vec4f(left, 0.0, 1.0);
+    var targets: BokehTileSums;
+    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
     targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
     return targets;
 }
 
-// Layers: leftovers and sums of the tiles around, along rows
-//   LeftSamp, SumsSamp  what BokehKernelReduce wrote
-//   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
+// Layers: gatherCoC and sums of the tiles around, along rows
+//   GatherCoCSamp, SumsSamp  what BokehLayerCoCReduce wrote
+//   returns       gatherCoC: the largest that reach here; sums: their mean, by a Gaussian as wide
 //                 as the CoC that reach here
-fn BokehKernelRows(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
-    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehKernels
+fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehTileSums
 {
-    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(1.0, 0.0), layers,
+    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers,
         BokehLinearClamp);
 }
 
-// Layers: what BokehKernelColumns writes
-//   reach         near and far CoC that reach here, near and far leftovers that do; pixels
-//   sizes         rg = CoC that the near and the far layer are blurred by, 0 where there is none;
-//                 pixels
-struct BokehSizes
+// Layers: what BokehLayerCoCColumns writes
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the same of gatherCoC
+//                 alone; pixels
+//   layerCoC      rg = CoC to blur the near and the far layer by, pixels; 0 where there is no layer
+struct BokehLayerCoCTargets
 {
-    reach: vec4f,
-    sizes: vec4f,
+    gatherTiles: vec4f,
+    layerCoC: vec4f,
 }
 
 // Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
-//   LeftSamp, SumsSamp  what BokehKernelRows wrote
-fn BokehKernelColumns(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    ReachSamp: texture_2d<f32>, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehSizes
+//   GatherCoCSamp, SumsSamp  what BokehLayerCoCRows wrote
+fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+        BokehLinearClamp: sampler) -> BokehLayerCoCTargets
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let reach: vec2f = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid, BokehLinearClamp).rg;
-    let kernels: BokehKernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2f(0.0, 1.0),
-        layers, BokehLinearClamp);
-    let sums: vec4f = kernels.sums;
-    var sizes: vec2f = vec2f(0.0, 0.0);
-    if (sums.g > 0.0001 && reach.r > 6.0)
+    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+        BokehLinearClamp).rg;
+    let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
+        vec2f(0.0, 1.0), layers, BokehLinearClamp);
+    let sums: vec4f = tileSums.sums;
+    var layerCoC: vec2f = vec2f(0.0, 0.0);
+    if (sums.g > 0.0001 && tile.r > 6.0)
     {
-        sizes = vec2f(8.0 * sums.r / sums.g, 0.0);
+        layerCoC = vec2f(8.0 * sums.r / sums.g, 0.0);
     }
-    if (sums.a > 0.0001 && reach.g > 10.0)
+    if (sums.a > 0.0001 && tile.g > 10.0)
     {
-        sizes = vec2f(sizes.x, 8.0 * sums.b / sums.a);
+        layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
     }
-    var targets: BokehSizes;
-    targets.reach = vec4f(reach, kernels.leftovers.rg);
-    targets.sizes = vec4f(sizes, 0.0, 1.0);
+    var targets: BokehLayerCoCTargets;
+    targets.gatherTiles = vec4f(tile, tileSums.gatherCoC.rg);
+    targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
     return targets;
 }
 
@@ -511,62 +525,77 @@ fn BokehKernelColumns(LeftSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 // [12] quarter size: levels of the layers, and what the near layer hides
 
 // Layers: CoC that the near and the far layer are blurred by here, pixels
-fn BokehLayerSizes(SizesSamp: texture_2d<f32>, layers: BokehLayers,
+fn BokehLayerCoC(LayerCoCSamp: texture_2d<f32>, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> vec2f
 {
     let place: vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
-    return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
+    return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
 }
 
-// Layers: what a layer is blurred by
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
-//   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
-//   .180), with 16 near ones too sharp (street_11: .044 for .041). Far lights: small ones keep
-//   their size by less (overlap with a decagon of 20 pixels: .89 for .87), wide ones have edges
-//   as hard as the truth's by more (market_7: .179 for .180).
-//   sizes         from BokehLayerSizes
-//   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
-//                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
-//                 y = spacing of the samples on an edge: an edge of a hexagon has at most
-//                 BOKEH_LAYER_CELLS; 1 or more
-//                 z = -1, or where the first pass reads the layer's level: weight of the texels
-//                 beside the middle one of that, so that it has a zero near 1 / spacing. More
-//                 makes edges soft, less leaves dots (hexagon, 216 pixels: ripple .16 with 1, .24
-//                 with 0, .05 so). Near lights have harder edges: from 1.15 on market_7 has .182
-//                 for .179, from 2 on dots show.
-fn BokehLayerBlur(sizes: vec2f, isFar: bool, polygon: BokehPolygon) -> vec3f
+// Layers: how a layer is blurred at one place
+//   CoC           texels of the half size; 0.5 where there is no layer, or nothing to do (compare
+//                 with 0.51: a GPU's root of 0.25 may be a little more)
+//   spacing       of the samples on an edge, texels: 1 or more; an edge of a hexagon has at most
+//                 BOKEH_LAYER_SAMPLES samples
+//   useQuarterLayer  whether the first pass reads the layer at quarter size: samples are too far
+//                 apart for the half size
+//   sideTap       weight of the texels beside the middle one in that layer, so that it has a zero
+//                 near 1 / spacing. More makes edges soft, less leaves dots (hexagon, 216 pixels:
+//                 ripple .16 with 1, .24 with 0, .05 so).
+struct BokehBlur
 {
-    var CoC: f32 = 0.5 * sizes.r;
-    var least: f32 = 1.5;
-    var own: f32 = 9.0;
+    CoC: f32,
+    spacing: f32,
+    useQuarterLayer: bool,
+    sideTap: f32,
+}
+
+// Layers: chooses how a layer is blurred from its CoC
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: selfBlur takes 9 off the
+//   squared CoC for that, and 14 more for the quarter size. With 0 layers are too soft (market_7:
+//   FLIP rises from .180 to .186), with 16 near ones are too sharp (street_11: from .041 to .044).
+//   Far lights: small ones keep their size by a smaller value (overlap with a decagon of 20 pixels:
+//   .89 against .87), wide ones get edges as hard as the truth's by a larger one (market_7: .179
+//   against .180). Near lights have harder edges: with a minSpacing below 1.15 market_7 rises from
+//   .179 to .182, above 2 dots show.
+//   layerCoC      from BokehLayerCoC
+fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
+{
+    var CoC: f32 = 0.5 * layerCoC.r;
+    var minSpacing: f32 = 1.5;
+    var selfBlur: f32 = 9.0;
     if (isFar)
     {
-        CoC = 0.5 * sizes.g;
-        least = 1.15;
-        own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+        CoC = 0.5 * layerCoC.g;
+        minSpacing = 1.15;
+        selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
     }
     // a square has one line where others have more
-    var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
+    var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_SAMPLES);
     var hard: f32 = 0.4;
     if (polygon.sides < 6)
     {
-        spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
+        spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
         hard = 0.2;
     }
-    var side: f32 = -1.0;
-    if (spacing > least)
+    var blur: BokehBlur;
+    blur.useQuarterLayer = spacing > minSpacing;
+    blur.sideTap = 0.0;
+    if (blur.useQuarterLayer)
     {
-        side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
+        blur.sideTap = clamp(0.25 * spacing - hard, 0.0, 0.6);
+        selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
     }
-    return vec3f(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+    blur.CoC = sqrt(max(CoC * CoC - selfBlur, 0.25));
+    blur.spacing = max(spacing, 1.0);
+    return blur;
 }
 
-// Layers: a texel of a layer's level
+// Layers: samples a layer for its quarter size
 //   center        texels of the half size
-//   side          z of BokehLayerBlur
-fn BokehLevel(LayerSamp: texture_2d<f32>, center: vec2f, side: f32, layers: BokehLayers,
-    BokehLinearClamp: sampler) -> vec4f
+//   side          sideTap of BokehBlur
+fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
+    layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
     let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -592,31 +621,32 @@ fn BokehLevel(LayerSamp: texture_2d<f32>, center: vec2f, side: f32, layers: Boke
 }
 
 // Layers: what BokehDownsample writes
-//   middle, far   what is between the layers, and the far layer: rgb times weight, weight
-//   nearLevel, farLevel  the layers, as BokehPrefilter has them
-struct BokehLevels
+//   midWithHoles, farWithHoles  pixels between the layers, and the far layer: rgb times weight,
+//                 weight
+//   nearQuarter, farQuarter  the two layers of BokehPrefilter
+struct BokehDownsampled
 {
-    middle: vec4f,
-    far: vec4f,
-    nearLevel: vec4f,
-    farLevel: vec4f,
+    midWithHoles: vec4f,
+    farWithHoles: vec4f,
+    nearQuarter: vec4f,
+    farQuarter: vec4f,
 }
 
 // Layers: levels of the layers; and what is not near, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-fn BokehDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
-    FarSamp: texture_2d<f32>, SizesSamp: texture_2d<f32>, polygon: BokehPolygon,
-    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLevels
+fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+    NearSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, LayerCoCSamp: texture_2d<f32>,
+    polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehDownsampled
 {
     let full: BokehGrid = BokehFullGrid(layers);
     let first: vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5, 0.5);
     let middlePlace: vec2f = first + vec2f(1.5, 1.5);
-    let reach: vec4f = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0),
-        BokehLinearClamp);
-    let nearSlope: f32 = BokehNearSlope(reach.r);
-    let farSlope: f32 = BokehFarSlope(reach.g);
-    let unit: f32 = exp2(-reach.b);
-    var middle: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, middlePlace / 8.0, BokehReducedGrid(layers,
+        8.0), BokehLinearClamp);
+    let nearSlope: f32 = BokehNearSlope(tile.r);
+    let farSlope: f32 = BokehFarSlope(tile.g);
+    let inverseBrightness: f32 = exp2(-tile.b);
+    var mid: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var y: i32 = 0; y < 4; y++)
     {
@@ -626,23 +656,23 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>, NearSam
             let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
             let s: f32 = pixel.a * full.size.y;
             // what is partly near is hardly background: a near light would shine through itself
-            let nearShare: f32 = BokehLayerShare(-s, nearSlope);
-            let notNear: f32 = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
-            let farShare: f32 = BokehLayerShare(s, farSlope);
-            let weight: f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-            middle += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
-            far += vec4f(pixel.rgb, 1.0) * (weight * farShare);
+            let nearWeight: f32 = BokehLayerWeight(-s, nearSlope);
+            let notNear: f32 = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
+            let farWeight: f32 = BokehLayerWeight(s, farSlope);
+            let weight: f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
+            mid += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+            far += vec4f(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
     let center: vec2f = 0.5 * middlePlace;
-    let sizes: vec2f = BokehLayerSizes(SizesSamp, layers, BokehLinearClamp);
-    var targets: BokehLevels;
-    targets.middle = middle / 16.0;
-    targets.far = far / 16.0;
-    targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
-        layers, BokehLinearClamp);
-    targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers,
-        BokehLinearClamp);
+    let layerCoC: vec2f = BokehLayerCoC(LayerCoCSamp, layers, BokehLinearClamp);
+    var targets: BokehDownsampled;
+    targets.midWithHoles = mid / 16.0;
+    targets.farWithHoles = far / 16.0;
+    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
+        polygon).sideTap, layers, BokehLinearClamp);
+    targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
+        polygon).sideTap, layers, BokehLinearClamp);
     return targets;
 }
 
@@ -656,85 +686,86 @@ fn BokehEdgeDirection(k: i32, polygon: BokehPolygon) -> vec2f
 // Layers: how many samples of a ring are on each edge of the polygon
 //   6 on the first ring, 12 on the second and so on, shared out among the sides: all rings are
 //   sampled as densely. A polygon of more sides than that has one a side.
-fn BokehOnEdge(ring: i32, polygon: BokehPolygon) -> i32
+fn BokehSamplesPerEdge(ring: i32, polygon: BokehPolygon) -> i32
 {
     return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5, 1.0));
 }
 
 // Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
 //   without those of brightness
-fn BokehHoleShares(middle: vec4f, far: vec4f, unit: f32) -> vec2f
+fn BokehHoleWeights(middle: vec4f, far: vec4f, inverseBrightness: f32) -> vec2f
 {
-    return vec2f(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
-        unit);
+    return vec2f(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
+        BokehBrightest(far.rgb) * inverseBrightness);
 }
 
 // Layers: what BokehHoleFill writes
-//   middle        what is between the layers; a = its share in what is around
-//   back          the far layer
+//   midFill       what lies between the layers; a = its share of what is around
+//   farFill       the far layer
 struct BokehFilled
 {
-    middle: vec4f,
-    back: vec4f,
+    midFill: vec4f,
+    farFill: vec4f,
 }
 
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp  what BokehDownsample wrote
-fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSamp: texture_2d<f32>,
-    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> BokehFilled
+//   MidSamp, FarSamp  midWithHoles and farWithHoles of BokehDownsample
+fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
+    DilatedTilesSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehFilled
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 4.0);
     let center: vec2f = layers.uv * grid.size;
-    let tile: vec4f = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
+    let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, center / 2.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
-    let reach: f32 = tile.r;
-    let unit: f32 = exp2(-tile.b);
+    let nearCoC: f32 = tile.r;
+    let inverseBrightness: f32 = exp2(-tile.b);
     var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
     var direction: vec2f = BokehEdgeDirection(1, polygon);
     let turn: vec2f = BokehTurn(1.0, polygon);
-    var middle: vec4f = BokehFetchGrid(MiddleSamp, center, grid, BokehLinearClamp);
+    var mid: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
     var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
-    var shares: vec2f = BokehHoleShares(middle, far, unit);
+    var weights: vec2f = BokehHoleWeights(mid, far, inverseBrightness);
     for (var ring: i32 = 1; ring < 3; ring++)
     {
         // no near layer, no holes
-        if (reach < 6.0)
+        if (nearCoC < 6.0)
         {
             break;
         }
         // diameter in quarter pixels; the rings reach half the CoC
-        let diameter: f32 = max(reach / 8.0, 2.0) * f32(ring);
+        let diameter: f32 = max(nearCoC / 8.0, 2.0) * f32(ring);
         let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
         let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
-        let onEdge: i32 = BokehOnEdge(ring, polygon);
+        let onEdge: i32 = BokehSamplesPerEdge(ring, polygon);
         for (var edge: i32 = 1; edge <= polygon.sides; edge++)
         {
             let along: vec2f = direction * (BokehEdgeLength(edge, polygon) / f32(onEdge));
             for (var i: i32 = 0; i < onEdge; i++)
             {
                 let place: vec2f = center + corner * scale;
-                let middleTexel: vec4f = BokehFetchGrid(MiddleSamp, place, grid, BokehLinearClamp);
+                let midTexel: vec4f = BokehFetchGrid(MidSamp, place, grid, BokehLinearClamp);
                 let farTexel: vec4f = BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp);
-                middle += middleTexel * weight;
+                mid += midTexel * weight;
                 far += farTexel * weight;
-                shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
+                weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
         }
     }
-    let both: vec3f = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
-    let share: f32 = shares.r / max(shares.r + shares.g, 0.000001);
+    let both: vec3f = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+    let midWeight: f32 = weights.r / max(weights.r + weights.g, 0.000001);
     var targets: BokehFilled;
-    targets.middle = vec4f(both, share);
-    targets.back = vec4f(both, 1.0);
-    if (middle.a > 0.000001)
+    targets.midFill = vec4f(both, midWeight);
+    targets.farFill = vec4f(both, 1.0);
+    if (mid.a > 0.000001)
     {
-        targets.middle = vec4f(middle.rgb / middle.a, share);
+        targets.midFill = vec4f(mid.rgb / mid.a, midWeight);
     }
     if (far.a > 0.000001)
     {
-        targets.back = vec4f(far.rgb / far.a, 1.0);
+        targets.farFill = vec4f(far.rgb / far.a, 1.0);
     }
     return targets;
 }
@@ -746,39 +777,40 @@ fn BokehHoleFill(MiddleSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, ReachSam
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
-fn BokehLayerLine(tex: texture_2d<f32>, LevelSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
-    secondPass: bool, blur: vec3f, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+//   blur          from BokehLayerBlur; its useQuarterLayer says whether QuarterSamp is read
+fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
+    secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
+        BokehLinearClamp: sampler) -> vec4f
 {
     var scale: f32 = 2.0;
-    if (blur.z > -0.5)
+    if (blur.useQuarterLayer)
     {
         scale = 4.0;
     }
     let grid: BokehGrid = BokehReducedGrid(layers, scale);
-    let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.x;
-    let cells: f32 = max(2.0 * length(segment.zw) / blur.y, 2.0);
-    let phase: f32 = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+    let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
+    let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
+    let phase: f32 = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
     let first: vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
         scale);
-    let cellLength: vec2f = segment.zw * (4.0 / (scale * cells));
+    let sampleStep: vec2f = segment.zw * (4.0 / (scale * samples));
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    for (var i: i32 = 0; i < i32(ceil(cells)); i++)
+    for (var i: i32 = 0; i < i32(ceil(samples)); i++)
     {
-        let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-        let place: vec2f = first + cellLength * (f32(i) + cell * phase);
+        let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+        let place: vec2f = first + sampleStep * (f32(i) + part * phase);
         var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (blur.z > -0.5)
+        if (blur.useQuarterLayer)
         {
-            texel = BokehFetchGrid(LevelSamp, place, grid, BokehLinearClamp);
+            texel = BokehFetchGrid(QuarterSamp, place, grid, BokehLinearClamp);
         }
         else
         {
             texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
         }
-        sum += cell * texel;
+        sum += part * texel;
     }
-    sum = sum / cells;
+    sum = sum / samples;
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -797,91 +829,92 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
 
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
-//   LevelSamp     nearLevel or farLevel of BokehDownsample
-//   sizes         from BokehLayerSizes
+//   QuarterSamp   nearQuarter or farQuarter of BokehDownsample
+//   layerCoC      from BokehLayerCoC
 //   isFar         false: the near layer
 //   last, returns as of BokehExactFirst
-fn BokehLayerFirst(LayerSamp: texture_2d<f32>, LevelSamp: texture_2d<f32>, sizes: vec2f,
-    isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayers,
+fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, layerCoC: vec2f,
+    isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehTargets
 {
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
-    let none: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
-    let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.51)
+    let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+    if (blur.CoC > 0.51)
     {
-        var L2: vec4f = none;
-        var L3: vec4f = none;
-        var L4: vec4f = none;
-        let L1: vec4f = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers,
+        var L2: vec4f = zero;
+        var L3: vec4f = zero;
+        var L4: vec4f = zero;
+        let L1: vec4f = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers,
             BokehLinearClamp);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers,
+            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers,
                 BokehLinearClamp);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers,
+            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers,
                 BokehLinearClamp);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers,
+            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers,
                 BokehLinearClamp);
         }
-        targets.edge2 = L1;
-        targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-        targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-        targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+        targets.strip2 = L1;
+        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
             BokehLinearClamp);
-        targets.edge3 = targets.edge2;
-        targets.edge4 = targets.edge2;
-        targets.edge5 = targets.edge2;
+        targets.strip3 = targets.strip2;
+        targets.strip4 = targets.strip2;
+        targets.strip5 = targets.strip2;
     }
     return targets;
 }
 
 // Layers: second pass: the finished layer
-//   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
+//   Strip2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
-fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
-    Edge4Samp: texture_2d<f32>, Edge5Samp: texture_2d<f32>, sizes: vec2f, isFar: bool,
-    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
+    Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, layerCoC: vec2f, isFar: bool,
+    polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
     let center: vec2f = layers.uv * ceil(layers.size / 2.0);
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    let blur: vec3f = BokehLayerBlur(sizes, isFar, polygon);
-    let own: vec3f = vec3f(blur.x, blur.y, -1.0);
-    if (blur.x > 0.51)
+    var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+    blur.useQuarterLayer = false;
+    if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers,
+        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers,
             BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers,
+            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers,
+            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers,
+            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         result = result / polygon.area;
     }
     else
     {
-        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0), BokehLinearClamp);
+        result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0),
+            BokehLinearClamp);
     }
     return result;
 }
@@ -889,27 +922,28 @@ fn BokehLayerSecond(Edge2Samp: texture_2d<f32>, Edge3Samp: texture_2d<f32>,
 // Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
 struct BokehLayersTargets
 {
-    near2: vec4f,
-    far2: vec4f,
-    near3: vec4f,
-    far3: vec4f,
+    nearStrip2: vec4f,
+    farStrip2: vec4f,
+    nearStrip3: vec4f,
+    farStrip3: vec4f,
 }
 
 // Layers: BokehLayerFirst of both layers, for a square or a hexagon
-fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearLevelSamp: texture_2d<f32>,
-    FarSamp: texture_2d<f32>, FarLevelSamp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
-    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehLayersTargets
+fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearQuarterSamp: texture_2d<f32>,
+    FarSamp: texture_2d<f32>, FarQuarterSamp: texture_2d<f32>, layerCoC: vec2f,
+        polygon: BokehPolygon, layers: BokehLayerContext,
+        BokehLinearClamp: sampler) -> BokehLayersTargets
 {
     let last: i32 = polygon.sides / 2;
-    let near: BokehTargets = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
-        layers, BokehLinearClamp);
-    let far: BokehTargets = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon,
+    let near: BokehTargets = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last,
+        polygon, layers, BokehLinearClamp);
+    let far: BokehTargets = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
         layers, BokehLinearClamp);
     var targets: BokehLayersTargets;
-    targets.near2 = near.edge2;
-    targets.far2 = far.edge2;
-    targets.near3 = near.edge3;
-    targets.far3 = far.edge3;
+    targets.nearStrip2 = near.strip2;
+    targets.farStrip2 = far.strip2;
+    targets.nearStrip3 = near.strip3;
+    targets.farStrip3 = far.strip3;
     return targets;
 }
 
@@ -921,15 +955,15 @@ struct BokehBlurred
 }
 
 // Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
-fn BokehLayersSecond(Near2Samp: texture_2d<f32>, Far2Samp: texture_2d<f32>,
-    Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<f32>, sizes: vec2f, polygon: BokehPolygon,
-    layers: BokehLayers, BokehLinearClamp: sampler) -> BokehBlurred
+fn BokehLayersSecond(NearStrip2Samp: texture_2d<f32>, FarStrip2Samp: texture_2d<f32>,
+    NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>, layerCoC: vec2f,
+        polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehBlurred
 {
     var targets: BokehBlurred;
-    targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
-        polygon, layers, BokehLinearClamp);
-    targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
-        layers, BokehLinearClamp);
+    targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
+        layerCoC, false, polygon, layers, BokehLinearClamp);
+    targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
+        layerCoC, true, polygon, layers, BokehLinearClamp);
     return targets;
 }
 
@@ -999,8 +1033,8 @@ fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
 
 // Layers: the gather around a pixel, as far as it has come
 //   sum, front    colour and weight of all that it found, and of what is in front of this pixel
-//   farWeight     of what it found in the far layer
-//   s, inverse, nearShare  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
+//   farFound     of what it found in the far layer
+//   s, inverse, nearWeight  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
 //   slopes        of the near and the far layer; snapping: 0 = linear filter, 100 = nearest texel
 //   bounds        of a sample's 1 / radius^2: what spreads over the radius, over the middle
 //   inner         where the next ring begins, pixels
@@ -1008,10 +1042,10 @@ struct BokehGather
 {
     sum: vec4f,
     front: vec4f,
-    farWeight: f32,
+    farFound: f32,
     s: f32,
     inverse: f32,
-    nearShare: f32,
+    nearWeight: f32,
     slopes: vec2f,
     snapping: f32,
     bounds: vec2f,
@@ -1023,15 +1057,15 @@ struct BokehGather
 //                 write both loops out
 //   outer         where it ends, pixels
 fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
-    outer: f32, polygon: BokehPolygon, layers: BokehLayers,
+    outer: f32, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehGather
 {
     //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
     //  middle   1     2         covers, over that disc
     var gather: BokehGather = before;
     let full: BokehGrid = BokehFullGrid(layers);
-    let none: vec2f = vec2f(0.0, 0.0);
-    let whole: vec2f = vec2f(1.0, 1.0);
+    let zero: vec2f = vec2f(0.0, 0.0);
+    let one: vec2f = vec2f(1.0, 1.0);
     // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
     // with 0.5: street_11 .0420 for .0416)
     let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
@@ -1064,25 +1098,25 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let texel: vec2f = floor(place);
             // steeper between two texels than the linear filter is
             let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
-                gather.snapping, none, whole);
+                gather.snapping, zero, one);
             // both at once: this one and the one opposite to it
             let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full, BokehLinearClamp);
             let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
                 BokehLinearClamp);
             let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
-            let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
-                gather.nearShare);
+            let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
+                gather.nearWeight);
             var inverse: vec2f = BokehSpreadInverse(CoC);
             inverse += (gather.inverse - inverse) * isBehind;
             inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-            var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
-            let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
-            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
-            gather.farWeight += inFar.x + inFar.y;
+            var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
+            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
+            gather.farFound += inFar.x + inFar.y;
             let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
             let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
             gather.sum += part + otherPart;
-            let isFront: vec2f = clamp(gather.s - 0.5 - CoC, none, whole);
+            let isFront: vec2f = clamp(gather.s - 0.5 - CoC, zero, one);
             gather.front += part * isFront.x + otherPart * isFront.y;
         }
         corner += alongEdge;
@@ -1097,14 +1131,15 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
 //   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
 //   and behind it. The table at the top says what it reads.
 //   returns       rgb = the picture, a = signed CoC of this pixel
-fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp: texture_2d<f32>,
-    FarSamp: texture_2d<f32>, MiddleSamp: texture_2d<f32>, BackSamp: texture_2d<f32>,
-    polygon: BokehPolygon, layers: BokehLayers, BokehLinearClamp: sampler) -> vec4f
+fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
+    NearSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, MidFillSamp: texture_2d<f32>,
+    FarFillSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> vec4f
 {
     let full: BokehGrid = BokehFullGrid(layers);
     let center: vec2f = layers.uv * full.size;
     let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
-    let tile: vec4f = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
+    let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
     var result: vec3f = centerPixel.rgb;
     // up to a CoC of one pixel nothing spreads
@@ -1114,17 +1149,17 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         let s: f32 = centerPixel.a * full.size.y;
         gather.s = s;
         gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
-        let nearShare: f32 = BokehLayerShare(-s, gather.slopes.x);
-        let farShare: f32 = BokehLayerShare(s, gather.slopes.y);
-        gather.nearShare = nearShare;
+        let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
+        let farWeight: f32 = BokehLayerWeight(s, gather.slopes.y);
+        gather.nearWeight = nearWeight;
         gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
         // the gather reaches as far as what is in no layer
-        let restRadius: f32 = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+        let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
-        let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
+        let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
-        // without CUBIC also where layers are small (LOW, canopy_12: .150 for .156)
+        // without CUBIC also where layers are small (LOW, canopy_12: .151 for .157)
         var rings: f32 = f32(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
         {
@@ -1140,11 +1175,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
         }
         // what spreads less than the inner radius of the first ring reaches no other pixel
         gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
-        let weight: f32 = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
+        let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
         // of what is in the far layer, that layer takes the place: one of its pixels alone would
         // shine
-        gather.farWeight = weight * farShare;
-        gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+        gather.farFound = weight * farWeight;
+        gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
@@ -1158,7 +1193,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             if (gather.inner < radius)
             {
                 let outer: f32 = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+                gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
                     polygon, layers, BokehLinearClamp);
             }
             first = 2;
@@ -1170,27 +1205,27 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
                 break;
             }
             let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            var onEdge: i32 = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+            var onEdge: i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
             if (first < BOKEH_LAYER_RINGS)
             {
-                onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+                onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
             gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers,
                 BokehLinearClamp);
         }
 
-        var near: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
             let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-            near = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-            far = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
+            nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+            farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at a pixel of a layer, that layer itself is added below
-        let sum: vec4f = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
-            max(far.a, 0.001));
-        let plain: vec4f = sum + far * farShare;
+        let sum: vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
+            nearWeight)) / max(farLayer.a, 0.001));
+        let plain: vec4f = sum + farLayer * farWeight;
         if (plain.a >= 0.001)
         {
             // what is in front covers the rest by as much as it has weight
@@ -1199,28 +1234,29 @@ fn BokehComposite(MapSamp: texture_2d<f32>, TilesSamp: texture_2d<f32>, NearSamp
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
                 + rest * open, 0.001);
         }
-        if (nearShare > 0.0)
+        if (nearWeight > 0.0)
         {
             // in depth order: the gather, then what fills its holes, then the far layer, and what
             // fills that
             let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
-            let middle: vec4f = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters,
+            let midFill: vec4f = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters,
                 BokehLinearClamp);
-            let back: vec4f = BokehFetchGrid(BackSamp, 0.25 * center, quarters, BokehLinearClamp);
-            let inNear: f32 = near.a * min(2.0 - 2.0 * nearShare, 1.0);
+            let farFill: vec4f = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters,
+                BokehLinearClamp);
+            let inNear: f32 = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
             let empty: f32 = max(1.0 - sum.a - inNear, 0.0);
-            let cover: f32 = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-            let missing: f32 = max(1.0 - 2.0 * far.a, 0.0);
-            let background: vec3f = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
-                missing;
-            let stack: vec3f = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
+            let cover: f32 = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
+            let missing: f32 = max(1.0 - 2.0 * farLayer.a, 0.0);
+            let background: vec3f = farLayer.rgb * ((1.0 - missing) / max(farLayer.a, 0.000001)) +
+                farFill.rgb * missing;
+            let stack: vec3f = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
                 max(sum.a + empty, 0.000001);
-            result += (stack - result) * nearShare;
+            result += (stack - result) * nearWeight;
         }
         // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
         // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
-        let alpha: f32 = clamp(near.a * 1.002, 0.0, 1.0);
-        result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+        let alpha: f32 = clamp(nearLayer.a * 1.002, 0.0, 1.0);
+        result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }
     return vec4f(result, centerPixel.a);
 }

@@ -12,7 +12,7 @@
 // [15] apertures
 
 // Lens: a polygon whose lengths have changed, with what follows from them
-fn BokehClosed(polygon: BokehPolygon) -> BokehPolygon
+fn BokehUpdatePolygon(polygon: BokehPolygon) -> BokehPolygon
 {
     var closed: BokehPolygon = polygon;
     closed.mean = vec2f(0.0, 0.0);
@@ -46,7 +46,7 @@ fn BokehWithRoundness(polygon: BokehPolygon, roundness: f32) -> BokehPolygon
         let odd: f32 = sin(max(corner, 0.001));
         let even: f32 = sin(0.78539816 - corner);
         result.lengths = vec4f(odd, even, odd, even);
-        result = BokehClosed(result);
+        result = BokehUpdatePolygon(result);
     }
     return result;
 }
@@ -110,7 +110,7 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     result.lengths = vec4f(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
         widths), BokehCutLength(4, widths));
     result.fifth = BokehCutLength(5, widths);
-    return BokehClosed(result);
+    return BokehUpdatePolygon(result);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -167,9 +167,9 @@ fn BokehStableMap(MapSamp: texture_2d<f32>, HistorySamp: texture_2d<f32>,
     }
     let velocity: vec2f = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
     // NaN leaves the image
-    let before: vec2f = uv - vec2f(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0,
-        2.0));
-    let history: f32 = BokehSafe(BokehFetch(HistorySamp, before, BokehLinearClamp).a, nearest,
+    let before: vec2f = uv - vec2f(BokehSanitize(velocity.x, -2.0, 2.0), BokehSanitize(velocity.y,
+        -2.0, 2.0));
+    let history: f32 = BokehSanitize(BokehFetch(HistorySamp, before, BokehLinearClamp).a, nearest,
         pixel.a);
     if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
     {

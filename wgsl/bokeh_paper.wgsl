@@ -31,7 +31,7 @@ override BOKEH_PAPER_SAMPLES: i32 = 13;
 // Listing 1: depth of this pixel, made safe
 fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
 {
-    return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -96,7 +96,7 @@ fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) ->
 //   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
 //   1 / bleedingMult up. All other samples have the weight 1.
 fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
-    settings: BokehFilter) -> f32
+    settings: BokehSamplingSettings) -> f32
 {
     var weight: f32 = 1.0;
     if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -131,7 +131,8 @@ fn BokehResolve(color: vec4f, totalWeight: f32, centerPixel: vec4f, blurCoC: boo
 //   settings      of which the leakage test is used; there are always BOKEH_PAPER_SAMPLES samples,
 //                 in shader model 3 254 at most
 fn BokehDepthOfField(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-    lineEnd: vec2f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+    lineEnd: vec2f, settings: BokehSamplingSettings, blurCoC: bool,
+        BokehLinearClamp: sampler) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
     let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
@@ -156,7 +157,8 @@ fn BokehDepthOfField(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
 //   segment       from BokehSegment
 //   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
 fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-    segment: vec4f, settings: BokehFilter, blurCoC: bool, BokehLinearClamp: sampler) -> vec4f
+    segment: vec4f, settings: BokehSamplingSettings, blurCoC: bool,
+        BokehLinearClamp: sampler) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
     var result: vec4f = centerPixel;
@@ -165,24 +167,24 @@ fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTe
     {
         let centerDepth: f32 = BokehPaperDepth(DepthSamp, uv);
         let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        let cells: f32 = BokehCells(lengthInPixels, settings.spacing);
-        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        let samples: f32 = BokehSampleCount(lengthInPixels, settings.spacing);
+        let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
         let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
-        let cellLength: vec2f = segment.zw * scale * (2.0 / cells);
+        let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
         var color: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var totalWeight: f32 = 0.0;
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+            if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
             {
                 break;
             }
-            let cell: f32 = clamp(cells - f32(i), 0.0, 1.0);
-            let sampleCoords: vec2f = first + cellLength * (f32(i) + cell * phase);
+            let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+            let sampleCoords: vec2f = first + sampleStep * (f32(i) + part * phase);
             let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
             let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-            let weight: f32 = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+            let weight: f32 = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
             totalWeight += weight;
@@ -210,8 +212,8 @@ fn BokehCombine(a: vec4f, b: vec4f, useMax: bool) -> vec4f
 //   CompareSamp   the finished first parallelogram
 //   useMax        false: intersection (hexagon, octagon); true: union (star)
 fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
-    CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehFilter, blurCoC: bool,
-    useMax: bool, BokehLinearClamp: sampler) -> vec4f
+    CompareSamp: texture_2d<f32>, uv: vec2f, lineEnd: vec2f, settings: BokehSamplingSettings,
+        blurCoC: bool, useMax: bool, BokehLinearClamp: sampler) -> vec4f
 {
     let a: vec4f = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC,
         BokehLinearClamp);
@@ -226,7 +228,7 @@ fn BokehDepthOfFieldFinal(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTextu
 //   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right,
 //                 y towards the last row
 fn BokehNaiveGather(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
-    KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehFilter, blurCoC: bool,
+    KernelSamp: texture_2d<f32>, uv: vec2f, settings: BokehSamplingSettings, blurCoC: bool,
     BokehLinearClamp: sampler) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);
@@ -253,7 +255,7 @@ fn BokehNaiveGather(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
 //   BOKEH_PAPER_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
 fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
-    lineEndU: vec2f, lineEndV: vec2f, settings: BokehFilter, blurCoC: bool,
+    lineEndU: vec2f, lineEndV: vec2f, settings: BokehSamplingSettings, blurCoC: bool,
     BokehLinearClamp: sampler) -> vec4f
 {
     let centerPixel: vec4f = BokehFetch(ColorSamp, uv, BokehLinearClamp);

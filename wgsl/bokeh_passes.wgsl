@@ -32,11 +32,11 @@
 //   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
 //
-//   With bokeh_layers, whose table says what each reads, in the order of the slots, and writes.
-//   Square and hexagon do both layers at once: near, its level, far, its level, sizes; then near
-//   and far of edge 2, of edge 3. The others do one, BokehLayer: 0 near, 1 far. Second passes have
-//   sizes in ColorSampE. Tile dilation runs twice: BokehAxis 0, 1. What ends in One or Edge writes
-//   target BOKEH_TARGET_INDEX only.
+//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
+//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
+//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
+//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
+//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
 //   (docs/reference/parameters.md has units, and the struct for C++, C#, Rust and JavaScript).
@@ -191,10 +191,10 @@ fn BokehPassJitter(uv: vec2f, imageSize: vec2f, passIndex: f32) -> f32
 }
 
 // what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
-fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehFilter
+fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehSamplingSettings
 {
     BokehUseViewport();
-    var settings: BokehFilter;
+    var settings: BokehSamplingSettings;
     settings.aspectRatio = bokehParameters.BokehAspectRatio;
     settings.imageHeight = bokehParameters.BokehImageHeight;
     settings.spacing = bokehParameters.BokehSpacing;
@@ -283,7 +283,7 @@ fn BokehDepthUV(uv: vec2f) -> vec2f
 }
 
 // target BOKEH_TARGET_INDEX of several, where a pass can write only one
-fn BokehPickTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> vec4f
+fn BokehSelectTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> vec4f
 {
     var picked: vec4f = first;
     if (BOKEH_TARGET_INDEX == 1)
@@ -304,7 +304,7 @@ fn BokehPickTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> 
 // one line of the filter, adaptive
 fn BokehAdaptiveLine(uv: vec2f) -> vec4f
 {
-    let settings: BokehFilter = BokehBegin(uv, bokehParameters.BokehPassIndex);
+    let settings: BokehSamplingSettings = BokehBegin(uv, bokehParameters.BokehPassIndex);
     let lineCenter: vec2f = vec2f(bokehParameters.BokehLineCenterX,
         bokehParameters.BokehLineCenterY);
     let segment: vec4f = BokehSegment(bokehParameters.BokehAngle, bokehParameters.BokehLineLength,
@@ -315,11 +315,12 @@ fn BokehAdaptiveLine(uv: vec2f) -> vec4f
 
 // what a pass of the layers begins with: the viewport set, and its settings
 //   scale         of its target
-fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayers
+fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayerContext
 {
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
-    var layers: BokehLayers = BokehMakeLayers(uv, imageSize, bokehParameters.BokehMaxCoC);
+    var layers: BokehLayerContext = BokehMakeLayerContext(uv, imageSize,
+        bokehParameters.BokehMaxCoC);
     if (BOKEH_VIEWPORT > 0)
     {
         layers.origin = vec2f(bokehParameters.BokehViewportX, bokehParameters.BokehViewportY);
@@ -331,7 +332,7 @@ fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayers
 }
 
 // the same for a pass without samples of its own
-fn BokehBeginTiles(uv: vec2f) -> BokehLayers
+fn BokehBeginTiles(uv: vec2f) -> BokehLayerContext
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
@@ -340,37 +341,37 @@ fn BokehBeginTiles(uv: vec2f) -> BokehLayers
 //   last          as in BokehExactFirst
 fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
-    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 0.0);
-    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC, layers,
+    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
+    return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC, layers,
         BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
         BokehLinearClamp);
 }
 
 // the polygon of a layer, second pass
-fn BokehLayerResult(uv: vec2f, Edge5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
+fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
 {
-    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
-        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
+    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
+        BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
         0.5, polygon, layers, BokehLinearClamp);
 }
 
 // both layers, first pass, of a square or a hexagon
 fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 {
-    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 0.0);
+    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
+        BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
         layers, BokehLinearClamp);
 }
 
 // both layers, second pass
-fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<f32>,
+fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>,
     sides: i32) -> BokehBlurred
 {
-    let layers: BokehLayers = BokehBeginLayers(uv, 2.0, 1.0);
-    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
-        BokehLayerSizes(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
+    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+    return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
+        BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
         layers, BokehLinearClamp);
 }
 
@@ -406,7 +407,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 @fragment fn BokehSquareFirst_PS(input: BokehVertex) -> @location(0) vec4f
 {
     return BokehSquareFirst(BokehColorSamp, input.uv, BokehAperture(input.uv, 4),
-        BokehBegin(input.uv, 0.0), BokehLinearClamp).edge2;
+        BokehBegin(input.uv, 0.0), BokehLinearClamp).strip2;
 }
 
 @fragment fn BokehSquareSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -419,7 +420,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehTargets = BokehHexagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
         6), BokehBegin(input.uv, 0.0), BokehLinearClamp);
-    return BokehTargets2(targets.edge2, targets.edge3);
+    return BokehTargets2(targets.strip2, targets.strip3);
 }
 
 @fragment fn BokehHexagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -432,7 +433,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehTargets = BokehOctagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
         8), BokehBegin(input.uv, 0.0), BokehLinearClamp);
-    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
+    return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
 }
 
 @fragment fn BokehOctagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -445,7 +446,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehTargets = BokehDecagonFirst(BokehColorSamp, input.uv, BokehAperture(input.uv,
         10), BokehBegin(input.uv, 0.0), BokehLinearClamp);
-    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 @fragment fn BokehDecagonSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -458,7 +459,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehTargets = BokehExactFirst(BokehColorSamp, input.uv, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(input.uv), BokehBegin(input.uv, 0.0), BokehLinearClamp);
-    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 // BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
@@ -528,7 +529,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 
 @fragment fn BokehNaiveGather_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    var settings: BokehFilter = BokehBegin(input.uv, 0.0);
+    var settings: BokehSamplingSettings = BokehBegin(input.uv, 0.0);
     settings.aspectRatio = bokehParameters.BokehAspectRatio / bokehParameters.BokehSqueeze;
     return BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, input.uv, settings,
         bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
@@ -574,50 +575,51 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehTargets4(targets.nearLayer, targets.farLayer, targets.kernelSums,
-        targets.leftovers);
+    return BokehTargets4(targets.nearLayer, targets.farLayer, targets.layerCoCSums,
+        targets.gatherCoC);
 }
 
-@fragment fn BokehKernelReduce_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehLayerCoCReduce_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehTargets2(targets.leftovers, targets.sums);
+    return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 
-@fragment fn BokehKernelRows_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehLayerCoCRows_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehTargets2(targets.leftovers, targets.sums);
+    return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 
-@fragment fn BokehKernelColumns_PS(input: BokehVertex) -> BokehTargets2
+@fragment fn BokehLayerCoCColumns_PS(input: BokehVertex) -> BokehTargets2
 {
-    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehTargets2(targets.reach, targets.sizes);
+    let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehTargets2(targets.gatherTiles, targets.layerCoC);
 }
 
 @fragment fn BokehDownsample_PS(input: BokehVertex) -> BokehTargets4
 {
-    let targets: BokehLevels = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv), BokehBeginTiles(input.uv),
-        BokehLinearClamp);
-    return BokehTargets4(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
+    let targets: BokehDownsampled = BokehDownsample(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv),
+        BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehTargets4(targets.midWithHoles, targets.farWithHoles, targets.nearQuarter,
+        targets.farQuarter);
 }
 
 @fragment fn BokehHoleFill_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0), BokehLinearClamp);
-    return BokehTargets2(targets.middle, targets.back);
+    return BokehTargets2(targets.midFill, targets.farFill);
 }
 
 @fragment fn BokehSquareLayerFirst_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehLayersTargets = BokehBothPolygons(input.uv, 4);
-    return BokehTargets2(targets.near2, targets.far2);
+    return BokehTargets2(targets.nearStrip2, targets.farStrip2);
 }
 
 @fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> BokehTargets2
@@ -629,7 +631,8 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 @fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
 {
     let targets: BokehLayersTargets = BokehBothPolygons(input.uv, 6);
-    return BokehTargets4(targets.near2, targets.far2, targets.near3, targets.far3);
+    return BokehTargets4(targets.nearStrip2, targets.farStrip2, targets.nearStrip3,
+        targets.farStrip3);
 }
 
 @fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> BokehTargets2
@@ -641,7 +644,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 @fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, 4, BokehAperture(input.uv, 8));
-    return BokehTargets3(targets.edge2, targets.edge3, targets.edge4);
+    return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
 }
 
 @fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -652,7 +655,7 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 @fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, 5, BokehAperture(input.uv, 10));
-    return BokehTargets4(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 @fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
@@ -671,51 +674,53 @@ fn BokehBothResults(uv: vec2f, Near3Samp: texture_2d<f32>, Far3Samp: texture_2d<
 {
     let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
-        targets.leftovers);
+    return BokehSelectTarget(targets.nearLayer, targets.farLayer, targets.layerCoCSums,
+        targets.gatherCoC);
 }
 
-@fragment fn BokehKernelReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehLayerCoCReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehKernels = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+    let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-@fragment fn BokehKernelRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehLayerCoCRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehKernels = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+    let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+    return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
-@fragment fn BokehKernelColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehLayerCoCColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehSizes = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
-    return BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+    let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
+        targets.layerCoC);
 }
 
 @fragment fn BokehDownsampleOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehLevels = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv), BokehBeginTiles(input.uv),
-        BokehLinearClamp);
-    return BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
+    let targets: BokehDownsampled = BokehDownsample(BokehColorSamp, BokehColorSampB,
+        BokehColorSampC, BokehColorSampD, BokehColorSampE, BokehAnyAperture(input.uv),
+        BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehSelectTarget(targets.midWithHoles, targets.farWithHoles, targets.nearQuarter,
+        targets.farQuarter);
 }
 
 @fragment fn BokehHoleFillOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
         BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0), BokehLinearClamp);
-    return BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
+    return BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill, targets.farFill);
 }
 
 @fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(input.uv));
-    return BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 @fragment fn BokehLayerSecondOne_PS(input: BokehVertex) -> @location(0) vec4f

@@ -46,29 +46,29 @@ static const int COLOR_REGISTERS[] = {0, 2, 3, 4, 6, 7}, DEPTH_REGISTER = 1;
 static const std::vector<Pass> LAYERED_HEXAGON = {
     {"BokehSignedCoCMap_PS", "color", "coc", 1, {}},
     {"BokehTileMax_PS", "coc", "tiles", 8, {}},
-    {"BokehTileDilate_PS", "tiles", "reach_along_rows", 8, {{&BokehParameters::Axis, 0.0f}}},
-    {"BokehTileDilate_PS", "reach_along_rows", "reach", 8, {{&BokehParameters::Axis, 1.0f}}},
-    {"BokehPrefilter_PS", "coc reach", "near far sums leftovers", 2, {}},
-    {"BokehKernelReduce_PS", "sums leftovers", "tile_leftovers tile_sums", 8, {}},
-    {"BokehKernelRows_PS", "tile_leftovers tile_sums reach", "row_leftovers row_sums", 8, {}},
-    {"BokehKernelColumns_PS", "row_leftovers row_sums reach", "reaches sizes", 8, {}},
-    {"BokehDownsample_PS", "coc reach near far sizes", "middle_with_holes far_with_holes near_level far_level", 4, {{&BokehParameters::Sides, 6.0f}}},
-    {"BokehHoleFill_PS", "middle_with_holes far_with_holes reach", "middle back", 4, {{&BokehParameters::Sides, 6.0f}}},
-    {"BokehHexagonLayerFirst_PS", "near near_level far far_level sizes", "near_target_2 far_target_2 near_target_3 far_target_3", 2, {}},
-    {"BokehHexagonLayerSecond_PS", "near_target_2 far_target_2 near_target_3 far_target_3 sizes", "near_blurred far_blurred", 2, {}},
-    {"BokehComposite_PS", "coc reaches near_blurred far_blurred middle back", "result", 1, {{&BokehParameters::Sides, 6.0f}}},
+    {"BokehTileDilate_PS", "tiles", "tiles_along_rows", 8, {{&BokehParameters::Axis, 0.0f}}},
+    {"BokehTileDilate_PS", "tiles_along_rows", "dilated_tiles", 8, {{&BokehParameters::Axis, 1.0f}}},
+    {"BokehPrefilter_PS", "coc dilated_tiles", "near far layer_coc_sums gather_coc", 2, {}},
+    {"BokehLayerCoCReduce_PS", "layer_coc_sums gather_coc", "tile_gather_coc tile_coc_sums", 8, {}},
+    {"BokehLayerCoCRows_PS", "tile_gather_coc tile_coc_sums dilated_tiles", "row_gather_coc row_coc_sums", 8, {}},
+    {"BokehLayerCoCColumns_PS", "row_gather_coc row_coc_sums dilated_tiles", "gather_tiles layer_coc", 8, {}},
+    {"BokehDownsample_PS", "coc dilated_tiles near far layer_coc", "mid_with_holes far_with_holes near_quarter far_quarter", 4, {{&BokehParameters::Sides, 6.0f}}},
+    {"BokehHoleFill_PS", "mid_with_holes far_with_holes dilated_tiles", "mid_fill far_fill", 4, {{&BokehParameters::Sides, 6.0f}}},
+    {"BokehHexagonLayerFirst_PS", "near near_quarter far far_quarter layer_coc", "near_strip_2 far_strip_2 near_strip_3 far_strip_3", 2, {}},
+    {"BokehHexagonLayerSecond_PS", "near_strip_2 far_strip_2 near_strip_3 far_strip_3 layer_coc", "near_blurred far_blurred", 2, {}},
+    {"BokehComposite_PS", "coc gather_tiles near_blurred far_blurred mid_fill far_fill", "result", 1, {{&BokehParameters::Sides, 6.0f}}},
 };
 
 static const std::vector<Pass> EXACT_HEXAGON = {
     {"BokehSignedCoCMap_PS", "color", "coc", 1, {}},
-    {"BokehHexagonFirst_PS", "coc", "target_2 target_3", 1, {}},
-    {"BokehHexagonSecond_PS", "target_2 target_3", "result", 1, {}},
+    {"BokehHexagonFirst_PS", "coc", "strip_2 strip_3", 1, {}},
+    {"BokehHexagonSecond_PS", "strip_2 strip_3", "result", 1, {}},
 };
 
 static const std::vector<Pass> EXACT_OCTAGON = {
     {"BokehSignedCoCMap_PS", "color", "coc", 1, {}},
-    {"BokehOctagonFirst_PS", "coc", "target_2 target_3 target_4", 1, {}},
-    {"BokehOctagonSecond_PS", "target_2 target_3 target_4", "result", 1, {}},
+    {"BokehOctagonFirst_PS", "coc", "strip_2 strip_3 strip_4", 1, {}},
+    {"BokehOctagonSecond_PS", "strip_2 strip_3 strip_4", "result", 1, {}},
 };
 
 static const std::vector<Pass> PAPER_HEXAGON = {

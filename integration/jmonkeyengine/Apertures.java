@@ -13,31 +13,31 @@ class Apertures {
     public static final BokehFilter.Step[] OCTAGON = {
         new BokehFilter.Step(BokehPass.SIGNED_COC_MAP, "scene", "coc", 1, Map.of()),
         new BokehFilter.Step(BokehPass.TILE_MAX, "coc", "tiles", 8, Map.of()),
-        new BokehFilter.Step(BokehPass.TILE_DILATE, "tiles", "reachAlongRows", 8, Map.of("Axis", 0f)),
-        new BokehFilter.Step(BokehPass.TILE_DILATE, "reachAlongRows", "reach", 8, Map.of("Axis", 1f)),
-        new BokehFilter.Step(BokehPass.PREFILTER, "coc reach", "near far sums leftovers", 2, Map.of()),
-        new BokehFilter.Step(BokehPass.KERNEL_REDUCE, "sums leftovers", "tileLeftovers tileSums", 8, Map.of()),
-        new BokehFilter.Step(BokehPass.KERNEL_ROWS, "tileLeftovers tileSums reach", "rowLeftovers rowSums", 8, Map.of()),
-        new BokehFilter.Step(BokehPass.KERNEL_COLUMNS, "rowLeftovers rowSums reach", "reaches sizes", 8, Map.of()),
-        new BokehFilter.Step(BokehPass.DOWNSAMPLE, "coc reach near far sizes", "middleWithHoles farWithHoles nearLevel farLevel", 4, Map.of("Sides", 8f)),
-        new BokehFilter.Step(BokehPass.HOLE_FILL, "middleWithHoles farWithHoles reach", "middle back", 4, Map.of("Sides", 8f)),
-        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_FIRST, "near nearLevel sizes", "nearTarget2 nearTarget3 nearTarget4", 2, Map.of("Layer", 0f)),
-        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_SECOND, "nearTarget2 nearTarget3 nearTarget4 - sizes", "nearBlurred", 2, Map.of("Layer", 0f)),
-        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_FIRST, "far farLevel sizes", "farTarget2 farTarget3 farTarget4", 2, Map.of("Layer", 1f)),
-        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_SECOND, "farTarget2 farTarget3 farTarget4 - sizes", "farBlurred", 2, Map.of("Layer", 1f)),
-        new BokehFilter.Step(BokehPass.COMPOSITE, "coc reaches nearBlurred farBlurred middle back", "result", 1, Map.of("Sides", 8f)),
+        new BokehFilter.Step(BokehPass.TILE_DILATE, "tiles", "tilesAlongRows", 8, Map.of("Axis", 0f)),
+        new BokehFilter.Step(BokehPass.TILE_DILATE, "tilesAlongRows", "dilatedTiles", 8, Map.of("Axis", 1f)),
+        new BokehFilter.Step(BokehPass.PREFILTER, "coc dilatedTiles", "near far layerCocSums gatherCoc", 2, Map.of()),
+        new BokehFilter.Step(BokehPass.LAYER_COC_REDUCE, "layerCocSums gatherCoc", "tileGatherCoc tileCocSums", 8, Map.of()),
+        new BokehFilter.Step(BokehPass.LAYER_COC_ROWS, "tileGatherCoc tileCocSums dilatedTiles", "rowGatherCoc rowCocSums", 8, Map.of()),
+        new BokehFilter.Step(BokehPass.LAYER_COC_COLUMNS, "rowGatherCoc rowCocSums dilatedTiles", "gatherTiles layerCoc", 8, Map.of()),
+        new BokehFilter.Step(BokehPass.DOWNSAMPLE, "coc dilatedTiles near far layerCoc", "midWithHoles farWithHoles nearQuarter farQuarter", 4, Map.of("Sides", 8f)),
+        new BokehFilter.Step(BokehPass.HOLE_FILL, "midWithHoles farWithHoles dilatedTiles", "midFill farFill", 4, Map.of("Sides", 8f)),
+        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_FIRST, "near nearQuarter layerCoc", "nearStrip2 nearStrip3 nearStrip4", 2, Map.of("Layer", 0f)),
+        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_SECOND, "nearStrip2 nearStrip3 nearStrip4 - layerCoc", "nearBlurred", 2, Map.of("Layer", 0f)),
+        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_FIRST, "far farQuarter layerCoc", "farStrip2 farStrip3 farStrip4", 2, Map.of("Layer", 1f)),
+        new BokehFilter.Step(BokehPass.OCTAGON_LAYER_SECOND, "farStrip2 farStrip3 farStrip4 - layerCoc", "farBlurred", 2, Map.of("Layer", 1f)),
+        new BokehFilter.Step(BokehPass.COMPOSITE, "coc gatherTiles nearBlurred farBlurred midFill farFill", "result", 1, Map.of("Sides", 8f)),
     };
 
     public static final BokehFilter.Step[] EXACT_HEXAGON = {
         new BokehFilter.Step(BokehPass.SIGNED_COC_MAP, "scene", "coc", 1, Map.of()),
-        new BokehFilter.Step(BokehPass.HEXAGON_FIRST, "coc", "target2 target3", 1, Map.of()),
-        new BokehFilter.Step(BokehPass.HEXAGON_SECOND, "target2 target3", "result", 1, Map.of()),
+        new BokehFilter.Step(BokehPass.HEXAGON_FIRST, "coc", "strip2 strip3", 1, Map.of()),
+        new BokehFilter.Step(BokehPass.HEXAGON_SECOND, "strip2 strip3", "result", 1, Map.of()),
     };
 
     public static final BokehFilter.Step[] EXACT_OCTAGON = {
         new BokehFilter.Step(BokehPass.SIGNED_COC_MAP, "scene", "coc", 1, Map.of()),
-        new BokehFilter.Step(BokehPass.OCTAGON_FIRST, "coc", "target2 target3 target4", 1, Map.of()),
-        new BokehFilter.Step(BokehPass.OCTAGON_SECOND, "target2 target3 target4", "result", 1, Map.of()),
+        new BokehFilter.Step(BokehPass.OCTAGON_FIRST, "coc", "strip2 strip3 strip4", 1, Map.of()),
+        new BokehFilter.Step(BokehPass.OCTAGON_SECOND, "strip2 strip3 strip4", "result", 1, Map.of()),
     };
 
     public static final BokehFilter.Step[] PAPER_HEXAGON = {

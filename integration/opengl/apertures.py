@@ -11,31 +11,31 @@ from math import radians
 OCTAGON = [
     ("SIGNED_COC_MAP", "color", "coc", 1, {}),
     ("TILE_MAX", "coc", "tiles", 8, {}),
-    ("TILE_DILATE", "tiles", "reach_along_rows", 8, {"BokehAxis": 0}),
-    ("TILE_DILATE", "reach_along_rows", "reach", 8, {"BokehAxis": 1}),
-    ("PREFILTER", "coc reach", "near far sums leftovers", 2, {}),
-    ("KERNEL_REDUCE", "sums leftovers", "tile_leftovers tile_sums", 8, {}),
-    ("KERNEL_ROWS", "tile_leftovers tile_sums reach", "row_leftovers row_sums", 8, {}),
-    ("KERNEL_COLUMNS", "row_leftovers row_sums reach", "reaches sizes", 8, {}),
-    ("DOWNSAMPLE", "coc reach near far sizes", "middle_with_holes far_with_holes near_level far_level", 4, {"BokehSides": 8}),
-    ("HOLE_FILL", "middle_with_holes far_with_holes reach", "middle back", 4, {"BokehSides": 8}),
-    ("OCTAGON_LAYER_FIRST", "near near_level sizes", "near_target_2 near_target_3 near_target_4", 2, {"BokehLayer": 0}),
-    ("OCTAGON_LAYER_SECOND", "near_target_2 near_target_3 near_target_4 - sizes", "near_blurred", 2, {"BokehLayer": 0}),
-    ("OCTAGON_LAYER_FIRST", "far far_level sizes", "far_target_2 far_target_3 far_target_4", 2, {"BokehLayer": 1}),
-    ("OCTAGON_LAYER_SECOND", "far_target_2 far_target_3 far_target_4 - sizes", "far_blurred", 2, {"BokehLayer": 1}),
-    ("COMPOSITE", "coc reaches near_blurred far_blurred middle back", "result", 1, {"BokehSides": 8}),
+    ("TILE_DILATE", "tiles", "tiles_along_rows", 8, {"BokehAxis": 0}),
+    ("TILE_DILATE", "tiles_along_rows", "dilated_tiles", 8, {"BokehAxis": 1}),
+    ("PREFILTER", "coc dilated_tiles", "near far layer_coc_sums gather_coc", 2, {}),
+    ("LAYER_COC_REDUCE", "layer_coc_sums gather_coc", "tile_gather_coc tile_coc_sums", 8, {}),
+    ("LAYER_COC_ROWS", "tile_gather_coc tile_coc_sums dilated_tiles", "row_gather_coc row_coc_sums", 8, {}),
+    ("LAYER_COC_COLUMNS", "row_gather_coc row_coc_sums dilated_tiles", "gather_tiles layer_coc", 8, {}),
+    ("DOWNSAMPLE", "coc dilated_tiles near far layer_coc", "mid_with_holes far_with_holes near_quarter far_quarter", 4, {"BokehSides": 8}),
+    ("HOLE_FILL", "mid_with_holes far_with_holes dilated_tiles", "mid_fill far_fill", 4, {"BokehSides": 8}),
+    ("OCTAGON_LAYER_FIRST", "near near_quarter layer_coc", "near_strip_2 near_strip_3 near_strip_4", 2, {"BokehLayer": 0}),
+    ("OCTAGON_LAYER_SECOND", "near_strip_2 near_strip_3 near_strip_4 - layer_coc", "near_blurred", 2, {"BokehLayer": 0}),
+    ("OCTAGON_LAYER_FIRST", "far far_quarter layer_coc", "far_strip_2 far_strip_3 far_strip_4", 2, {"BokehLayer": 1}),
+    ("OCTAGON_LAYER_SECOND", "far_strip_2 far_strip_3 far_strip_4 - layer_coc", "far_blurred", 2, {"BokehLayer": 1}),
+    ("COMPOSITE", "coc gather_tiles near_blurred far_blurred mid_fill far_fill", "result", 1, {"BokehSides": 8}),
 ]
 
 EXACT_HEXAGON = [
     ("SIGNED_COC_MAP", "color", "coc", 1, {}),
-    ("HEXAGON_FIRST", "coc", "target_2 target_3", 1, {}),
-    ("HEXAGON_SECOND", "target_2 target_3", "result", 1, {}),
+    ("HEXAGON_FIRST", "coc", "strip_2 strip_3", 1, {}),
+    ("HEXAGON_SECOND", "strip_2 strip_3", "result", 1, {}),
 ]
 
 EXACT_OCTAGON = [
     ("SIGNED_COC_MAP", "color", "coc", 1, {}),
-    ("OCTAGON_FIRST", "coc", "target_2 target_3 target_4", 1, {}),
-    ("OCTAGON_SECOND", "target_2 target_3 target_4", "result", 1, {}),
+    ("OCTAGON_FIRST", "coc", "strip_2 strip_3 strip_4", 1, {}),
+    ("OCTAGON_SECOND", "strip_2 strip_3 strip_4", "result", 1, {}),
 ]
 
 PAPER_HEXAGON = [

@@ -147,64 +147,65 @@ CoC = -CoC;
 }
 return CoC;
 }
-float BokehSafe(float value,float least,float most)
+float BokehSanitize(float value,float minimum,float maximum)
 {
-float safe = least;
-if (value >= least)
+float safe = minimum;
+if (value >= minimum)
 {
-safe = min(value,most);
+safe = min(value,maximum);
 }
 return safe;
 }
-float BokehLinearDepth(float stored,int kind,float near,float far)
+float BokehLinearDepth(float stored,int kind,float nearPlane,float farPlane)
 {
 float depth = stored;
 if (kind == 1)
 {
-depth = near * far / (far - stored * (far - near));
+depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
 }
 else if (kind == 2)
 {
-depth = near * far / (near + stored * (far - near));
+depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
 }
 else if (kind == 3)
 {
 depth = BOKEH_MAX_DEPTH;
-if (stored >= near / BOKEH_MAX_DEPTH)
+if (stored >= nearPlane / BOKEH_MAX_DEPTH)
 {
-depth = near / stored;
+depth = nearPlane / stored;
 }
 }
 else if (kind == 4)
 {
-depth = 2.0 * near * far / (far + near - stored * (far - near));
+depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+nearPlane));
 }
 else if (kind == 5)
 {
-depth = near + stored * (far - near);
+depth = nearPlane + stored * (farPlane - nearPlane);
 }
 else if (kind == 6)
 {
-depth = near + (1.0 - stored) * (far - near);
+depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
 }
 else if (kind == 7)
 {
-depth = stored * far;
+depth = stored * farPlane;
 }
 else if (kind == 8)
 {
 depth = 0.0;
 if (stored >= 0.0)
 {
-depth = exp2(stored * log2(far + 1.0)) - 1.0;
+depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
 }
 }
-return BokehSafe(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
+return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
 }
 vec4 BokehPackCoC(vec4 color,float CoC)
 {
-return vec4(BokehSafe(color.r,0.0,BOKEH_MAX_COLOR),BokehSafe(color.g,0.0,BOKEH_MAX_COLOR),
-BokehSafe(color.b,0.0,BOKEH_MAX_COLOR),CoC);
+return vec4(BokehSanitize(color.r,0.0,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.0,
+BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
 float BokehBrightness(vec4 color)
 {
@@ -264,7 +265,7 @@ CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
-struct BokehFilter
+struct BokehSamplingSettings
 {
 float aspectRatio;
 float imageHeight;
@@ -273,9 +274,9 @@ float jitter;
 float bleedingBias;
 float bleedingMult;
 };
-BokehFilter BokehDefaultFilter(vec2 imageSize)
+BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
 {
-BokehFilter settings;
+BokehSamplingSettings settings;
 settings.aspectRatio = imageSize.x / imageSize.y;
 settings.imageHeight = imageSize.y;
 settings.spacing = BOKEH_SPACING;
@@ -293,16 +294,16 @@ filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
 }
 return filterCoC;
 }
-float BokehCells(float lengthInPixels,float spacing)
+float BokehSampleCount(float lengthInPixels,float spacing)
 {
-float cells = float(BOKEH_NUM_SAMPLES);
+float samples = float(BOKEH_NUM_SAMPLES);
 if (BOKEH_SPACING > 0.0)
 {
-cells = clamp(lengthInPixels / spacing,1.0,float(BOKEH_NUM_SAMPLES));
+samples = clamp(lengthInPixels / spacing,1.0,float(BOKEH_NUM_SAMPLES));
 }
-return cells;
+return samples;
 }
-float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehFilter settings)
+float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehSamplingSettings settings)
 {
 float scale = 1.0 / max(settings.bleedingBias,0.001);
 float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
@@ -331,10 +332,10 @@ float area;
 };
 struct BokehTargets
 {
-vec4 edge2;
-vec4 edge3;
-vec4 edge4;
-vec4 edge5;
+vec4 strip2;
+vec4 strip3;
+vec4 strip4;
+vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze)
 {
@@ -456,7 +457,7 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,
-bool rays,float centerCoC,BokehFilter settings)
+bool rays,float centerCoC,BokehSamplingSettings settings)
 {
 vec4 sum = vec4(0.0,0.0,0.0,0.0);
 float reached = 0.0;
@@ -469,41 +470,41 @@ if (rays)
 segment = BokehRay(k,polygon,secondPass);
 }
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels,settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+float samples = BokehSampleCount(lengthInPixels,settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 vec4 surface = vec4(0.0,0.0,0.0,0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+if (BOKEH_SPACING > 0.0 && float(i) >= samples)
 {
 break;
 }
-float cell = clamp(cells - float(i),0.0,1.0);
-vec4 samplePixel = BokehFetch(tex,first + cellLength * (float(i) + cell * phase));
+float part = clamp(samples - float(i),0.0,1.0);
+vec4 samplePixel = BokehFetch(tex,first + sampleStep * (float(i) + part * phase));
 if (rays)
 {
-vec3 weights = BokehRayWeight(samplePixel.a,centerCoC,cells,i);
+vec3 weights = BokehRayWeight(samplePixel.a,centerCoC,samples,i);
 sum += vec4(samplePixel.rgb,1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
 surface += vec4(samplePixel.rgb,1.0) * weights.z;
 }
 else
 {
-float weight = cell * BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
+float weight = part * BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
 sum += vec4(samplePixel.rgb,1.0) * weight;
 }
 }
 if (rays)
 {
-float covered = clamp((sum.a - cells) / max(surface.a,0.0001),0.0,1.0);
+float covered = clamp((sum.a - samples) / max(surface.a,0.0001),0.0,1.0);
 sum -= surface * covered;
 reached -= (surface.r + surface.g + surface.b) * covered;
 }
-sum = sum / cells;
-reached = reached / cells;
+sum = sum / samples;
+reached = reached / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k,polygon);
@@ -529,7 +530,7 @@ result = vec4(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
 return result;
 }
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp,uv);
 float CoC = centerPixel.a;
@@ -557,63 +558,65 @@ if (last > 4)
 L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp,uv,2,polygon,settings);
 }
-vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp,vec2 uv,BokehPolygon polygon,BokehFilter settings)
+vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,
+BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp,uv);
-BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
+vec4 pixel = BokehFetch(Strip2Samp,uv);
+BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
 return BokehResolved(L2.sum,pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp,uv,3,polygon,settings);
 }
-vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,vec2 uv,
-BokehPolygon polygon,BokehFilter settings)
+vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,
+BokehPolygon polygon,BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp,uv);
-BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,true,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,true,pixel.a,settings);
+vec4 pixel = BokehFetch(Strip2Samp,uv);
+BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings);
 return BokehResolved(L2.sum + L3.sum,pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp,uv,4,polygon,settings);
 }
-vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
-vec2 uv,BokehPolygon polygon,BokehFilter settings)
+vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
+BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp,uv);
-BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4 = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings);
+vec4 pixel = BokehFetch(Strip2Samp,uv);
+BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4 = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp,uv,5,polygon,settings);
 }
-vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp,vec2 uv,BokehPolygon polygon,BokehFilter settings)
+vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
+BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,
+BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp,uv);
-BokehLine L2 = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4 = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings);
-BokehLine L5 = BokehLineSum(Edge5Samp,uv,5,polygon,true,false,pixel.a,settings);
+vec4 pixel = BokehFetch(Strip2Samp,uv);
+BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4 = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
+BokehLine L5 = BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 }
 `,
@@ -630,7 +633,7 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 #endif
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv)
 {
-return BokehSafe(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens)
@@ -654,7 +657,7 @@ vec2 halfLine = vec2(cos(angle),sin(angle)) * 0.5 * lineLength;
 return vec4(lineCenter,halfLine) * vec4(squeeze,1.0,squeeze,1.0);
 }
 float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 float weight = 1.0;
 if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -677,7 +680,7 @@ result = vec4(result.rgb,centerPixel.a);
 return result;
 }
 vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
-vec2 lineEnd,BokehFilter settings,bool blurCoC)
+vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp,uv);
 float centerDepth = BokehPaperDepth(DepthSamp,uv);
@@ -697,7 +700,7 @@ totalWeight += weight;
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
-vec4 segment,BokehFilter settings,bool blurCoC)
+vec4 segment,BokehSamplingSettings settings,bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp,uv);
 vec4 result = centerPixel;
@@ -706,24 +709,24 @@ if (CoC > 0.0)
 {
 float centerDepth = BokehPaperDepth(DepthSamp,uv);
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels,settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+float samples = BokehSampleCount(lengthInPixels,settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 vec4 color = vec4(0.0,0.0,0.0,0.0);
 float totalWeight = 0.0;
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+if (BOKEH_SPACING > 0.0 && float(i) >= samples)
 {
 break;
 }
-float cell = clamp(cells - float(i),0.0,1.0);
-vec2 sampleCoords = first + cellLength * (float(i) + cell * phase);
+float part = clamp(samples - float(i),0.0,1.0);
+vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
 vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
 float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-float weight = cell * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+float weight = part * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
@@ -742,14 +745,14 @@ result = max(a,b);
 return result;
 }
 vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehFilter settings,bool blurCoC,
+BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,
 bool useMax)
 {
 vec4 a = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
 return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);
 }
 vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE KernelSamp,vec2 uv,BokehFilter settings,bool blurCoC)
+BOKEH_TEXTURE KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp,uv);
 float centerDepth = BokehPaperDepth(DepthSamp,uv);
@@ -771,7 +774,7 @@ totalWeight += weight;
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,
-vec2 lineEndV,BokehFilter settings,bool blurCoC)
+vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp,uv);
 float centerDepth = BokehPaperDepth(DepthSamp,uv);
@@ -802,37 +805,37 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #define BOKEH_LAYERS 1
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_RINGS 1
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 0
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #else
 #define BOKEH_PRESET_RINGS 2
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 1
 #endif
 #ifndef BOKEH_PRESET_DEFAULT
-#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_CELLS) || defined(BOKEH_LAYER_CUBIC)
-#error a preset sets BOKEH_LAYER_RINGS, _CELLS and _CUBIC: define it or them, not both
+#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
+#error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
 #endif
 #endif
 #ifndef BOKEH_LAYER_RINGS
 #define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
 #endif
-#ifndef BOKEH_LAYER_CELLS
-#define BOKEH_LAYER_CELLS BOKEH_PRESET_CELLS
+#ifndef BOKEH_LAYER_SAMPLES
+#define BOKEH_LAYER_SAMPLES BOKEH_PRESET_LAYER_SAMPLES
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
 #endif
-#ifndef BOKEH_MIN_LEVEL
-#define BOKEH_MIN_LEVEL 0.00001
+#ifndef BOKEH_MIN_BRIGHTNESS
+#define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
 struct BokehGrid
 {
@@ -840,7 +843,7 @@ vec2 size;
 vec2 origin;
 vec2 texel;
 };
-struct BokehLayers
+struct BokehLayerContext
 {
 vec2 uv;
 vec2 size;
@@ -849,9 +852,9 @@ vec2 texel;
 float largest;
 float jitter;
 };
-BokehLayers BokehMakeLayers(vec2 uv,vec2 imageSize,float maxCoC)
+BokehLayerContext BokehMakeLayerContext(vec2 uv,vec2 imageSize,float maxCoC)
 {
-BokehLayers layers;
+BokehLayerContext layers;
 layers.uv = uv;
 layers.size = imageSize;
 layers.origin = vec2(0.0,0.0);
@@ -860,7 +863,7 @@ layers.largest = maxCoC * imageSize.y;
 layers.jitter = 0.0;
 return layers;
 }
-BokehGrid BokehFullGrid(BokehLayers layers)
+BokehGrid BokehFullGrid(BokehLayerContext layers)
 {
 BokehGrid grid;
 grid.size = layers.size;
@@ -868,7 +871,7 @@ grid.origin = layers.origin;
 grid.texel = layers.texel;
 return grid;
 }
-BokehGrid BokehReducedGrid(BokehLayers layers,float scale)
+BokehGrid BokehReducedGrid(BokehLayerContext layers,float scale)
 {
 BokehGrid grid;
 grid.size = ceil(layers.size / scale);
@@ -907,9 +910,9 @@ float BokehBrightest(vec3 color)
 {
 return max(max(color.r,color.g),color.b);
 }
-float BokehLayerSlope(float largest,float none,float whole)
+float BokehLayerSlope(float largest,float startCoC,float fullCoC)
 {
-float gate = clamp((largest - none) / (whole - none),0.001,1.0);
+float gate = clamp((largest - startCoC) / (fullCoC - startCoC),0.001,1.0);
 return 5.0 / max(largest / gate,2.0);
 }
 float BokehNearSlope(float largest)
@@ -920,11 +923,11 @@ float BokehFarSlope(float largest)
 {
 return BokehLayerSlope(largest,10.0,16.0);
 }
-float BokehLayerShare(float CoC,float slope)
+float BokehLayerWeight(float CoC,float slope)
 {
 return clamp(CoC * slope - 2.0,0.0,1.0);
 }
-vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayers layers)
+vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers)
 {
 vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5,0.5);
 vec3 found = vec3(0.0,0.0,0.0);
@@ -935,8 +938,8 @@ for (int x = 0; x < 8; x++)
 vec2 place = first + vec2(float(x),float(y));
 vec4 pixel = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
 float s = pixel.a * layers.size.y;
-float level = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_LEVEL));
-found = vec3(max(found.r,-s),max(found.g,s),found.b + level);
+float logBrightness = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
+found = vec3(max(found.r,-s),max(found.g,s),found.b + logBrightness);
 }
 }
 return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
@@ -946,16 +949,16 @@ vec2 BokehReaching(vec2 CoC,float tiles)
 vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
 return CoC * clamp(share,vec2(0.0,0.0),vec2(1.0,1.0));
 }
-float BokehReachTiles(BokehLayers layers)
+float BokehReachTiles(BokehLayerContext layers)
 {
 return min(ceil(layers.largest / 16.0) + 2.0,127.0);
 }
-vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayers layers)
+vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers,8.0);
 float radius = BokehReachTiles(layers);
 vec2 found = vec2(0.0,0.0);
-float level = 0.0;
+float logBrightness = 0.0;
 for (int i = 0; i < 255; i++)
 {
 float tiles = float(i) - radius;
@@ -965,85 +968,87 @@ break;
 }
 vec4 tile = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid);
 found = max(found,BokehReaching(tile.rg,abs(tiles)));
-level += tile.b;
+logBrightness += tile.b;
 }
-return vec4(found,level / (2.0 * radius + 1.0),1.0);
+return vec4(found,logBrightness / (2.0 * radius + 1.0),1.0);
 }
-vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float unit,float heaviest)
+vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float inverseBrightness,float maxWeight)
 {
 vec4 brightest = vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),
 BokehBrightest(d.rgb));
-return min(0.01 + brightest * unit,vec4(heaviest,heaviest,heaviest,heaviest));
+return min(0.01 + brightest * inverseBrightness,vec4(maxWeight,maxWeight,maxWeight,
+maxWeight));
 }
 struct BokehPrefiltered
 {
 vec4 nearLayer;
 vec4 farLayer;
-vec4 kernelSums;
-vec4 leftovers;
+vec4 layerCoCSums;
+vec4 gatherCoC;
 };
-vec4 BokehLayerShares(vec4 CoC,float slope)
+vec4 BokehLayerWeights(vec4 CoC,float slope)
 {
 return clamp(CoC * slope - 2.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,1.0,1.0,1.0));
 }
-vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearShare,float nearest)
+vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearWeight,float maxNearWeight)
 {
 vec4 result = vec4(min(found.rgb,pixel.rgb),found.a);
-if (nearShare < 0.5 * nearest)
+if (nearWeight < 0.5 * maxNearWeight)
 {
 result = vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-vec4 BokehNearPixel(vec4 pixel,float nearShare,vec4 around)
+vec4 BokehNearPixel(vec4 pixel,float nearWeight,vec4 around)
 {
-vec4 result = vec4(pixel.rgb,nearShare);
+vec4 result = vec4(pixel.rgb,nearWeight);
 float brightest = BokehBrightest(pixel.rgb);
 float limit = BokehBrightest(around.rgb);
 if (around.a > brightest)
 {
-result = vec4(min(pixel.rgb,around.rgb),nearShare);
+result = vec4(min(pixel.rgb,around.rgb),nearWeight);
 if (brightest > limit)
 {
-result = vec4(result.rgb,nearShare * (around.a - brightest) / (around.a - limit));
+result = vec4(result.rgb,nearWeight * (around.a - brightest) / (around.a - limit));
 }
 }
 return result;
 }
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE ReachSamp,BokehLayers layers)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
+BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0,1.0);
-vec4 reach = BokehFetchGrid(ReachSamp,middle / 8.0,BokehReducedGrid(layers,8.0));
-float nearSlope = BokehNearSlope(reach.r);
-float farSlope = BokehFarSlope(reach.g);
-float unit = exp2(-reach.b);
-float heaviest = 500000.0 / max(layers.largest,50.0);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp,middle / 8.0,BokehReducedGrid(layers,8.0));
+float nearSlope = BokehNearSlope(tile.r);
+float farSlope = BokehFarSlope(tile.g);
+float inverseBrightness = exp2(-tile.b);
+float maxWeight = 500000.0 / max(layers.largest,50.0);
 vec4 a = BokehFetchGrid(MapSamp,middle + vec2(-0.5,-0.5),full);
 vec4 b = BokehFetchGrid(MapSamp,middle + vec2(0.5,-0.5),full);
 vec4 c = BokehFetchGrid(MapSamp,middle + vec2(-0.5,0.5),full);
 vec4 d = BokehFetchGrid(MapSamp,middle + vec2(0.5,0.5),full);
 vec4 s = vec4(a.a,b.a,c.a,d.a) * full.size.y;
-vec4 nearShares = BokehLayerShares(-s,nearSlope);
-vec4 farShares = BokehLayerShares(s,farSlope);
-vec4 far = vec4(a.rgb,1.0) * farShares.x + vec4(b.rgb,1.0) * farShares.y + vec4(c.rgb,1.0) *
-farShares.z + vec4(d.rgb,1.0) * farShares.w;
-vec4 weights = farShares * BokehBlurWeights(a,b,c,d,unit,heaviest);
+vec4 nearWeights = BokehLayerWeights(-s,nearSlope);
+vec4 farWeights = BokehLayerWeights(s,farSlope);
+vec4 farSum = vec4(a.rgb,1.0) * farWeights.x + vec4(b.rgb,1.0) * farWeights.y + vec4(c.rgb,
+1.0) * farWeights.z + vec4(d.rgb,1.0) * farWeights.w;
+vec4 weights = farWeights * BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 vec4 one = vec4(1.0,1.0,1.0,1.0);
 vec4 sums = vec4(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
-vec4 nearLeft = -s * min(4.0 - 4.0 * nearShares,one);
-vec4 farLeft = s * min(4.0 - 4.0 * farShares,one);
-vec2 left = max(max(vec2(nearLeft.x,farLeft.x),vec2(nearLeft.y,farLeft.y)),
-max(vec2(nearLeft.z,farLeft.z),vec2(nearLeft.w,farLeft.w)));
-float nearest = max(max(nearShares.x,nearShares.y),max(nearShares.z,nearShares.w));
-vec4 near = vec4(0.0,0.0,0.0,0.0);
-if (nearest > 0.0)
+vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights,one);
+vec4 farGather = s * min(4.0 - 4.0 * farWeights,one);
+vec2 gatherCoC = max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),
+max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
+float maxNearWeight = max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
+vec4 nearSum = vec4(0.0,0.0,0.0,0.0);
+if (maxNearWeight > 0.0)
 {
 vec4 around = vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
-around = BokehSurroundings(around,a,nearShares.x,nearest);
-around = BokehSurroundings(around,b,nearShares.y,nearest);
-around = BokehSurroundings(around,c,nearShares.z,nearest);
-around = BokehSurroundings(around,d,nearShares.w,nearest);
+around = BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
+around = BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
+around = BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
+around = BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
@@ -1052,62 +1057,64 @@ vec2 offset = vec2(float(x) - 1.5,float(y) - 1.5);
 if (max(abs(offset.x),abs(offset.y)) > 1.0)
 {
 vec4 pixel = BokehFetchGrid(MapSamp,middle + offset,full);
-around = BokehSurroundings(around,pixel,BokehLayerShare(-pixel.a *
-full.size.y,nearSlope),nearest);
+around = BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
+full.size.y,nearSlope),maxNearWeight);
 }
 }
 }
-a = BokehNearPixel(a,nearShares.x,around);
-b = BokehNearPixel(b,nearShares.y,around);
-c = BokehNearPixel(c,nearShares.z,around);
-d = BokehNearPixel(d,nearShares.w,around);
-near = vec4(a.rgb,1.0) * a.a + vec4(b.rgb,1.0) * b.a + vec4(c.rgb,1.0) * c.a +
+a = BokehNearPixel(a,nearWeights.x,around);
+b = BokehNearPixel(b,nearWeights.y,around);
+c = BokehNearPixel(c,nearWeights.z,around);
+d = BokehNearPixel(d,nearWeights.w,around);
+nearSum = vec4(a.rgb,1.0) * a.a + vec4(b.rgb,1.0) * b.a + vec4(c.rgb,1.0) * c.a +
 vec4(d.rgb,1.0) * d.a;
-weights = vec4(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,unit,heaviest);
+weights = vec4(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,inverseBrightness,
+maxWeight);
 sums = vec4(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
 }
 BokehPrefiltered targets;
-targets.nearLayer = near * 0.25;
-targets.farLayer = far * 0.25;
-float most = BOKEH_MAX_COLOR;
-targets.kernelSums = min(sums * 0.25,vec4(most,most,most,most));
-targets.leftovers = vec4(clamp(left,vec2(0.0,0.0),vec2(most,most)),0.0,1.0);
+targets.nearLayer = nearSum * 0.25;
+targets.farLayer = farSum * 0.25;
+float maxValue = BOKEH_MAX_COLOR;
+targets.layerCoCSums = min(sums * 0.25,vec4(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC = vec4(clamp(gatherCoC,vec2(0.0,0.0),vec2(maxValue,maxValue)),0.0,1.0);
 return targets;
 }
-struct BokehKernels
+struct BokehTileSums
 {
-vec4 leftovers;
+vec4 gatherCoC;
 vec4 sums;
 };
-BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE LeftSamp,BokehLayers layers)
+BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,
+BokehLayerContext layers)
 {
 BokehGrid halves = BokehReducedGrid(layers,2.0);
 vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5,0.5);
 vec4 sums = vec4(0.0,0.0,0.0,0.0);
-vec2 left = vec2(0.0,0.0);
+vec2 gatherCoC = vec2(0.0,0.0);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
 {
 vec2 place = first + vec2(float(x),float(y));
 sums += BokehFetchGrid(SumsSamp,place,halves);
-left = max(left,BokehFetchGrid(LeftSamp,place,halves).rg);
+gatherCoC = max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves).rg);
 }
 }
-BokehKernels targets;
-targets.leftovers = vec4(left,0.0,1.0);
+BokehTileSums targets;
+targets.gatherCoC = vec4(gatherCoC,0.0,1.0);
 targets.sums = sums / 16.0;
 return targets;
 }
-BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp,vec2 axis,BokehLayers layers)
+BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers,8.0);
-vec2 reach = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid).rg;
-vec2 sigma = max(reach * 0.0375,vec2(0.6,0.6));
+vec2 tile = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid).rg;
+vec2 sigma = max(tile * 0.0375,vec2(0.6,0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0,0.0,0.0,0.0);
-vec2 left = vec2(0.0,0.0);
+vec2 gatherCoC = vec2(0.0,0.0);
 vec2 total = vec2(0.0,0.0);
 for (int i = 0; i < 255; i++)
 {
@@ -1120,77 +1127,90 @@ vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp,place,grid) * vec4(weight.x,weight.x,weight.y,
 weight.y);
-left = max(left,BokehReaching(BokehFetchGrid(LeftSamp,place,grid).rg,abs(tiles)));
+gatherCoC = max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,
+abs(tiles)));
 total += weight;
 }
-BokehKernels targets;
-targets.leftovers = vec4(left,0.0,1.0);
+BokehTileSums targets;
+targets.gatherCoC = vec4(gatherCoC,0.0,1.0);
 targets.sums = sums / vec4(total.x,total.x,total.y,total.y);
 return targets;
 }
-BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp,BokehLayers layers)
+BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers)
 {
-return BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2(1.0,0.0),layers);
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(1.0,0.0),layers);
 }
-struct BokehSizes
+struct BokehLayerCoCTargets
 {
-vec4 reach;
-vec4 sizes;
+vec4 gatherTiles;
+vec4 layerCoC;
 };
-BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp,BokehLayers layers)
+BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers,8.0);
-vec2 reach = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid).rg;
-BokehKernels kernels = BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2(0.0,1.0),layers);
-vec4 sums = kernels.sums;
-vec2 sizes = vec2(0.0,0.0);
-if (sums.g > 0.0001 && reach.r > 6.0)
+vec2 tile = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid).rg;
+BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.0,
+1.0),layers);
+vec4 sums = tileSums.sums;
+vec2 layerCoC = vec2(0.0,0.0);
+if (sums.g > 0.0001 && tile.r > 6.0)
 {
-sizes = vec2(8.0 * sums.r / sums.g,0.0);
+layerCoC = vec2(8.0 * sums.r / sums.g,0.0);
 }
-if (sums.a > 0.0001 && reach.g > 10.0)
+if (sums.a > 0.0001 && tile.g > 10.0)
 {
-sizes = vec2(sizes.x,8.0 * sums.b / sums.a);
+layerCoC = vec2(layerCoC.x,8.0 * sums.b / sums.a);
 }
-BokehSizes targets;
-targets.reach = vec4(reach,kernels.leftovers.rg);
-targets.sizes = vec4(sizes,0.0,1.0);
+BokehLayerCoCTargets targets;
+targets.gatherTiles = vec4(tile,tileSums.gatherCoC.rg);
+targets.layerCoC = vec4(layerCoC,0.0,1.0);
 return targets;
 }
-vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp,BokehLayers layers)
+vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers)
 {
 vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
-return BokehFetchGrid(SizesSamp,place,BokehReducedGrid(layers,8.0)).rg;
+return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0)).rg;
 }
-vec3 BokehLayerBlur(vec2 sizes,bool isFar,BokehPolygon polygon)
+struct BokehBlur
 {
-float CoC = 0.5 * sizes.r;
-float least = 1.5;
-float own = 9.0;
+float CoC;
+float spacing;
+bool useQuarterLayer;
+float sideTap;
+};
+BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon)
+{
+float CoC = 0.5 * layerCoC.r;
+float minSpacing = 1.5;
+float selfBlur = 9.0;
 if (isFar)
 {
-CoC = 0.5 * sizes.g;
-least = 1.15;
-own = clamp(0.06 * CoC * CoC,7.5,22.0);
+CoC = 0.5 * layerCoC.g;
+minSpacing = 1.15;
+selfBlur = clamp(0.06 * CoC * CoC,7.5,22.0);
 }
-float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
+float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
 float hard = 0.4;
 if (polygon.sides < 6)
 {
-spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
+spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
 hard = 0.2;
 }
-float side = -1.0;
-if (spacing > least)
+BokehBlur blur;
+blur.useQuarterLayer = spacing > minSpacing;
+blur.sideTap = 0.0;
+if (blur.useQuarterLayer)
 {
-side = clamp(0.25 * spacing - hard,0.0,0.6);
-own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
+blur.sideTap = clamp(0.25 * spacing - hard,0.0,0.6);
+selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
 }
-return vec3(sqrt(max(CoC * CoC - own,0.25)),max(spacing,1.0),side);
+blur.CoC = sqrt(max(CoC * CoC - selfBlur,0.25));
+blur.spacing = max(spacing,1.0);
+return blur;
 }
-vec4 BokehLevel(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayers layers)
+vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers)
 {
 BokehGrid halves = BokehReducedGrid(layers,2.0);
 vec4 sum = vec4(0.0,0.0,0.0,0.0);
@@ -1214,24 +1234,25 @@ sum = BokehFetchGrid(LayerSamp,center,halves);
 }
 return sum;
 }
-struct BokehLevels
+struct BokehDownsampled
 {
-vec4 middle;
-vec4 far;
-vec4 nearLevel;
-vec4 farLevel;
+vec4 midWithHoles;
+vec4 farWithHoles;
+vec4 nearQuarter;
+vec4 farQuarter;
 };
-BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE ReachSamp,BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE SizesSamp,BokehPolygon polygon,BokehLayers layers)
+BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
+BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,
+BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5,0.5);
 vec2 middlePlace = first + vec2(1.5,1.5);
-vec4 reach = BokehFetchGrid(ReachSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0));
-float nearSlope = BokehNearSlope(reach.r);
-float farSlope = BokehFarSlope(reach.g);
-float unit = exp2(-reach.b);
-vec4 middle = vec4(0.0,0.0,0.0,0.0);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0));
+float nearSlope = BokehNearSlope(tile.r);
+float farSlope = BokehFarSlope(tile.g);
+float inverseBrightness = exp2(-tile.b);
+vec4 mid = vec4(0.0,0.0,0.0,0.0);
 vec4 far = vec4(0.0,0.0,0.0,0.0);
 for (int y = 0; y < 4; y++)
 {
@@ -1240,22 +1261,23 @@ for (int x = 0; x < 4; x++)
 vec2 place = first + vec2(float(x),float(y));
 vec4 pixel = BokehFetchGrid(MapSamp,place,full);
 float s = pixel.a * full.size.y;
-float nearShare = BokehLayerShare(-s,nearSlope);
-float notNear = max(1.0 - 2.0 * nearShare,0.0625 - 0.0625 * nearShare);
-float farShare = BokehLayerShare(s,farSlope);
-float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-middle += vec4(pixel.rgb,1.0) * (weight * (1.0 - farShare));
-far += vec4(pixel.rgb,1.0) * (weight * farShare);
+float nearWeight = BokehLayerWeight(-s,nearSlope);
+float notNear = max(1.0 - 2.0 * nearWeight,0.0625 - 0.0625 * nearWeight);
+float farWeight = BokehLayerWeight(s,farSlope);
+float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
+mid += vec4(pixel.rgb,1.0) * (weight * (1.0 - farWeight));
+far += vec4(pixel.rgb,1.0) * (weight * farWeight);
 }
 }
 vec2 center = 0.5 * middlePlace;
-vec2 sizes = BokehLayerSizes(SizesSamp,layers);
-BokehLevels targets;
-targets.middle = middle / 16.0;
-targets.far = far / 16.0;
-targets.nearLevel = BokehLevel(NearSamp,center,BokehLayerBlur(sizes,false,polygon).z,
-layers);
-targets.farLevel = BokehLevel(FarSamp,center,BokehLayerBlur(sizes,true,polygon).z,layers);
+vec2 layerCoC = BokehLayerCoC(LayerCoCSamp,layers);
+BokehDownsampled targets;
+targets.midWithHoles = mid / 16.0;
+targets.farWithHoles = far / 16.0;
+targets.nearQuarter = BokehQuarterLayer(NearSamp,center,BokehLayerBlur(layerCoC,false,
+polygon).sideTap,layers);
+targets.farQuarter = BokehQuarterLayer(FarSamp,center,BokehLayerBlur(layerCoC,true,
+polygon).sideTap,layers);
 return targets;
 }
 vec2 BokehEdgeDirection(int k,BokehPolygon polygon)
@@ -1263,106 +1285,106 @@ vec2 BokehEdgeDirection(int k,BokehPolygon polygon)
 vec2 outwards = BokehTurn(float(k),polygon);
 return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);
 }
-int BokehOnEdge(int ring,BokehPolygon polygon)
+int BokehSamplesPerEdge(int ring,BokehPolygon polygon)
 {
 return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5,1.0));
 }
-vec2 BokehHoleShares(vec4 middle,vec4 far,float unit)
+vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness)
 {
-return vec2(middle.a + BokehBrightest(middle.rgb) * unit,far.a + BokehBrightest(far.rgb) *
-unit);
+return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness,far.a +
+BokehBrightest(far.rgb) * inverseBrightness);
 }
 struct BokehFilled
 {
-vec4 middle;
-vec4 back;
+vec4 midFill;
+vec4 farFill;
 };
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE ReachSamp,
-BokehPolygon polygon,BokehLayers layers)
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp,BOKEH_TEXTURE FarSamp,
+BOKEH_TEXTURE DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers,4.0);
 vec2 center = layers.uv * grid.size;
-vec4 tile = BokehFetchGrid(ReachSamp,center / 2.0,BokehReducedGrid(layers,8.0));
-float reach = tile.r;
-float unit = exp2(-tile.b);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp,center / 2.0,BokehReducedGrid(layers,8.0));
+float nearCoC = tile.r;
+float inverseBrightness = exp2(-tile.b);
 vec2 corner = BokehRotated(polygon.corner,polygon.axis);
 vec2 direction = BokehEdgeDirection(1,polygon);
 vec2 turn = BokehTurn(1.0,polygon);
-vec4 middle = BokehFetchGrid(MiddleSamp,center,grid);
+vec4 mid = BokehFetchGrid(MidSamp,center,grid);
 vec4 far = BokehFetchGrid(FarSamp,center,grid);
-vec2 shares = BokehHoleShares(middle,far,unit);
+vec2 weights = BokehHoleWeights(mid,far,inverseBrightness);
 for (int ring = 1; ring < 3; ring++)
 {
-if (reach < 6.0)
+if (nearCoC < 6.0)
 {
 break;
 }
-float diameter = max(reach / 8.0,2.0) * float(ring);
+float diameter = max(nearCoC / 8.0,2.0) * float(ring);
 float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
 vec2 scale = vec2(polygon.squeeze * diameter,diameter);
-int onEdge = BokehOnEdge(ring,polygon);
+int onEdge = BokehSamplesPerEdge(ring,polygon);
 for (int edge = 1; edge <= polygon.sides; edge++)
 {
 vec2 along = direction * (BokehEdgeLength(edge,polygon) / float(onEdge));
 for (int i = 0; i < onEdge; i++)
 {
 vec2 place = center + corner * scale;
-vec4 middleTexel = BokehFetchGrid(MiddleSamp,place,grid);
+vec4 midTexel = BokehFetchGrid(MidSamp,place,grid);
 vec4 farTexel = BokehFetchGrid(FarSamp,place,grid);
-middle += middleTexel * weight;
+mid += midTexel * weight;
 far += farTexel * weight;
-shares += BokehHoleShares(middleTexel,farTexel,unit) * weight;
+weights += BokehHoleWeights(midTexel,farTexel,inverseBrightness) * weight;
 corner += along;
 }
 direction = BokehRotated(direction,turn);
 }
 }
-vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a,0.000001);
-float share = shares.r / max(shares.r + shares.g,0.000001);
+vec3 both = (mid.rgb + far.rgb) / max(mid.a + far.a,0.000001);
+float midWeight = weights.r / max(weights.r + weights.g,0.000001);
 BokehFilled targets;
-targets.middle = vec4(both,share);
-targets.back = vec4(both,1.0);
-if (middle.a > 0.000001)
+targets.midFill = vec4(both,midWeight);
+targets.farFill = vec4(both,1.0);
+if (mid.a > 0.000001)
 {
-targets.middle = vec4(middle.rgb / middle.a,share);
+targets.midFill = vec4(mid.rgb / mid.a,midWeight);
 }
 if (far.a > 0.000001)
 {
-targets.back = vec4(far.rgb / far.a,1.0);
+targets.farFill = vec4(far.rgb / far.a,1.0);
 }
 return targets;
 }
-vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE LevelSamp,int k,BokehPolygon polygon,
-bool secondPass,vec3 blur,BokehLayers layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,
+bool secondPass,BokehBlur blur,BokehLayerContext layers)
 {
 float scale = 2.0;
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
 scale = 4.0;
 }
 BokehGrid grid = BokehReducedGrid(layers,scale);
-vec4 segment = BokehEdgeLine(k,polygon,secondPass) * blur.x;
-float cells = max(2.0 * length(segment.zw) / blur.y,2.0);
-float phase = 0.5 + layers.jitter * min(blur.y - 1.0,1.0);
+vec4 segment = BokehEdgeLine(k,polygon,secondPass) * blur.CoC;
+float samples = max(2.0 * length(segment.zw) / blur.spacing,2.0);
+float phase = 0.5 + layers.jitter * min(blur.spacing - 1.0,1.0);
 vec2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
-vec2 cellLength = segment.zw * (4.0 / (scale * cells));
+vec2 sampleStep = segment.zw * (4.0 / (scale * samples));
 vec4 sum = vec4(0.0,0.0,0.0,0.0);
-for (int i = 0; i < int(ceil(cells)); i++)
+for (int i = 0; i < int(ceil(samples)); i++)
 {
-float cell = clamp(cells - float(i),0.0,1.0);
-vec2 place = first + cellLength * (float(i) + cell * phase);
+float part = clamp(samples - float(i),0.0,1.0);
+vec2 place = first + sampleStep * (float(i) + part * phase);
 vec4 texel = vec4(0.0,0.0,0.0,0.0);
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
-texel = BokehFetchGrid(LevelSamp,place,grid);
+texel = BokehFetchGrid(QuarterSamp,place,grid);
 }
 else
 {
 texel = BokehFetchGrid(tex,place,grid);
 }
-sum += cell * texel;
+sum += part * texel;
 }
-sum = sum / cells;
+sum = sum / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k,polygon);
@@ -1374,95 +1396,97 @@ vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4
 vec4 w = BokehEdgeWeights(k,polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE LevelSamp,vec2 sizes,
-bool isFar,int last,BokehPolygon polygon,BokehLayers layers)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,
+bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 none = vec4(0.0,0.0,0.0,0.0);
+vec4 zero = vec4(0.0,0.0,0.0,0.0);
 BokehTargets targets;
-vec3 blur = BokehLayerBlur(sizes,isFar,polygon);
-if (blur.x > 0.51)
+BokehBlur blur = BokehLayerBlur(layerCoC,isFar,polygon);
+if (blur.CoC > 0.51)
 {
-vec4 L2 = none;
-vec4 L3 = none;
-vec4 L4 = none;
-vec4 L1 = BokehLayerLine(LayerSamp,LevelSamp,1,polygon,false,blur,layers);
+vec4 L2 = zero;
+vec4 L3 = zero;
+vec4 L4 = zero;
+vec4 L1 = BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp,LevelSamp,2,polygon,false,blur,layers);
+L2 = BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp,LevelSamp,3,polygon,false,blur,layers);
+L3 = BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp,LevelSamp,4,polygon,false,blur,layers);
+L4 = BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);
 }
-targets.edge2 = L1;
-targets.edge3 = BokehLayerTarget(3,polygon,L1,L2,none,none);
-targets.edge4 = BokehLayerTarget(4,polygon,L1,L2,L3,none);
-targets.edge5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+targets.strip2 = L1;
+targets.strip3 = BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4 = BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.edge2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
-targets.edge3 = targets.edge2;
-targets.edge4 = targets.edge2;
-targets.edge5 = targets.edge2;
+targets.strip2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
+targets.strip3 = targets.strip2;
+targets.strip4 = targets.strip2;
+targets.strip5 = targets.strip2;
 }
 return targets;
 }
-vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp,BOKEH_TEXTURE Edge3Samp,BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp,vec2 sizes,bool isFar,BokehPolygon polygon,BokehLayers layers)
+vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,
+BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,
+BokehLayerContext layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
 vec4 result = vec4(0.0,0.0,0.0,0.0);
-vec3 blur = BokehLayerBlur(sizes,isFar,polygon);
-vec3 own = vec3(blur.x,blur.y,-1.0);
-if (blur.x > 0.51)
+BokehBlur blur = BokehLayerBlur(layerCoC,isFar,polygon);
+blur.useQuarterLayer = false;
+if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Edge2Samp,Edge2Samp,2,polygon,true,own,layers);
+result = BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp,Edge3Samp,3,polygon,true,own,layers);
+result += BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp,Edge4Samp,4,polygon,true,own,layers);
+result += BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp,Edge5Samp,5,polygon,true,own,layers);
+result += BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);
 }
 result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Edge2Samp,center,BokehReducedGrid(layers,2.0));
+result = BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0));
 }
 return result;
 }
 struct BokehLayersTargets
 {
-vec4 near2;
-vec4 far2;
-vec4 near3;
-vec4 far3;
+vec4 nearStrip2;
+vec4 farStrip2;
+vec4 nearStrip3;
+vec4 farStrip3;
 };
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearLevelSamp,
-BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarLevelSamp,vec2 sizes,BokehPolygon polygon,
-BokehLayers layers)
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQuarterSamp,
+BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,
+BokehLayerContext layers)
 {
 int last = polygon.sides / 2;
-BokehTargets near = BokehLayerFirst(NearSamp,NearLevelSamp,sizes,false,last,polygon,
+BokehTargets near = BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,
 layers);
-BokehTargets far = BokehLayerFirst(FarSamp,FarLevelSamp,sizes,true,last,polygon,layers);
+BokehTargets far = BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
+layers);
 BokehLayersTargets targets;
-targets.near2 = near.edge2;
-targets.far2 = far.edge2;
-targets.near3 = near.edge3;
-targets.far3 = far.edge3;
+targets.nearStrip2 = near.strip2;
+targets.farStrip2 = far.strip2;
+targets.nearStrip3 = near.strip3;
+targets.farStrip3 = far.strip3;
 return targets;
 }
 struct BokehBlurred
@@ -1470,15 +1494,15 @@ struct BokehBlurred
 vec4 near;
 vec4 far;
 };
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp,BOKEH_TEXTURE Far2Samp,
-BOKEH_TEXTURE Near3Samp,BOKEH_TEXTURE Far3Samp,vec2 sizes,BokehPolygon polygon,
-BokehLayers layers)
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp,BOKEH_TEXTURE FarStrip2Samp,
+BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,
+BokehLayerContext layers)
 {
 BokehBlurred targets;
-targets.near = BokehLayerSecond(Near2Samp,Near3Samp,Near3Samp,Near3Samp,sizes,false,
-polygon,layers);
-targets.far = BokehLayerSecond(Far2Samp,Far3Samp,Far3Samp,Far3Samp,sizes,true,polygon,
-layers);
+targets.near = BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
+layerCoC,false,polygon,layers);
+targets.far = BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
+layerCoC,true,polygon,layers);
 return targets;
 }
 vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid halves)
@@ -1523,22 +1547,22 @@ struct BokehGather
 {
 vec4 sum;
 vec4 front;
-float farWeight;
+float farFound;
 float s;
 float inverse;
-float nearShare;
+float nearWeight;
 vec2 slopes;
 float snapping;
 vec2 bounds;
 float inner;
 };
 BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,
-float outer,BokehPolygon polygon,BokehLayers layers)
+float outer,BokehPolygon polygon,BokehLayerContext layers)
 {
 BokehGather gather = before;
 BokehGrid full = BokehFullGrid(layers);
-vec2 none = vec2(0.0,0.0);
-vec2 whole = vec2(1.0,1.0);
+vec2 zero = vec2(0.0,0.0);
+vec2 one = vec2(1.0,1.0);
 float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
 float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
@@ -1564,23 +1588,23 @@ vec2 upright = corner + along * (float(i) + phase);
 vec2 place = right * upright.x + upwards * upright.y;
 vec2 texel = floor(place);
 vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
-gather.snapping,none,whole);
+gather.snapping,zero,one);
 vec4 pixel = BokehFetchAround(MapSamp,layers.uv,offset,full);
 vec4 other = BokehFetchAround(MapSamp,layers.uv,-offset,full);
 vec2 CoC = vec2(pixel.a,other.a) * full.size.y;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s,none,whole) * (1.0 -
-gather.nearShare);
+vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s,zero,one) * (1.0 -
+gather.nearWeight);
 vec2 inverse = BokehSpreadInverse(CoC);
 inverse += (gather.inverse - inverse) * isBehind;
 inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-vec2 covers = cell * max(min(1.0 - innerSquare * inverse,area * inverse),none);
-vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0,none,whole);
-covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,none,whole)) - inFar;
-gather.farWeight += inFar.x + inFar.y;
+vec2 covers = cell * max(min(1.0 - innerSquare * inverse,area * inverse),zero);
+vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0,zero,one);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,zero,one)) - inFar;
+gather.farFound += inFar.x + inFar.y;
 vec4 part = vec4(pixel.rgb,1.0) * covers.x;
 vec4 otherPart = vec4(other.rgb,1.0) * covers.y;
 gather.sum += part + otherPart;
-vec2 isFront = clamp(gather.s - 0.5 - CoC,none,whole);
+vec2 isFront = clamp(gather.s - 0.5 - CoC,zero,one);
 gather.front += part * isFront.x + otherPart * isFront.y;
 }
 corner += alongEdge;
@@ -1589,14 +1613,14 @@ direction = BokehRotated(direction,turn);
 gather.inner = outer;
 return gather;
 }
-vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE TilesSamp,BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MiddleSamp,BOKEH_TEXTURE BackSamp,BokehPolygon polygon,
-BokehLayers layers)
+vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,
+BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,
+BokehPolygon polygon,BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 center = layers.uv * full.size;
 vec4 centerPixel = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-vec4 tile = BokehFetchGrid(TilesSamp,center / 8.0,BokehReducedGrid(layers,8.0));
+vec4 tile = BokehFetchGrid(GatherTilesSamp,center / 8.0,BokehReducedGrid(layers,8.0));
 vec3 result = centerPixel.rgb;
 if (max(tile.r,tile.g) > 1.0)
 {
@@ -1604,13 +1628,13 @@ BokehGather gather;
 float s = centerPixel.a * full.size.y;
 gather.s = s;
 gather.slopes = vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
-float nearShare = BokehLayerShare(-s,gather.slopes.x);
-float farShare = BokehLayerShare(s,gather.slopes.y);
-gather.nearShare = nearShare;
+float nearWeight = BokehLayerWeight(-s,gather.slopes.x);
+float farWeight = BokehLayerWeight(s,gather.slopes.y);
+gather.nearWeight = nearWeight;
 gather.inverse = BokehSpreadInverse(vec2(s,s)).x;
-float restRadius = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
+float restRadius = clamp(16.0 - 16.0 * farWeight,0.0,1.0) * (1.0 - nearWeight) /
 sqrt(gather.inverse);
-float radius = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
+float radius = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farWeight));
 float narrowing = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
 float rings = float(BOKEH_LAYER_RINGS);
 if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
@@ -1624,9 +1648,9 @@ if (radius < 0.5)
 gather.inner = radius;
 }
 gather.bounds = 1.0 / vec2(radius * radius,gather.inner * gather.inner);
-float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y,1.0);
-gather.farWeight = weight * farShare;
-gather.sum = vec4(centerPixel.rgb,1.0) * (weight - gather.farWeight);
+float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y,1.0);
+gather.farFound = weight * farWeight;
+gather.sum = vec4(centerPixel.rgb,1.0) * (weight - gather.farFound);
 gather.front = vec4(0.0,0.0,0.0,0.0);
 float edges = max(tile.r,tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
@@ -1637,7 +1661,7 @@ if (BOKEH_SIDES > 0)
 if (gather.inner < radius)
 {
 float outer = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,1,BokehOnEdge(1,polygon),outer,
+gather = BokehGatherRing(gather,MapSamp,1,BokehSamplesPerEdge(1,polygon),outer,
 polygon,layers);
 }
 first = 2;
@@ -1649,24 +1673,24 @@ if (gather.inner >= radius)
 break;
 }
 float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS,polygon);
+int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
 if (first < BOKEH_LAYER_RINGS)
 {
-onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
+onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
 gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers);
 }
-vec4 near = vec4(0.0,0.0,0.0,0.0);
-vec4 far = vec4(0.0,0.0,0.0,0.0);
+vec4 nearLayer = vec4(0.0,0.0,0.0,0.0);
+vec4 farLayer = vec4(0.0,0.0,0.0,0.0);
 if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
 {
 BokehGrid halves = BokehReducedGrid(layers,2.0);
-near = BokehFetchLayer(NearSamp,0.5 * center,halves);
-far = BokehFetchLayer(FarSamp,0.5 * center,halves);
+nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves);
+farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves);
 }
-vec4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare,nearShare)) /
-max(far.a,0.001));
-vec4 plain = sum + far * farShare;
+vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,nearWeight)) /
+max(farLayer.a,0.001));
+vec4 plain = sum + farLayer * farWeight;
 if (plain.a >= 0.001)
 {
 float rest = plain.a - gather.front.a;
@@ -1674,23 +1698,23 @@ float open = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
 + rest * open,0.001);
 }
-if (nearShare > 0.0)
+if (nearWeight > 0.0)
 {
 BokehGrid quarters = BokehReducedGrid(layers,4.0);
-vec4 middle = BokehFetchGrid(MiddleSamp,0.25 * center,quarters);
-vec4 back = BokehFetchGrid(BackSamp,0.25 * center,quarters);
-float inNear = near.a * min(2.0 - 2.0 * nearShare,1.0);
+vec4 midFill = BokehFetchGrid(MidFillSamp,0.25 * center,quarters);
+vec4 farFill = BokehFetchGrid(FarFillSamp,0.25 * center,quarters);
+float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight,1.0);
 float empty = max(1.0 - sum.a - inNear,0.0);
-float cover = empty * clamp((middle.a - 0.3) / 0.4,0.0,1.0);
-float missing = max(1.0 - 2.0 * far.a,0.0);
-vec3 background = far.rgb * ((1.0 - missing) / max(far.a,0.000001)) + back.rgb *
-missing;
-vec3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) / max(sum.a +
-empty,0.000001);
-result += (stack - result) * nearShare;
+float cover = empty * clamp((midFill.a - 0.3) / 0.4,0.0,1.0);
+float missing = max(1.0 - 2.0 * farLayer.a,0.0);
+vec3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a,0.000001)) +
+farFill.rgb * missing;
+vec3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
+max(sum.a + empty,0.000001);
+result += (stack - result) * nearWeight;
 }
-float alpha = clamp(near.a * 1.002,0.0,1.0);
-result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a,0.000001));
+float alpha = clamp(nearLayer.a * 1.002,0.0,1.0);
+result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a,0.000001));
 }
 return vec4(result,centerPixel.a);
 }
@@ -1700,7 +1724,7 @@ return vec4(result,centerPixel.a);
 #error put bokeh.glsl before bokeh_lens.glsl
 #endif
 #define BOKEH_LENS 1
-BokehPolygon BokehClosed(BokehPolygon polygon)
+BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
 {
 BokehPolygon closed = polygon;
 closed.mean = vec2(0.0,0.0);
@@ -1729,7 +1753,7 @@ float corner = 0.39269908 * clamp(roundness,0.0,1.0);
 float odd = sin(max(corner,0.001));
 float even = sin(0.78539816 - corner);
 result.lengths = vec4(odd,even,odd,even);
-result = BokehClosed(result);
+result = BokehUpdatePolygon(result);
 }
 return result;
 }
@@ -1771,7 +1795,7 @@ BokehPolygon result = polygon;
 result.lengths = vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
 widths),BokehCutLength(4,widths));
 result.fifth = BokehCutLength(5,widths);
-return BokehClosed(result);
+return BokehUpdatePolygon(result);
 }
 struct BokehFocus
 {
@@ -1802,8 +1826,9 @@ nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
 vec2 velocity = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-vec2 before = uv - vec2(BokehSafe(velocity.x,-2.0,2.0),BokehSafe(velocity.y,-2.0,2.0));
-float history = BokehSafe(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
+vec2 before = uv - vec2(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,-2.0,
+2.0));
+float history = BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
 if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
 {
 pixel += vec4(0.0,0.0,0.0,(history - pixel.a) * clamp(1.0 - blend,0.0,1.0));
@@ -1913,64 +1938,65 @@ CoC = -CoC;
 }
 return CoC;
 }
-fn BokehSafe(value:f32,least:f32,most:f32) -> f32
+fn BokehSanitize(value:f32,minimum:f32,maximum:f32) -> f32
 {
-var safe:f32 = least;
-if (value >= least)
+var safe:f32 = minimum;
+if (value >= minimum)
 {
-safe = min(value,most);
+safe = min(value,maximum);
 }
 return safe;
 }
-fn BokehLinearDepth(stored:f32,kind:i32,near:f32,far:f32) -> f32
+fn BokehLinearDepth(stored:f32,kind:i32,nearPlane:f32,farPlane:f32) -> f32
 {
 var depth:f32 = stored;
 if (kind == 1)
 {
-depth = near * far / (far - stored * (far - near));
+depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
 }
 else if (kind == 2)
 {
-depth = near * far / (near + stored * (far - near));
+depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
 }
 else if (kind == 3)
 {
 depth = BOKEH_MAX_DEPTH;
-if (stored >= near / BOKEH_MAX_DEPTH)
+if (stored >= nearPlane / BOKEH_MAX_DEPTH)
 {
-depth = near / stored;
+depth = nearPlane / stored;
 }
 }
 else if (kind == 4)
 {
-depth = 2.0 * near * far / (far + near - stored * (far - near));
+depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+nearPlane));
 }
 else if (kind == 5)
 {
-depth = near + stored * (far - near);
+depth = nearPlane + stored * (farPlane - nearPlane);
 }
 else if (kind == 6)
 {
-depth = near + (1.0 - stored) * (far - near);
+depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
 }
 else if (kind == 7)
 {
-depth = stored * far;
+depth = stored * farPlane;
 }
 else if (kind == 8)
 {
 depth = 0.0;
 if (stored >= 0.0)
 {
-depth = exp2(stored * log2(far + 1.0)) - 1.0;
+depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
 }
 }
-return BokehSafe(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
+return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
 }
 fn BokehPackCoC(color:vec4f,CoC:f32) -> vec4f
 {
-return vec4f(BokehSafe(color.r,0.0,BOKEH_MAX_COLOR),BokehSafe(color.g,0.0,BOKEH_MAX_COLOR),
-BokehSafe(color.b,0.0,BOKEH_MAX_COLOR),CoC);
+return vec4f(BokehSanitize(color.r,0.0,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.0,
+BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
 fn BokehBrightness(color:vec4f) -> f32
 {
@@ -2031,7 +2057,7 @@ CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
-struct BokehFilter
+struct BokehSamplingSettings
 {
 aspectRatio:f32,
 imageHeight:f32,
@@ -2040,9 +2066,9 @@ jitter:f32,
 bleedingBias:f32,
 bleedingMult:f32,
 }
-fn BokehDefaultFilter(imageSize:vec2f) -> BokehFilter
+fn BokehDefaultSampling(imageSize:vec2f) -> BokehSamplingSettings
 {
-var settings:BokehFilter;
+var settings:BokehSamplingSettings;
 settings.aspectRatio = imageSize.x / imageSize.y;
 settings.imageHeight = imageSize.y;
 settings.spacing = BOKEH_SPACING;
@@ -2060,16 +2086,16 @@ filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
 }
 return filterCoC;
 }
-fn BokehCells(lengthInPixels:f32,spacing:f32) -> f32
+fn BokehSampleCount(lengthInPixels:f32,spacing:f32) -> f32
 {
-var cells:f32 = f32(BOKEH_NUM_SAMPLES);
+var samples:f32 = f32(BOKEH_NUM_SAMPLES);
 if (BOKEH_SPACING > 0.0)
 {
-cells = clamp(lengthInPixels / spacing,1.0,f32(BOKEH_NUM_SAMPLES));
+samples = clamp(lengthInPixels / spacing,1.0,f32(BOKEH_NUM_SAMPLES));
 }
-return cells;
+return samples;
 }
-fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehFilter) -> f32
+fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings) -> f32
 {
 let scale:f32 = 1.0 / max(settings.bleedingBias,0.001);
 let rejected:f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
@@ -2098,10 +2124,10 @@ area:f32,
 }
 struct BokehTargets
 {
-edge2:vec4f,
-edge3:vec4f,
-edge4:vec4f,
-edge5:vec4f,
+strip2:vec4f,
+strip3:vec4f,
+strip4:vec4f,
+strip5:vec4f,
 }
 fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32) -> BokehPolygon
 {
@@ -2225,7 +2251,8 @@ sum:vec4f,
 reached:f32,
 }
 fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,
-rays:bool,centerCoC:f32,settings:BokehFilter,BokehLinearClamp:sampler) -> BokehLine
+rays:bool,centerCoC:f32,settings:BokehSamplingSettings,
+BokehLinearClamp:sampler) -> BokehLine
 {
 var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var reached:f32 = 0.0;
@@ -2238,43 +2265,43 @@ if (rays)
 segment = BokehRay(k,polygon,secondPass);
 }
 let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let cells:f32 = BokehCells(lengthInPixels,settings.spacing);
-let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+let samples:f32 = BokehSampleCount(lengthInPixels,settings.spacing);
+let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
 let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
 let first:vec2f = uv + (segment.xy - segment.zw) * scale;
-let cellLength:vec2f = segment.zw * scale * (2.0 / cells);
+let sampleStep:vec2f = segment.zw * scale * (2.0 / samples);
 var surface:vec4f = vec4f(0.0,0.0,0.0,0.0);
 for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
 {
 break;
 }
-let cell:f32 = clamp(cells - f32(i),0.0,1.0);
-let samplePixel:vec4f = BokehFetch(tex,first + cellLength * (f32(i) + cell * phase),
+let part:f32 = clamp(samples - f32(i),0.0,1.0);
+let samplePixel:vec4f = BokehFetch(tex,first + sampleStep * (f32(i) + part * phase),
 BokehLinearClamp);
 if (rays)
 {
-let weights:vec3f = BokehRayWeight(samplePixel.a,centerCoC,cells,i);
+let weights:vec3f = BokehRayWeight(samplePixel.a,centerCoC,samples,i);
 sum += vec4f(samplePixel.rgb,1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
 surface += vec4f(samplePixel.rgb,1.0) * weights.z;
 }
 else
 {
-let weight:f32 = cell * BokehSignedLeakageWeight(samplePixel.a,centerCoC,
+let weight:f32 = part * BokehSignedLeakageWeight(samplePixel.a,centerCoC,
 settings);
 sum += vec4f(samplePixel.rgb,1.0) * weight;
 }
 }
 if (rays)
 {
-let covered:f32 = clamp((sum.a - cells) / max(surface.a,0.0001),0.0,1.0);
+let covered:f32 = clamp((sum.a - samples) / max(surface.a,0.0001),0.0,1.0);
 sum -= surface * covered;
 reached -= (surface.r + surface.g + surface.b) * covered;
 }
-sum = sum / cells;
-reached = reached / cells;
+sum = sum / samples;
+reached = reached / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k,polygon);
@@ -2301,7 +2328,7 @@ result = vec4f(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
 return result;
 }
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
 {
 let centerPixel:vec4f = BokehFetch(MapSamp,uv,BokehLinearClamp);
 let CoC:f32 = centerPixel.a;
@@ -2330,75 +2357,75 @@ if (last > 4)
 L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
 var targets:BokehTargets;
-targets.edge2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.edge5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);
 }
-fn BokehSquareSecond(Edge2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
+fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);
 }
 fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);
 }
-fn BokehHexagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,uv:vec2f,
-polygon:BokehPolygon,settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
+fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,
+polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,true,pixel.a,settings,
+let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,true,pixel.a,settings,
+let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum,pixel);
 }
 fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);
 }
-fn BokehOctagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
-Edge4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehFilter,
+fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
+Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,
 BokehLinearClamp:sampler) -> vec4f
 {
-let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4:BokehLine = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
 }
 fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);
 }
-fn BokehDecagonSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
-Edge4Samp:texture_2d<f32>,Edge5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehFilter,BokehLinearClamp:sampler) -> vec4f
+fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
+Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
+settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
 {
-let pixel:vec4f = BokehFetch(Edge2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Edge2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Edge3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine = BokehLineSum(Edge4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4:BokehLine = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L5:BokehLine = BokehLineSum(Edge5Samp,uv,5,polygon,true,false,pixel.a,settings,
+let L5:BokehLine = BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 }
@@ -2407,7 +2434,7 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
 override BOKEH_PAPER_SAMPLES:i32 = 13;
 fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f) -> f32
 {
-return BokehSafe(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
@@ -2432,7 +2459,7 @@ let halfLine:vec2f = vec2f(cos(angle),sin(angle)) * 0.5 * lineLength;
 return vec4f(lineCenter,halfLine) * vec4f(squeeze,1.0,squeeze,1.0);
 }
 fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,
-settings:BokehFilter) -> f32
+settings:BokehSamplingSettings) -> f32
 {
 var weight:f32 = 1.0;
 if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -2455,7 +2482,8 @@ result = vec4f(result.rgb,centerPixel.a);
 return result;
 }
 fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lineEnd:vec2f,settings:BokehFilter,blurCoC:bool,BokehLinearClamp:sampler) -> vec4f
+lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
+BokehLinearClamp:sampler) -> vec4f
 {
 let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
@@ -2475,7 +2503,8 @@ totalWeight += weight;
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-segment:vec4f,settings:BokehFilter,blurCoC:bool,BokehLinearClamp:sampler) -> vec4f
+segment:vec4f,settings:BokehSamplingSettings,blurCoC:bool,
+BokehLinearClamp:sampler) -> vec4f
 {
 let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
 var result:vec4f = centerPixel;
@@ -2484,24 +2513,24 @@ if (CoC > 0.0)
 {
 let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
 let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let cells:f32 = BokehCells(lengthInPixels,settings.spacing);
-let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0,0.0,1.0);
+let samples:f32 = BokehSampleCount(lengthInPixels,settings.spacing);
+let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
 let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
 let first:vec2f = uv + (segment.xy - segment.zw) * scale;
-let cellLength:vec2f = segment.zw * scale * (2.0 / cells);
+let sampleStep:vec2f = segment.zw * scale * (2.0 / samples);
 var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var totalWeight:f32 = 0.0;
 for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && f32(i) >= cells)
+if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
 {
 break;
 }
-let cell:f32 = clamp(cells - f32(i),0.0,1.0);
-let sampleCoords:vec2f = first + cellLength * (f32(i) + cell * phase);
+let part:f32 = clamp(samples - f32(i),0.0,1.0);
+let sampleCoords:vec2f = first + sampleStep * (f32(i) + part * phase);
 let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
 let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32 = cell * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+let weight:f32 = part * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color += samplePixel * weight;
 totalWeight += weight;
@@ -2520,15 +2549,15 @@ result = max(a,b);
 return result;
 }
 fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
-CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehFilter,blurCoC:bool,
-useMax:bool,BokehLinearClamp:sampler) -> vec4f
+CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,
+blurCoC:bool,useMax:bool,BokehLinearClamp:sampler) -> vec4f
 {
 let a:vec4f = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
 BokehLinearClamp);
 return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);
 }
 fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
-KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehFilter,blurCoC:bool,
+KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler) -> vec4f
 {
 let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
@@ -2551,7 +2580,7 @@ totalWeight += weight;
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lineEndU:vec2f,lineEndV:vec2f,settings:BokehFilter,blurCoC:bool,
+lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler) -> vec4f
 {
 let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
@@ -2578,16 +2607,16 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 `,
   bokeh_layers: `
 override BOKEH_LAYER_RINGS:i32 = 2;
-override BOKEH_LAYER_CELLS:i32 = 11;
+override BOKEH_LAYER_SAMPLES:i32 = 11;
 override BOKEH_LAYER_CUBIC:i32 = 1;
-const BOKEH_MIN_LEVEL:f32 = 0.00001;
+const BOKEH_MIN_BRIGHTNESS:f32 = 0.00001;
 struct BokehGrid
 {
 size:vec2f,
 origin:vec2f,
 texel:vec2f,
 }
-struct BokehLayers
+struct BokehLayerContext
 {
 uv:vec2f,
 size:vec2f,
@@ -2596,9 +2625,9 @@ texel:vec2f,
 largest:f32,
 jitter:f32,
 }
-fn BokehMakeLayers(uv:vec2f,imageSize:vec2f,maxCoC:f32) -> BokehLayers
+fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32) -> BokehLayerContext
 {
-var layers:BokehLayers;
+var layers:BokehLayerContext;
 layers.uv = uv;
 layers.size = imageSize;
 layers.origin = vec2f(0.0,0.0);
@@ -2607,7 +2636,7 @@ layers.largest = maxCoC * imageSize.y;
 layers.jitter = 0.0;
 return layers;
 }
-fn BokehFullGrid(layers:BokehLayers) -> BokehGrid
+fn BokehFullGrid(layers:BokehLayerContext) -> BokehGrid
 {
 var grid:BokehGrid;
 grid.size = layers.size;
@@ -2615,7 +2644,7 @@ grid.origin = layers.origin;
 grid.texel = layers.texel;
 return grid;
 }
-fn BokehReducedGrid(layers:BokehLayers,scale:f32) -> BokehGrid
+fn BokehReducedGrid(layers:BokehLayerContext,scale:f32) -> BokehGrid
 {
 var grid:BokehGrid;
 grid.size = ceil(layers.size / scale);
@@ -2656,9 +2685,9 @@ fn BokehBrightest(color:vec3f) -> f32
 {
 return max(max(color.r,color.g),color.b);
 }
-fn BokehLayerSlope(largest:f32,none:f32,whole:f32) -> f32
+fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32) -> f32
 {
-let gate:f32 = clamp((largest - none) / (whole - none),0.001,1.0);
+let gate:f32 = clamp((largest - startCoC) / (fullCoC - startCoC),0.001,1.0);
 return 5.0 / max(largest / gate,2.0);
 }
 fn BokehNearSlope(largest:f32) -> f32
@@ -2669,11 +2698,12 @@ fn BokehFarSlope(largest:f32) -> f32
 {
 return BokehLayerSlope(largest,10.0,16.0);
 }
-fn BokehLayerShare(CoC:f32,slope:f32) -> f32
+fn BokehLayerWeight(CoC:f32,slope:f32) -> f32
 {
 return clamp(CoC * slope - 2.0,0.0,1.0);
 }
-fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
+fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> vec4f
 {
 let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5,0.5);
 var found:vec3f = vec3f(0.0,0.0,0.0);
@@ -2685,8 +2715,8 @@ let place:vec2f = first + vec2f(f32(x),f32(y));
 let pixel:vec4f = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
 BokehLinearClamp);
 let s:f32 = pixel.a * layers.size.y;
-let level:f32 = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_LEVEL));
-found = vec3f(max(found.r,-s),max(found.g,s),found.b + level);
+let logBrightness:f32 = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
+found = vec3f(max(found.r,-s),max(found.g,s),found.b + logBrightness);
 }
 }
 return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
@@ -2696,17 +2726,17 @@ fn BokehReaching(CoC:vec2f,tiles:f32) -> vec2f
 let share:vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
 return CoC * clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
 }
-fn BokehReachTiles(layers:BokehLayers) -> f32
+fn BokehReachTiles(layers:BokehLayerContext) -> f32
 {
 return min(ceil(layers.largest / 16.0) + 2.0,127.0);
 }
-fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayers,
+fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
 BokehLinearClamp:sampler) -> vec4f
 {
 let grid:BokehGrid = BokehReducedGrid(layers,8.0);
 let radius:f32 = BokehReachTiles(layers);
 var found:vec2f = vec2f(0.0,0.0);
-var level:f32 = 0.0;
+var logBrightness:f32 = 0.0;
 for (var i:i32 = 0; i < 255; i++)
 {
 let tiles:f32 = f32(i) - radius;
@@ -2717,87 +2747,90 @@ break;
 let tile:vec4f = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid,
 BokehLinearClamp);
 found = max(found,BokehReaching(tile.rg,abs(tiles)));
-level += tile.b;
+logBrightness += tile.b;
 }
-return vec4f(found,level / (2.0 * radius + 1.0),1.0);
+return vec4f(found,logBrightness / (2.0 * radius + 1.0),1.0);
 }
-fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,unit:f32,heaviest:f32) -> vec4f
+fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,inverseBrightness:f32,
+maxWeight:f32) -> vec4f
 {
 let brightest:vec4f = vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
 BokehBrightest(c.rgb),BokehBrightest(d.rgb));
-return min(0.01 + brightest * unit,vec4f(heaviest,heaviest,heaviest,heaviest));
+return min(0.01 + brightest * inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,
+maxWeight));
 }
 struct BokehPrefiltered
 {
 nearLayer:vec4f,
 farLayer:vec4f,
-kernelSums:vec4f,
-leftovers:vec4f,
+layerCoCSums:vec4f,
+gatherCoC:vec4f,
 }
-fn BokehLayerShares(CoC:vec4f,slope:f32) -> vec4f
+fn BokehLayerWeights(CoC:vec4f,slope:f32) -> vec4f
 {
 return clamp(CoC * slope - 2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
 }
-fn BokehSurroundings(found:vec4f,pixel:vec4f,nearShare:f32,nearest:f32) -> vec4f
+fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32) -> vec4f
 {
 var result:vec4f = vec4f(min(found.rgb,pixel.rgb),found.a);
-if (nearShare < 0.5 * nearest)
+if (nearWeight < 0.5 * maxNearWeight)
 {
 result = vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-fn BokehNearPixel(pixel:vec4f,nearShare:f32,around:vec4f) -> vec4f
+fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f) -> vec4f
 {
-var result:vec4f = vec4f(pixel.rgb,nearShare);
+var result:vec4f = vec4f(pixel.rgb,nearWeight);
 let brightest:f32 = BokehBrightest(pixel.rgb);
 let limit:f32 = BokehBrightest(around.rgb);
 if (around.a > brightest)
 {
-result = vec4f(min(pixel.rgb,around.rgb),nearShare);
+result = vec4f(min(pixel.rgb,around.rgb),nearWeight);
 if (brightest > limit)
 {
-result = vec4f(result.rgb,nearShare * (around.a - brightest) / (around.a - limit));
+result = vec4f(result.rgb,nearWeight * (around.a - brightest) / (around.a - limit));
 }
 }
 return result;
 }
-fn BokehPrefilter(MapSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,layers:BokehLayers,
-BokehLinearClamp:sampler) -> BokehPrefiltered
+fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
+layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehPrefiltered
 {
 let full:BokehGrid = BokehFullGrid(layers);
 let middle:vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0,1.0);
-let reach:vec4f = BokehFetchGrid(ReachSamp,middle / 8.0,BokehReducedGrid(layers,8.0),
+let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,middle / 8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearSlope:f32 = BokehNearSlope(reach.r);
-let farSlope:f32 = BokehFarSlope(reach.g);
-let unit:f32 = exp2(-reach.b);
-let heaviest:f32 = 500000.0 / max(layers.largest,50.0);
+let nearSlope:f32 = BokehNearSlope(tile.r);
+let farSlope:f32 = BokehFarSlope(tile.g);
+let inverseBrightness:f32 = exp2(-tile.b);
+let maxWeight:f32 = 500000.0 / max(layers.largest,50.0);
 var a:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,-0.5),full,BokehLinearClamp);
 var b:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,-0.5),full,BokehLinearClamp);
 var c:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,0.5),full,BokehLinearClamp);
 var d:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,0.5),full,BokehLinearClamp);
 let s:vec4f = vec4f(a.a,b.a,c.a,d.a) * full.size.y;
-let nearShares:vec4f = BokehLayerShares(-s,nearSlope);
-let farShares:vec4f = BokehLayerShares(s,farSlope);
-let far:vec4f = vec4f(a.rgb,1.0) * farShares.x + vec4f(b.rgb,1.0) * farShares.y +
-vec4f(c.rgb,1.0) * farShares.z + vec4f(d.rgb,1.0) * farShares.w;
-var weights:vec4f = farShares * BokehBlurWeights(a,b,c,d,unit,heaviest);
+let nearWeights:vec4f = BokehLayerWeights(-s,nearSlope);
+let farWeights:vec4f = BokehLayerWeights(s,farSlope);
+let farSum:vec4f = vec4f(a.rgb,1.0) * farWeights.x + vec4f(b.rgb,1.0) * farWeights.y +
+vec4f(c.rgb,1.0) * farWeights.z + vec4f(d.rgb,1.0) * farWeights.w;
+var weights:vec4f = farWeights * BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 let one:vec4f = vec4f(1.0,1.0,1.0,1.0);
 var sums:vec4f = vec4f(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
-let nearLeft:vec4f = -s * min(4.0 - 4.0 * nearShares,one);
-let farLeft:vec4f = s * min(4.0 - 4.0 * farShares,one);
-let left:vec2f = max(max(vec2f(nearLeft.x,farLeft.x),vec2f(nearLeft.y,farLeft.y)),
-max(vec2f(nearLeft.z,farLeft.z),vec2f(nearLeft.w,farLeft.w)));
-let nearest:f32 = max(max(nearShares.x,nearShares.y),max(nearShares.z,nearShares.w));
-var near:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (nearest > 0.0)
+let nearGather:vec4f = -s * min(4.0 - 4.0 * nearWeights,one);
+let farGather:vec4f = s * min(4.0 - 4.0 * farWeights,one);
+let gatherCoC:vec2f = max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
+farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
+let maxNearWeight:f32 = max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
+nearWeights.w));
+var nearSum:vec4f = vec4f(0.0,0.0,0.0,0.0);
+if (maxNearWeight > 0.0)
 {
 var around:vec4f = vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
-around = BokehSurroundings(around,a,nearShares.x,nearest);
-around = BokehSurroundings(around,b,nearShares.y,nearest);
-around = BokehSurroundings(around,c,nearShares.z,nearest);
-around = BokehSurroundings(around,d,nearShares.w,nearest);
+around = BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
+around = BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
+around = BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
+around = BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
 for (var y:i32 = 0; y < 4; y++)
 {
 for (var x:i32 = 0; x < 4; x++)
@@ -2807,64 +2840,68 @@ if (max(abs(offset.x),abs(offset.y)) > 1.0)
 {
 let pixel:vec4f = BokehFetchGrid(MapSamp,middle + offset,full,
 BokehLinearClamp);
-around = BokehSurroundings(around,pixel,BokehLayerShare(-pixel.a *
-full.size.y,nearSlope),nearest);
+around = BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
+full.size.y,nearSlope),maxNearWeight);
 }
 }
 }
-a = BokehNearPixel(a,nearShares.x,around);
-b = BokehNearPixel(b,nearShares.y,around);
-c = BokehNearPixel(c,nearShares.z,around);
-d = BokehNearPixel(d,nearShares.w,around);
-near = vec4f(a.rgb,1.0) * a.a + vec4f(b.rgb,1.0) * b.a + vec4f(c.rgb,1.0) * c.a +
+a = BokehNearPixel(a,nearWeights.x,around);
+b = BokehNearPixel(b,nearWeights.y,around);
+c = BokehNearPixel(c,nearWeights.z,around);
+d = BokehNearPixel(d,nearWeights.w,around);
+nearSum = vec4f(a.rgb,1.0) * a.a + vec4f(b.rgb,1.0) * b.a + vec4f(c.rgb,1.0) * c.a +
 vec4f(d.rgb,1.0) * d.a;
-weights = vec4f(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,unit,heaviest);
+weights = vec4f(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,inverseBrightness,
+maxWeight);
 sums = vec4f(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
 }
 var targets:BokehPrefiltered;
-targets.nearLayer = near * 0.25;
-targets.farLayer = far * 0.25;
-let most:f32 = BOKEH_MAX_COLOR;
-targets.kernelSums = min(sums * 0.25,vec4f(most,most,most,most));
-targets.leftovers = vec4f(clamp(left,vec2f(0.0,0.0),vec2f(most,most)),0.0,1.0);
+targets.nearLayer = nearSum * 0.25;
+targets.farLayer = farSum * 0.25;
+let maxValue:f32 = BOKEH_MAX_COLOR;
+targets.layerCoCSums = min(sums * 0.25,vec4f(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC = vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue)),0.0,
+1.0);
 return targets;
 }
-struct BokehKernels
+struct BokehTileSums
 {
-leftovers:vec4f,
+gatherCoC:vec4f,
 sums:vec4f,
 }
-fn BokehKernelReduce(SumsSamp:texture_2d<f32>,LeftSamp:texture_2d<f32>,layers:BokehLayers,
-BokehLinearClamp:sampler) -> BokehKernels
+fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,
+layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehTileSums
 {
 let halves:BokehGrid = BokehReducedGrid(layers,2.0);
 let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5,0.5);
 var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var left:vec2f = vec2f(0.0,0.0);
+var gatherCoC:vec2f = vec2f(0.0,0.0);
 for (var y:i32 = 0; y < 4; y++)
 {
 for (var x:i32 = 0; x < 4; x++)
 {
 let place:vec2f = first + vec2f(f32(x),f32(y));
 sums += BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
-left = max(left,BokehFetchGrid(LeftSamp,place,halves,BokehLinearClamp).rg);
+gatherCoC = max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves,
+BokehLinearClamp).rg);
 }
 }
-var targets:BokehKernels;
-targets.leftovers = vec4f(left,0.0,1.0);
+var targets:BokehTileSums;
+targets.gatherCoC = vec4f(gatherCoC,0.0,1.0);
 targets.sums = sums / 16.0;
 return targets;
 }
-fn BokehKernelAlong(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
-ReachSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayers,
-BokehLinearClamp:sampler) -> BokehKernels
+fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
+DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> BokehTileSums
 {
 let grid:BokehGrid = BokehReducedGrid(layers,8.0);
-let reach:vec2f = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid,BokehLinearClamp).rg;
-let sigma:vec2f = max(reach * 0.0375,vec2f(0.6,0.6));
+let tile:vec2f = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid,
+BokehLinearClamp).rg;
+let sigma:vec2f = max(tile * 0.0375,vec2f(0.6,0.6));
 let radius:f32 = BokehReachTiles(layers);
 var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var left:vec2f = vec2f(0.0,0.0);
+var gatherCoC:vec2f = vec2f(0.0,0.0);
 var total:vec2f = vec2f(0.0,0.0);
 for (var i:i32 = 0; i < 255; i++)
 {
@@ -2877,82 +2914,96 @@ let place:vec2f = layers.uv * grid.size + axis * tiles;
 let weight:vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp) * vec4f(weight.x,weight.x,
 weight.y,weight.y);
-left = max(left,BokehReaching(BokehFetchGrid(LeftSamp,place,grid,BokehLinearClamp).rg,
-abs(tiles)));
+gatherCoC = max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,
+BokehLinearClamp).rg,abs(tiles)));
 total += weight;
 }
-var targets:BokehKernels;
-targets.leftovers = vec4f(left,0.0,1.0);
+var targets:BokehTileSums;
+targets.gatherCoC = vec4f(gatherCoC,0.0,1.0);
 targets.sums = sums / vec4f(total.x,total.x,total.y,total.y);
 return targets;
 }
-fn BokehKernelRows(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,
-layers:BokehLayers,BokehLinearClamp:sampler) -> BokehKernels
+fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
+DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> BokehTileSums
 {
-return BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2f(1.0,0.0),layers,
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.0,0.0),layers,
 BokehLinearClamp);
 }
-struct BokehSizes
+struct BokehLayerCoCTargets
 {
-reach:vec4f,
-sizes:vec4f,
+gatherTiles:vec4f,
+layerCoC:vec4f,
 }
-fn BokehKernelColumns(LeftSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
-ReachSamp:texture_2d<f32>,layers:BokehLayers,BokehLinearClamp:sampler) -> BokehSizes
+fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
+DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> BokehLayerCoCTargets
 {
 let grid:BokehGrid = BokehReducedGrid(layers,8.0);
-let reach:vec2f = BokehFetchGrid(ReachSamp,layers.uv * grid.size,grid,BokehLinearClamp).rg;
-let kernels:BokehKernels = BokehKernelAlong(LeftSamp,SumsSamp,ReachSamp,vec2f(0.0,1.0),
-layers,BokehLinearClamp);
-let sums:vec4f = kernels.sums;
-var sizes:vec2f = vec2f(0.0,0.0);
-if (sums.g > 0.0001 && reach.r > 6.0)
+let tile:vec2f = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid,
+BokehLinearClamp).rg;
+let tileSums:BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
+vec2f(0.0,1.0),layers,BokehLinearClamp);
+let sums:vec4f = tileSums.sums;
+var layerCoC:vec2f = vec2f(0.0,0.0);
+if (sums.g > 0.0001 && tile.r > 6.0)
 {
-sizes = vec2f(8.0 * sums.r / sums.g,0.0);
+layerCoC = vec2f(8.0 * sums.r / sums.g,0.0);
 }
-if (sums.a > 0.0001 && reach.g > 10.0)
+if (sums.a > 0.0001 && tile.g > 10.0)
 {
-sizes = vec2f(sizes.x,8.0 * sums.b / sums.a);
+layerCoC = vec2f(layerCoC.x,8.0 * sums.b / sums.a);
 }
-var targets:BokehSizes;
-targets.reach = vec4f(reach,kernels.leftovers.rg);
-targets.sizes = vec4f(sizes,0.0,1.0);
+var targets:BokehLayerCoCTargets;
+targets.gatherTiles = vec4f(tile,tileSums.gatherCoC.rg);
+targets.layerCoC = vec4f(layerCoC,0.0,1.0);
 return targets;
 }
-fn BokehLayerSizes(SizesSamp:texture_2d<f32>,layers:BokehLayers,
+fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,
 BokehLinearClamp:sampler) -> vec2f
 {
 let place:vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
-return BokehFetchGrid(SizesSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
+return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
 }
-fn BokehLayerBlur(sizes:vec2f,isFar:bool,polygon:BokehPolygon) -> vec3f
+struct BokehBlur
 {
-var CoC:f32 = 0.5 * sizes.r;
-var least:f32 = 1.5;
-var own:f32 = 9.0;
+CoC:f32,
+spacing:f32,
+useQuarterLayer:bool,
+sideTap:f32,
+}
+fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon) -> BokehBlur
+{
+var CoC:f32 = 0.5 * layerCoC.r;
+var minSpacing:f32 = 1.5;
+var selfBlur:f32 = 9.0;
 if (isFar)
 {
-CoC = 0.5 * sizes.g;
-least = 1.15;
-own = clamp(0.06 * CoC * CoC,7.5,22.0);
+CoC = 0.5 * layerCoC.g;
+minSpacing = 1.15;
+selfBlur = clamp(0.06 * CoC * CoC,7.5,22.0);
 }
-var spacing:f32 = 0.5 * CoC / f32(BOKEH_LAYER_CELLS);
+var spacing:f32 = 0.5 * CoC / f32(BOKEH_LAYER_SAMPLES);
 var hard:f32 = 0.4;
 if (polygon.sides < 6)
 {
-spacing = 0.354 * CoC / f32(BOKEH_LAYER_CELLS);
+spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
 hard = 0.2;
 }
-var side:f32 = -1.0;
-if (spacing > least)
+var blur:BokehBlur;
+blur.useQuarterLayer = spacing > minSpacing;
+blur.sideTap = 0.0;
+if (blur.useQuarterLayer)
 {
-side = clamp(0.25 * spacing - hard,0.0,0.6);
-own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
+blur.sideTap = clamp(0.25 * spacing - hard,0.0,0.6);
+selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
 }
-return vec3f(sqrt(max(CoC * CoC - own,0.25)),max(spacing,1.0),side);
+blur.CoC = sqrt(max(CoC * CoC - selfBlur,0.25));
+blur.spacing = max(spacing,1.0);
+return blur;
 }
-fn BokehLevel(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,layers:BokehLayers,
-BokehLinearClamp:sampler) -> vec4f
+fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,
+layers:BokehLayerContext,BokehLinearClamp:sampler) -> vec4f
 {
 let halves:BokehGrid = BokehReducedGrid(layers,2.0);
 var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
@@ -2976,26 +3027,26 @@ sum = BokehFetchGrid(LayerSamp,center,halves,BokehLinearClamp);
 }
 return sum;
 }
-struct BokehLevels
+struct BokehDownsampled
 {
-middle:vec4f,
-far:vec4f,
-nearLevel:vec4f,
-farLevel:vec4f,
+midWithHoles:vec4f,
+farWithHoles:vec4f,
+nearQuarter:vec4f,
+farQuarter:vec4f,
 }
-fn BokehDownsample(MapSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,
-FarSamp:texture_2d<f32>,SizesSamp:texture_2d<f32>,polygon:BokehPolygon,
-layers:BokehLayers,BokehLinearClamp:sampler) -> BokehLevels
+fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
+NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehDownsampled
 {
 let full:BokehGrid = BokehFullGrid(layers);
 let first:vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5,0.5);
 let middlePlace:vec2f = first + vec2f(1.5,1.5);
-let reach:vec4f = BokehFetchGrid(ReachSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0),
-BokehLinearClamp);
-let nearSlope:f32 = BokehNearSlope(reach.r);
-let farSlope:f32 = BokehFarSlope(reach.g);
-let unit:f32 = exp2(-reach.b);
-var middle:vec4f = vec4f(0.0,0.0,0.0,0.0);
+let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,middlePlace / 8.0,BokehReducedGrid(layers,
+8.0),BokehLinearClamp);
+let nearSlope:f32 = BokehNearSlope(tile.r);
+let farSlope:f32 = BokehFarSlope(tile.g);
+let inverseBrightness:f32 = exp2(-tile.b);
+var mid:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
 for (var y:i32 = 0; y < 4; y++)
 {
@@ -3004,23 +3055,23 @@ for (var x:i32 = 0; x < 4; x++)
 let place:vec2f = first + vec2f(f32(x),f32(y));
 let pixel:vec4f = BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
 let s:f32 = pixel.a * full.size.y;
-let nearShare:f32 = BokehLayerShare(-s,nearSlope);
-let notNear:f32 = max(1.0 - 2.0 * nearShare,0.0625 - 0.0625 * nearShare);
-let farShare:f32 = BokehLayerShare(s,farSlope);
-let weight:f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-middle += vec4f(pixel.rgb,1.0) * (weight * (1.0 - farShare));
-far += vec4f(pixel.rgb,1.0) * (weight * farShare);
+let nearWeight:f32 = BokehLayerWeight(-s,nearSlope);
+let notNear:f32 = max(1.0 - 2.0 * nearWeight,0.0625 - 0.0625 * nearWeight);
+let farWeight:f32 = BokehLayerWeight(s,farSlope);
+let weight:f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
+mid += vec4f(pixel.rgb,1.0) * (weight * (1.0 - farWeight));
+far += vec4f(pixel.rgb,1.0) * (weight * farWeight);
 }
 }
 let center:vec2f = 0.5 * middlePlace;
-let sizes:vec2f = BokehLayerSizes(SizesSamp,layers,BokehLinearClamp);
-var targets:BokehLevels;
-targets.middle = middle / 16.0;
-targets.far = far / 16.0;
-targets.nearLevel = BokehLevel(NearSamp,center,BokehLayerBlur(sizes,false,polygon).z,
-layers,BokehLinearClamp);
-targets.farLevel = BokehLevel(FarSamp,center,BokehLayerBlur(sizes,true,polygon).z,layers,
-BokehLinearClamp);
+let layerCoC:vec2f = BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
+var targets:BokehDownsampled;
+targets.midWithHoles = mid / 16.0;
+targets.farWithHoles = far / 16.0;
+targets.nearQuarter = BokehQuarterLayer(NearSamp,center,BokehLayerBlur(layerCoC,false,
+polygon).sideTap,layers,BokehLinearClamp);
+targets.farQuarter = BokehQuarterLayer(FarSamp,center,BokehLayerBlur(layerCoC,true,
+polygon).sideTap,layers,BokehLinearClamp);
 return targets;
 }
 fn BokehEdgeDirection(k:i32,polygon:BokehPolygon) -> vec2f
@@ -3028,108 +3079,110 @@ fn BokehEdgeDirection(k:i32,polygon:BokehPolygon) -> vec2f
 let outwards:vec2f = BokehTurn(f32(k),polygon);
 return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);
 }
-fn BokehOnEdge(ring:i32,polygon:BokehPolygon) -> i32
+fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon) -> i32
 {
 return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5,1.0));
 }
-fn BokehHoleShares(middle:vec4f,far:vec4f,unit:f32) -> vec2f
+fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32) -> vec2f
 {
-return vec2f(middle.a + BokehBrightest(middle.rgb) * unit,far.a + BokehBrightest(far.rgb) *
-unit);
+return vec2f(middle.a + BokehBrightest(middle.rgb) * inverseBrightness,far.a +
+BokehBrightest(far.rgb) * inverseBrightness);
 }
 struct BokehFilled
 {
-middle:vec4f,
-back:vec4f,
+midFill:vec4f,
+farFill:vec4f,
 }
-fn BokehHoleFill(MiddleSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,ReachSamp:texture_2d<f32>,
-polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> BokehFilled
+fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,
+DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> BokehFilled
 {
 let grid:BokehGrid = BokehReducedGrid(layers,4.0);
 let center:vec2f = layers.uv * grid.size;
-let tile:vec4f = BokehFetchGrid(ReachSamp,center / 2.0,BokehReducedGrid(layers,8.0),
+let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,center / 2.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let reach:f32 = tile.r;
-let unit:f32 = exp2(-tile.b);
+let nearCoC:f32 = tile.r;
+let inverseBrightness:f32 = exp2(-tile.b);
 var corner:vec2f = BokehRotated(polygon.corner,polygon.axis);
 var direction:vec2f = BokehEdgeDirection(1,polygon);
 let turn:vec2f = BokehTurn(1.0,polygon);
-var middle:vec4f = BokehFetchGrid(MiddleSamp,center,grid,BokehLinearClamp);
+var mid:vec4f = BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
 var far:vec4f = BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
-var shares:vec2f = BokehHoleShares(middle,far,unit);
+var weights:vec2f = BokehHoleWeights(mid,far,inverseBrightness);
 for (var ring:i32 = 1; ring < 3; ring++)
 {
-if (reach < 6.0)
+if (nearCoC < 6.0)
 {
 break;
 }
-let diameter:f32 = max(reach / 8.0,2.0) * f32(ring);
+let diameter:f32 = max(nearCoC / 8.0,2.0) * f32(ring);
 let weight:f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
 let scale:vec2f = vec2f(polygon.squeeze * diameter,diameter);
-let onEdge:i32 = BokehOnEdge(ring,polygon);
+let onEdge:i32 = BokehSamplesPerEdge(ring,polygon);
 for (var edge:i32 = 1; edge <= polygon.sides; edge++)
 {
 let along:vec2f = direction * (BokehEdgeLength(edge,polygon) / f32(onEdge));
 for (var i:i32 = 0; i < onEdge; i++)
 {
 let place:vec2f = center + corner * scale;
-let middleTexel:vec4f = BokehFetchGrid(MiddleSamp,place,grid,BokehLinearClamp);
+let midTexel:vec4f = BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
 let farTexel:vec4f = BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
-middle += middleTexel * weight;
+mid += midTexel * weight;
 far += farTexel * weight;
-shares += BokehHoleShares(middleTexel,farTexel,unit) * weight;
+weights += BokehHoleWeights(midTexel,farTexel,inverseBrightness) * weight;
 corner += along;
 }
 direction = BokehRotated(direction,turn);
 }
 }
-let both:vec3f = (middle.rgb + far.rgb) / max(middle.a + far.a,0.000001);
-let share:f32 = shares.r / max(shares.r + shares.g,0.000001);
+let both:vec3f = (mid.rgb + far.rgb) / max(mid.a + far.a,0.000001);
+let midWeight:f32 = weights.r / max(weights.r + weights.g,0.000001);
 var targets:BokehFilled;
-targets.middle = vec4f(both,share);
-targets.back = vec4f(both,1.0);
-if (middle.a > 0.000001)
+targets.midFill = vec4f(both,midWeight);
+targets.farFill = vec4f(both,1.0);
+if (mid.a > 0.000001)
 {
-targets.middle = vec4f(middle.rgb / middle.a,share);
+targets.midFill = vec4f(mid.rgb / mid.a,midWeight);
 }
 if (far.a > 0.000001)
 {
-targets.back = vec4f(far.rgb / far.a,1.0);
+targets.farFill = vec4f(far.rgb / far.a,1.0);
 }
 return targets;
 }
-fn BokehLayerLine(tex:texture_2d<f32>,LevelSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,
-secondPass:bool,blur:vec3f,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
+fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,
+secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> vec4f
 {
 var scale:f32 = 2.0;
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
 scale = 4.0;
 }
 let grid:BokehGrid = BokehReducedGrid(layers,scale);
-let segment:vec4f = BokehEdgeLine(k,polygon,secondPass) * blur.x;
-let cells:f32 = max(2.0 * length(segment.zw) / blur.y,2.0);
-let phase:f32 = 0.5 + layers.jitter * min(blur.y - 1.0,1.0);
+let segment:vec4f = BokehEdgeLine(k,polygon,secondPass) * blur.CoC;
+let samples:f32 = max(2.0 * length(segment.zw) / blur.spacing,2.0);
+let phase:f32 = 0.5 + layers.jitter * min(blur.spacing - 1.0,1.0);
 let first:vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
 scale);
-let cellLength:vec2f = segment.zw * (4.0 / (scale * cells));
+let sampleStep:vec2f = segment.zw * (4.0 / (scale * samples));
 var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
-for (var i:i32 = 0; i < i32(ceil(cells)); i++)
+for (var i:i32 = 0; i < i32(ceil(samples)); i++)
 {
-let cell:f32 = clamp(cells - f32(i),0.0,1.0);
-let place:vec2f = first + cellLength * (f32(i) + cell * phase);
+let part:f32 = clamp(samples - f32(i),0.0,1.0);
+let place:vec2f = first + sampleStep * (f32(i) + part * phase);
 var texel:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
-texel = BokehFetchGrid(LevelSamp,place,grid,BokehLinearClamp);
+texel = BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);
 }
 else
 {
 texel = BokehFetchGrid(tex,place,grid,BokehLinearClamp);
 }
-sum += cell * texel;
+sum += part * texel;
 }
-sum = sum / cells;
+sum = sum / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k,polygon);
@@ -3142,107 +3195,109 @@ L4:vec4f) -> vec4f
 let w:vec4f = BokehEdgeWeights(k,polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-fn BokehLayerFirst(LayerSamp:texture_2d<f32>,LevelSamp:texture_2d<f32>,sizes:vec2f,
-isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayers,
+fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,
+isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler) -> BokehTargets
 {
 let center:vec2f = layers.uv * ceil(layers.size / 2.0);
-let none:vec4f = vec4f(0.0,0.0,0.0,0.0);
+let zero:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var targets:BokehTargets;
-let blur:vec3f = BokehLayerBlur(sizes,isFar,polygon);
-if (blur.x > 0.51)
+let blur:BokehBlur = BokehLayerBlur(layerCoC,isFar,polygon);
+if (blur.CoC > 0.51)
 {
-var L2:vec4f = none;
-var L3:vec4f = none;
-var L4:vec4f = none;
-let L1:vec4f = BokehLayerLine(LayerSamp,LevelSamp,1,polygon,false,blur,layers,
+var L2:vec4f = zero;
+var L3:vec4f = zero;
+var L4:vec4f = zero;
+let L1:vec4f = BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
 BokehLinearClamp);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp,LevelSamp,2,polygon,false,blur,layers,
+L2 = BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,
 BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp,LevelSamp,3,polygon,false,blur,layers,
+L3 = BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,
 BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp,LevelSamp,4,polygon,false,blur,layers,
+L4 = BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,
 BokehLinearClamp);
 }
-targets.edge2 = L1;
-targets.edge3 = BokehLayerTarget(3,polygon,L1,L2,none,none);
-targets.edge4 = BokehLayerTarget(4,polygon,L1,L2,L3,none);
-targets.edge5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+targets.strip2 = L1;
+targets.strip3 = BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4 = BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.edge2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
+targets.strip2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
 BokehLinearClamp);
-targets.edge3 = targets.edge2;
-targets.edge4 = targets.edge2;
-targets.edge5 = targets.edge2;
+targets.strip3 = targets.strip2;
+targets.strip4 = targets.strip2;
+targets.strip5 = targets.strip2;
 }
 return targets;
 }
-fn BokehLayerSecond(Edge2Samp:texture_2d<f32>,Edge3Samp:texture_2d<f32>,
-Edge4Samp:texture_2d<f32>,Edge5Samp:texture_2d<f32>,sizes:vec2f,isFar:bool,
-polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
+fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
+Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> vec4f
 {
 let center:vec2f = layers.uv * ceil(layers.size / 2.0);
 var result:vec4f = vec4f(0.0,0.0,0.0,0.0);
-let blur:vec3f = BokehLayerBlur(sizes,isFar,polygon);
-let own:vec3f = vec3f(blur.x,blur.y,-1.0);
-if (blur.x > 0.51)
+var blur:BokehBlur = BokehLayerBlur(layerCoC,isFar,polygon);
+blur.useQuarterLayer = false;
+if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Edge2Samp,Edge2Samp,2,polygon,true,own,layers,
+result = BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,
 BokehLinearClamp);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp,Edge3Samp,3,polygon,true,own,layers,
+result += BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp,Edge4Samp,4,polygon,true,own,layers,
+result += BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp,Edge5Samp,5,polygon,true,own,layers,
+result += BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,
 BokehLinearClamp);
 }
 result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Edge2Samp,center,BokehReducedGrid(layers,2.0),BokehLinearClamp);
+result = BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0),
+BokehLinearClamp);
 }
 return result;
 }
 struct BokehLayersTargets
 {
-near2:vec4f,
-far2:vec4f,
-near3:vec4f,
-far3:vec4f,
+nearStrip2:vec4f,
+farStrip2:vec4f,
+nearStrip3:vec4f,
+farStrip3:vec4f,
 }
-fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearLevelSamp:texture_2d<f32>,
-FarSamp:texture_2d<f32>,FarLevelSamp:texture_2d<f32>,sizes:vec2f,polygon:BokehPolygon,
-layers:BokehLayers,BokehLinearClamp:sampler) -> BokehLayersTargets
+fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearQuarterSamp:texture_2d<f32>,
+FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,
+polygon:BokehPolygon,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> BokehLayersTargets
 {
 let last:i32 = polygon.sides / 2;
-let near:BokehTargets = BokehLayerFirst(NearSamp,NearLevelSamp,sizes,false,last,polygon,
-layers,BokehLinearClamp);
-let far:BokehTargets = BokehLayerFirst(FarSamp,FarLevelSamp,sizes,true,last,polygon,
+let near:BokehTargets = BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
+polygon,layers,BokehLinearClamp);
+let far:BokehTargets = BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
 layers,BokehLinearClamp);
 var targets:BokehLayersTargets;
-targets.near2 = near.edge2;
-targets.far2 = far.edge2;
-targets.near3 = near.edge3;
-targets.far3 = far.edge3;
+targets.nearStrip2 = near.strip2;
+targets.farStrip2 = far.strip2;
+targets.nearStrip3 = near.strip3;
+targets.farStrip3 = far.strip3;
 return targets;
 }
 struct BokehBlurred
@@ -3250,15 +3305,15 @@ struct BokehBlurred
 near:vec4f,
 far:vec4f,
 }
-fn BokehLayersSecond(Near2Samp:texture_2d<f32>,Far2Samp:texture_2d<f32>,
-Near3Samp:texture_2d<f32>,Far3Samp:texture_2d<f32>,sizes:vec2f,polygon:BokehPolygon,
-layers:BokehLayers,BokehLinearClamp:sampler) -> BokehBlurred
+fn BokehLayersSecond(NearStrip2Samp:texture_2d<f32>,FarStrip2Samp:texture_2d<f32>,
+NearStrip3Samp:texture_2d<f32>,FarStrip3Samp:texture_2d<f32>,layerCoC:vec2f,
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehBlurred
 {
 var targets:BokehBlurred;
-targets.near = BokehLayerSecond(Near2Samp,Near3Samp,Near3Samp,Near3Samp,sizes,false,
-polygon,layers,BokehLinearClamp);
-targets.far = BokehLayerSecond(Far2Samp,Far3Samp,Far3Samp,Far3Samp,sizes,true,polygon,
-layers,BokehLinearClamp);
+targets.near = BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
+layerCoC,false,polygon,layers,BokehLinearClamp);
+targets.far = BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
+layerCoC,true,polygon,layers,BokehLinearClamp);
 return targets;
 }
 fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,halves:BokehGrid,
@@ -3308,23 +3363,23 @@ struct BokehGather
 {
 sum:vec4f,
 front:vec4f,
-farWeight:f32,
+farFound:f32,
 s:f32,
 inverse:f32,
-nearShare:f32,
+nearWeight:f32,
 slopes:vec2f,
 snapping:f32,
 bounds:vec2f,
 inner:f32,
 }
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,
-outer:f32,polygon:BokehPolygon,layers:BokehLayers,
+outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler) -> BokehGather
 {
 var gather:BokehGather = before;
 let full:BokehGrid = BokehFullGrid(layers);
-let none:vec2f = vec2f(0.0,0.0);
-let whole:vec2f = vec2f(1.0,1.0);
+let zero:vec2f = vec2f(0.0,0.0);
+let one:vec2f = vec2f(1.0,1.0);
 let outwards:f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
 let current:f32 = gather.inner + (outer - gather.inner) * outwards;
 let innerSquare:f32 = gather.inner * gather.inner;
@@ -3350,24 +3405,24 @@ let upright:vec2f = corner + along * (f32(i) + phase);
 let place:vec2f = right * upright.x + upwards * upright.y;
 let texel:vec2f = floor(place);
 let offset:vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
-gather.snapping,none,whole);
+gather.snapping,zero,one);
 let pixel:vec4f = BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
 let other:vec4f = BokehFetchAround(MapSamp,layers.uv,-offset,full,
 BokehLinearClamp);
 let CoC:vec2f = vec2f(pixel.a,other.a) * full.size.y;
-let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * gather.s,none,whole) * (1.0 -
-gather.nearShare);
+let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * gather.s,zero,one) * (1.0 -
+gather.nearWeight);
 var inverse:vec2f = BokehSpreadInverse(CoC);
 inverse += (gather.inverse - inverse) * isBehind;
 inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-var covers:vec2f = cell * max(min(1.0 - innerSquare * inverse,area * inverse),none);
-let inFar:vec2f = covers * clamp(CoC * gather.slopes.y - 2.0,none,whole);
-covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,none,whole)) - inFar;
-gather.farWeight += inFar.x + inFar.y;
+var covers:vec2f = cell * max(min(1.0 - innerSquare * inverse,area * inverse),zero);
+let inFar:vec2f = covers * clamp(CoC * gather.slopes.y - 2.0,zero,one);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,zero,one)) - inFar;
+gather.farFound += inFar.x + inFar.y;
 let part:vec4f = vec4f(pixel.rgb,1.0) * covers.x;
 let otherPart:vec4f = vec4f(other.rgb,1.0) * covers.y;
 gather.sum += part + otherPart;
-let isFront:vec2f = clamp(gather.s - 0.5 - CoC,none,whole);
+let isFront:vec2f = clamp(gather.s - 0.5 - CoC,zero,one);
 gather.front += part * isFront.x + otherPart * isFront.y;
 }
 corner += alongEdge;
@@ -3376,14 +3431,15 @@ direction = BokehRotated(direction,turn);
 gather.inner = outer;
 return gather;
 }
-fn BokehComposite(MapSamp:texture_2d<f32>,TilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,
-FarSamp:texture_2d<f32>,MiddleSamp:texture_2d<f32>,BackSamp:texture_2d<f32>,
-polygon:BokehPolygon,layers:BokehLayers,BokehLinearClamp:sampler) -> vec4f
+fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,
+NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,
+FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
+BokehLinearClamp:sampler) -> vec4f
 {
 let full:BokehGrid = BokehFullGrid(layers);
 let center:vec2f = layers.uv * full.size;
 let centerPixel:vec4f = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-let tile:vec4f = BokehFetchGrid(TilesSamp,center / 8.0,BokehReducedGrid(layers,8.0),
+let tile:vec4f = BokehFetchGrid(GatherTilesSamp,center / 8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
 var result:vec3f = centerPixel.rgb;
 if (max(tile.r,tile.g) > 1.0)
@@ -3392,13 +3448,13 @@ var gather:BokehGather;
 let s:f32 = centerPixel.a * full.size.y;
 gather.s = s;
 gather.slopes = vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
-let nearShare:f32 = BokehLayerShare(-s,gather.slopes.x);
-let farShare:f32 = BokehLayerShare(s,gather.slopes.y);
-gather.nearShare = nearShare;
+let nearWeight:f32 = BokehLayerWeight(-s,gather.slopes.x);
+let farWeight:f32 = BokehLayerWeight(s,gather.slopes.y);
+gather.nearWeight = nearWeight;
 gather.inverse = BokehSpreadInverse(vec2f(s,s)).x;
-let restRadius:f32 = clamp(16.0 - 16.0 * farShare,0.0,1.0) * (1.0 - nearShare) /
+let restRadius:f32 = clamp(16.0 - 16.0 * farWeight,0.0,1.0) * (1.0 - nearWeight) /
 sqrt(gather.inverse);
-let radius:f32 = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farShare));
+let radius:f32 = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farWeight));
 let narrowing:f32 = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
 var rings:f32 = f32(BOKEH_LAYER_RINGS);
 if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
@@ -3412,9 +3468,9 @@ if (radius < 0.5)
 gather.inner = radius;
 }
 gather.bounds = 1.0 / vec2f(radius * radius,gather.inner * gather.inner);
-let weight:f32 = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y,1.0);
-gather.farWeight = weight * farShare;
-gather.sum = vec4f(centerPixel.rgb,1.0) * (weight - gather.farWeight);
+let weight:f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y,1.0);
+gather.farFound = weight * farWeight;
+gather.sum = vec4f(centerPixel.rgb,1.0) * (weight - gather.farFound);
 gather.front = vec4f(0.0,0.0,0.0,0.0);
 let edges:f32 = max(tile.r,tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
@@ -3425,7 +3481,7 @@ if (BOKEH_SIDES > 0)
 if (gather.inner < radius)
 {
 let outer:f32 = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,1,BokehOnEdge(1,polygon),outer,
+gather = BokehGatherRing(gather,MapSamp,1,BokehSamplesPerEdge(1,polygon),outer,
 polygon,layers,BokehLinearClamp);
 }
 first = 2;
@@ -3437,25 +3493,25 @@ if (gather.inner >= radius)
 break;
 }
 let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-var onEdge:i32 = BokehOnEdge(BOKEH_LAYER_RINGS,polygon);
+var onEdge:i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
 if (first < BOKEH_LAYER_RINGS)
 {
-onEdge = BokehOnEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
+onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
 gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers,
 BokehLinearClamp);
 }
-var near:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var nearLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
+var farLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
 if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
 {
 let halves:BokehGrid = BokehReducedGrid(layers,2.0);
-near = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
-far = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
+nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
+farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
 }
-let sum:vec4f = gather.sum + far * (gather.farWeight * (1.0 - max(farShare,nearShare)) /
-max(far.a,0.001));
-let plain:vec4f = sum + far * farShare;
+let sum:vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
+nearWeight)) / max(farLayer.a,0.001));
+let plain:vec4f = sum + farLayer * farWeight;
 if (plain.a >= 0.001)
 {
 let rest:f32 = plain.a - gather.front.a;
@@ -3463,30 +3519,31 @@ let open:f32 = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
 + rest * open,0.001);
 }
-if (nearShare > 0.0)
+if (nearWeight > 0.0)
 {
 let quarters:BokehGrid = BokehReducedGrid(layers,4.0);
-let middle:vec4f = BokehFetchGrid(MiddleSamp,0.25 * center,quarters,
+let midFill:vec4f = BokehFetchGrid(MidFillSamp,0.25 * center,quarters,
 BokehLinearClamp);
-let back:vec4f = BokehFetchGrid(BackSamp,0.25 * center,quarters,BokehLinearClamp);
-let inNear:f32 = near.a * min(2.0 - 2.0 * nearShare,1.0);
+let farFill:vec4f = BokehFetchGrid(FarFillSamp,0.25 * center,quarters,
+BokehLinearClamp);
+let inNear:f32 = nearLayer.a * min(2.0 - 2.0 * nearWeight,1.0);
 let empty:f32 = max(1.0 - sum.a - inNear,0.0);
-let cover:f32 = empty * clamp((middle.a - 0.3) / 0.4,0.0,1.0);
-let missing:f32 = max(1.0 - 2.0 * far.a,0.0);
-let background:vec3f = far.rgb * ((1.0 - missing) / max(far.a,0.000001)) + back.rgb *
-missing;
-let stack:vec3f = (sum.rgb + middle.rgb * cover + background * (empty - cover)) /
+let cover:f32 = empty * clamp((midFill.a - 0.3) / 0.4,0.0,1.0);
+let missing:f32 = max(1.0 - 2.0 * farLayer.a,0.0);
+let background:vec3f = farLayer.rgb * ((1.0 - missing) / max(farLayer.a,0.000001)) +
+farFill.rgb * missing;
+let stack:vec3f = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
 max(sum.a + empty,0.000001);
-result += (stack - result) * nearShare;
+result += (stack - result) * nearWeight;
 }
-let alpha:f32 = clamp(near.a * 1.002,0.0,1.0);
-result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a,0.000001));
+let alpha:f32 = clamp(nearLayer.a * 1.002,0.0,1.0);
+result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a,0.000001));
 }
 return vec4f(result,centerPixel.a);
 }
 `,
   bokeh_lens: `
-fn BokehClosed(polygon:BokehPolygon) -> BokehPolygon
+fn BokehUpdatePolygon(polygon:BokehPolygon) -> BokehPolygon
 {
 var closed:BokehPolygon = polygon;
 closed.mean = vec2f(0.0,0.0);
@@ -3515,7 +3572,7 @@ let corner:f32 = 0.39269908 * clamp(roundness,0.0,1.0);
 let odd:f32 = sin(max(corner,0.001));
 let even:f32 = sin(0.78539816 - corner);
 result.lengths = vec4f(odd,even,odd,even);
-result = BokehClosed(result);
+result = BokehUpdatePolygon(result);
 }
 return result;
 }
@@ -3558,7 +3615,7 @@ var result:BokehPolygon = polygon;
 result.lengths = vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
 widths),BokehCutLength(4,widths));
 result.fifth = BokehCutLength(5,widths);
-return BokehClosed(result);
+return BokehUpdatePolygon(result);
 }
 struct BokehFocus
 {
@@ -3590,9 +3647,9 @@ nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
 let velocity:vec2f = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-let before:vec2f = uv - vec2f(BokehSafe(velocity.x,-2.0,2.0),BokehSafe(velocity.y,-2.0,
-2.0));
-let history:f32 = BokehSafe(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
+let before:vec2f = uv - vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
+-2.0,2.0));
+let history:f32 = BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
 pixel.a);
 if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
 {

@@ -113,7 +113,7 @@ TABLE = (
            (0, 1, "0 (a square) to 1 (an octagon)"), POLYGON_METHODS, needs=OCTAGON),
     Option("lateral", "lateral", float, "Lateral colour: red larger, blue smaller, a share of the image.",
            (-0.1, 0.1, "-0.1 to 0.1, a share of the image")),
-    Option("mrt", "targets", bool, "exact, layered: write several targets in a pass.", methods=POLYGON_METHODS),
+    Option("mrt", "use_mrt", bool, "exact, layered: write several targets in a pass.", methods=POLYGON_METHODS),
     Option("aperture-diameter", "camera.aperture_diameter", float, "Metres.", NOT_NEGATIVE, needs=LENS),
     Option("focal-length", "camera.focal_length", float, "Metres.", POSITIVE, needs=LENS),
     Option("focus-distance", "camera.focus_distance", float, "Metres, more than the focal length.", POSITIVE,

@@ -43,7 +43,7 @@ def float_result(driver: drivers.Driver, case: Case) -> np.ndarray:
     try:
         return result(driver, case, "float").astype(np.float64)
     except Unavailable:
-        alone = replace(case, settings=replace(case.settings, targets=False))
+        alone = replace(case, settings=replace(case.settings, use_mrt=False))
         return result(driver, alone, "float").astype(np.float64)
 
 

@@ -35,7 +35,7 @@ pub enum BokehPreset {
 }
 
 /// Constants of the shaders that a preset sets.
-const CONSTANTS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC"];
+const CONSTANTS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC"];
 /// The type of depth in the shaders, and what it is where depth is multisampled.
 const DEPTH: [&str; 2] =
     ["alias BokehDepthTexture = texture_2d<f32>;", "alias BokehDepthTexture = texture_depth_multisampled_2d;"];

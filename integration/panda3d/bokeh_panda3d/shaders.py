@@ -145,64 +145,65 @@ CoC = -CoC;
 }
 return CoC;
 }
-float BokehSafe(float value, float least, float most)
+float BokehSanitize(float value, float minimum, float maximum)
 {
-float safe = least;
-if (value >= least)
+float safe = minimum;
+if (value >= minimum)
 {
-safe = min(value, most);
+safe = min(value, maximum);
 }
 return safe;
 }
-float BokehLinearDepth(float stored, int kind, float near, float far)
+float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
 {
 float depth = stored;
 if (kind == 1)
 {
-depth = near * far / (far - stored * (far - near));
+depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
 }
 else if (kind == 2)
 {
-depth = near * far / (near + stored * (far - near));
+depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
 }
 else if (kind == 3)
 {
 depth = BOKEH_MAX_DEPTH;
-if (stored >= near / BOKEH_MAX_DEPTH)
+if (stored >= nearPlane / BOKEH_MAX_DEPTH)
 {
-depth = near / stored;
+depth = nearPlane / stored;
 }
 }
 else if (kind == 4)
 {
-depth = 2.0 * near * far / (far + near - stored * (far - near));
+depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+nearPlane));
 }
 else if (kind == 5)
 {
-depth = near + stored * (far - near);
+depth = nearPlane + stored * (farPlane - nearPlane);
 }
 else if (kind == 6)
 {
-depth = near + (1.0 - stored) * (far - near);
+depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
 }
 else if (kind == 7)
 {
-depth = stored * far;
+depth = stored * farPlane;
 }
 else if (kind == 8)
 {
 depth = 0.0;
 if (stored >= 0.0)
 {
-depth = exp2(stored * log2(far + 1.0)) - 1.0;
+depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
 }
 }
-return BokehSafe(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 vec4 BokehPackCoC(vec4 color, float CoC)
 {
-return vec4(BokehSafe(color.r, 0.0, BOKEH_MAX_COLOR), BokehSafe(color.g, 0.0, BOKEH_MAX_COLOR),
-BokehSafe(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
+return vec4(BokehSanitize(color.r, 0.0, BOKEH_MAX_COLOR), BokehSanitize(color.g, 0.0,
+BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 float BokehBrightness(vec4 color)
 {
@@ -262,7 +263,7 @@ CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
-struct BokehFilter
+struct BokehSamplingSettings
 {
 float aspectRatio;
 float imageHeight;
@@ -271,9 +272,9 @@ float jitter;
 float bleedingBias;
 float bleedingMult;
 };
-BokehFilter BokehDefaultFilter(vec2 imageSize)
+BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
 {
-BokehFilter settings;
+BokehSamplingSettings settings;
 settings.aspectRatio = imageSize.x / imageSize.y;
 settings.imageHeight = imageSize.y;
 settings.spacing = BOKEH_SPACING;
@@ -291,16 +292,16 @@ filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0, 0.0, 1.0);
 }
 return filterCoC;
 }
-float BokehCells(float lengthInPixels, float spacing)
+float BokehSampleCount(float lengthInPixels, float spacing)
 {
-float cells = float(BOKEH_NUM_SAMPLES);
+float samples = float(BOKEH_NUM_SAMPLES);
 if (BOKEH_SPACING > 0.0)
 {
-cells = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
+samples = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
 }
-return cells;
+return samples;
 }
-float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehFilter settings)
+float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
 {
 float scale = 1.0 / max(settings.bleedingBias, 0.001);
 float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
@@ -329,10 +330,10 @@ float area;
 };
 struct BokehTargets
 {
-vec4 edge2;
-vec4 edge3;
-vec4 edge4;
-vec4 edge5;
+vec4 strip2;
+vec4 strip3;
+vec4 strip4;
+vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
@@ -454,7 +455,7 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-bool rays, float centerCoC, BokehFilter settings)
+bool rays, float centerCoC, BokehSamplingSettings settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
 float reached = 0.0;
@@ -467,41 +468,41 @@ if (rays)
 segment = BokehRay(k, polygon, secondPass);
 }
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels, settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+float samples = BokehSampleCount(lengthInPixels, settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+if (BOKEH_SPACING > 0.0 && float(i) >= samples)
 {
 break;
 }
-float cell = clamp(cells - float(i), 0.0, 1.0);
-vec4 samplePixel = BokehFetch(tex, first + cellLength * (float(i) + cell * phase));
+float part = clamp(samples - float(i), 0.0, 1.0);
+vec4 samplePixel = BokehFetch(tex, first + sampleStep * (float(i) + part * phase));
 if (rays)
 {
-vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, cells, i);
+vec3 weights = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
 surface += vec4(samplePixel.rgb, 1.0) * weights.z;
 }
 else
 {
-float weight = cell * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
+float weight = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
 sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
 }
 if (rays)
 {
-float covered = clamp((sum.a - cells) / max(surface.a, 0.0001), 0.0, 1.0);
+float covered = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
 sum -= surface * covered;
 reached -= (surface.r + surface.g + surface.b) * covered;
 }
-sum = sum / cells;
-reached = reached / cells;
+sum = sum / samples;
+reached = reached / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -527,7 +528,7 @@ result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
 return result;
 }
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
 float CoC = centerPixel.a;
@@ -555,63 +556,65 @@ if (last > 4)
 L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
 }
 BokehTargets targets;
-targets.edge2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.edge5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 }
-vec4 BokehSquareSecond(BOKEH_TEXTURE Edge2Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
+BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+vec4 pixel = BokehFetch(Strip2Samp, uv);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
 return BokehResolved(L2.sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp, uv, 3, polygon, settings);
 }
-vec4 BokehHexagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, vec2 uv,
-BokehPolygon polygon, BokehFilter settings)
+vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
+BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, true, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, true, pixel.a, settings);
+vec4 pixel = BokehFetch(Strip2Samp, uv);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings);
 return BokehResolved(L2.sum + L3.sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp, uv, 4, polygon, settings);
 }
-vec4 BokehOctagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
+BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+vec4 pixel = BokehFetch(Strip2Samp, uv);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 return BokehExactFirst(MapSamp, uv, 5, polygon, settings);
 }
-vec4 BokehDecagonSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp, vec2 uv, BokehPolygon polygon, BokehFilter settings)
+vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
+BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
+BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Edge2Samp, uv);
-BokehLine L2 = BokehLineSum(Edge2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Edge3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Edge4Samp, uv, 4, polygon, true, false, pixel.a, settings);
-BokehLine L5 = BokehLineSum(Edge5Samp, uv, 5, polygon, true, false, pixel.a, settings);
+vec4 pixel = BokehFetch(Strip2Samp, uv);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
+BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
 #ifndef BOKEH_VIEWPORT
@@ -626,7 +629,7 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 #endif
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
 {
-return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, BokehLens lens)
@@ -650,7 +653,7 @@ vec2 halfLine = vec2(cos(angle), sin(angle)) * 0.5 * lineLength;
 return vec4(lineCenter, halfLine) * vec4(squeeze, 1.0, squeeze, 1.0);
 }
 float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
-BokehFilter settings)
+BokehSamplingSettings settings)
 {
 float weight = 1.0;
 if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -673,7 +676,7 @@ result = vec4(result.rgb, centerPixel.a);
 return result;
 }
 vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec2 lineEnd, BokehFilter settings, bool blurCoC)
+vec2 lineEnd, BokehSamplingSettings settings, bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp, uv);
 float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -693,7 +696,7 @@ totalWeight += weight;
 return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
-vec4 segment, BokehFilter settings, bool blurCoC)
+vec4 segment, BokehSamplingSettings settings, bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp, uv);
 vec4 result = centerPixel;
@@ -702,24 +705,24 @@ if (CoC > 0.0)
 {
 float centerDepth = BokehPaperDepth(DepthSamp, uv);
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float cells = BokehCells(lengthInPixels, settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+float samples = BokehSampleCount(lengthInPixels, settings.spacing);
+float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
 vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 cellLength = segment.zw * scale * (2.0 / cells);
+vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 vec4 color = vec4(0.0, 0.0, 0.0, 0.0);
 float totalWeight = 0.0;
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+if (BOKEH_SPACING > 0.0 && float(i) >= samples)
 {
 break;
 }
-float cell = clamp(cells - float(i), 0.0, 1.0);
-vec2 sampleCoords = first + cellLength * (float(i) + cell * phase);
+float part = clamp(samples - float(i), 0.0, 1.0);
+vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
 vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
 float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-float weight = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
 centerPixel.a, settings);
 color += samplePixel * weight;
 totalWeight += weight;
@@ -738,14 +741,14 @@ result = max(a, b);
 return result;
 }
 vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE CompareSamp, vec2 uv, vec2 lineEnd, BokehFilter settings, bool blurCoC,
+BOKEH_TEXTURE CompareSamp, vec2 uv, vec2 lineEnd, BokehSamplingSettings settings, bool blurCoC,
 bool useMax)
 {
 vec4 a = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC);
 return BokehCombine(a, BokehFetch(CompareSamp, uv), useMax);
 }
 vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE KernelSamp, vec2 uv, BokehFilter settings, bool blurCoC)
+BOKEH_TEXTURE KernelSamp, vec2 uv, BokehSamplingSettings settings, bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp, uv);
 float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -767,7 +770,7 @@ totalWeight += weight;
 return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, vec2 lineEndU,
-vec2 lineEndV, BokehFilter settings, bool blurCoC)
+vec2 lineEndV, BokehSamplingSettings settings, bool blurCoC)
 {
 vec4 centerPixel = BokehFetch(ColorSamp, uv);
 float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -796,37 +799,37 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_LAYERS 1
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_RINGS 1
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 0
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #else
 #define BOKEH_PRESET_RINGS 2
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 1
 #endif
 #ifndef BOKEH_PRESET_DEFAULT
-#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_CELLS) || defined(BOKEH_LAYER_CUBIC)
-#error a preset sets BOKEH_LAYER_RINGS, _CELLS and _CUBIC: define it or them, not both
+#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
+#error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
 #endif
 #endif
 #ifndef BOKEH_LAYER_RINGS
 #define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
 #endif
-#ifndef BOKEH_LAYER_CELLS
-#define BOKEH_LAYER_CELLS BOKEH_PRESET_CELLS
+#ifndef BOKEH_LAYER_SAMPLES
+#define BOKEH_LAYER_SAMPLES BOKEH_PRESET_LAYER_SAMPLES
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
 #endif
-#ifndef BOKEH_MIN_LEVEL
-#define BOKEH_MIN_LEVEL 0.00001
+#ifndef BOKEH_MIN_BRIGHTNESS
+#define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
 struct BokehGrid
 {
@@ -834,7 +837,7 @@ vec2 size;
 vec2 origin;
 vec2 texel;
 };
-struct BokehLayers
+struct BokehLayerContext
 {
 vec2 uv;
 vec2 size;
@@ -843,9 +846,9 @@ vec2 texel;
 float largest;
 float jitter;
 };
-BokehLayers BokehMakeLayers(vec2 uv, vec2 imageSize, float maxCoC)
+BokehLayerContext BokehMakeLayerContext(vec2 uv, vec2 imageSize, float maxCoC)
 {
-BokehLayers layers;
+BokehLayerContext layers;
 layers.uv = uv;
 layers.size = imageSize;
 layers.origin = vec2(0.0, 0.0);
@@ -854,7 +857,7 @@ layers.largest = maxCoC * imageSize.y;
 layers.jitter = 0.0;
 return layers;
 }
-BokehGrid BokehFullGrid(BokehLayers layers)
+BokehGrid BokehFullGrid(BokehLayerContext layers)
 {
 BokehGrid grid;
 grid.size = layers.size;
@@ -862,7 +865,7 @@ grid.origin = layers.origin;
 grid.texel = layers.texel;
 return grid;
 }
-BokehGrid BokehReducedGrid(BokehLayers layers, float scale)
+BokehGrid BokehReducedGrid(BokehLayerContext layers, float scale)
 {
 BokehGrid grid;
 grid.size = ceil(layers.size / scale);
@@ -901,9 +904,9 @@ float BokehBrightest(vec3 color)
 {
 return max(max(color.r, color.g), color.b);
 }
-float BokehLayerSlope(float largest, float none, float whole)
+float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
-float gate = clamp((largest - none) / (whole - none), 0.001, 1.0);
+float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
 return 5.0 / max(largest / gate, 2.0);
 }
 float BokehNearSlope(float largest)
@@ -914,11 +917,11 @@ float BokehFarSlope(float largest)
 {
 return BokehLayerSlope(largest, 10.0, 16.0);
 }
-float BokehLayerShare(float CoC, float slope)
+float BokehLayerWeight(float CoC, float slope)
 {
 return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
-vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers)
+vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers)
 {
 vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5, 0.5);
 vec3 found = vec3(0.0, 0.0, 0.0);
@@ -929,8 +932,8 @@ for (int x = 0; x < 8; x++)
 vec2 place = first + vec2(float(x), float(y));
 vec4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers));
 float s = pixel.a * layers.size.y;
-float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
-found = vec3(max(found.r, -s), max(found.g, s), found.b + level);
+float logBrightness = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
+found = vec3(max(found.r, -s), max(found.g, s), found.b + logBrightness);
 }
 }
 return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
@@ -940,16 +943,16 @@ vec2 BokehReaching(vec2 CoC, float tiles)
 vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
 return CoC * clamp(share, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
-float BokehReachTiles(BokehLayers layers)
+float BokehReachTiles(BokehLayerContext layers)
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
-vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayers layers)
+vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
 float radius = BokehReachTiles(layers);
 vec2 found = vec2(0.0, 0.0);
-float level = 0.0;
+float logBrightness = 0.0;
 for (int i = 0; i < 255; i++)
 {
 float tiles = float(i) - radius;
@@ -959,85 +962,87 @@ break;
 }
 vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
 found = max(found, BokehReaching(tile.rg, abs(tiles)));
-level += tile.b;
+logBrightness += tile.b;
 }
-return vec4(found, level / (2.0 * radius + 1.0), 1.0);
+return vec4(found, logBrightness / (2.0 * radius + 1.0), 1.0);
 }
-vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float unit, float heaviest)
+vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, float maxWeight)
 {
 vec4 brightest = vec4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
 BokehBrightest(d.rgb));
-return min(0.01 + brightest * unit, vec4(heaviest, heaviest, heaviest, heaviest));
+return min(0.01 + brightest * inverseBrightness, vec4(maxWeight, maxWeight, maxWeight,
+maxWeight));
 }
 struct BokehPrefiltered
 {
 vec4 nearLayer;
 vec4 farLayer;
-vec4 kernelSums;
-vec4 leftovers;
+vec4 layerCoCSums;
+vec4 gatherCoC;
 };
-vec4 BokehLayerShares(vec4 CoC, float slope)
+vec4 BokehLayerWeights(vec4 CoC, float slope)
 {
 return clamp(CoC * slope - 2.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0, 1.0, 1.0, 1.0));
 }
-vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearShare, float nearest)
+vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearWeight, float maxNearWeight)
 {
 vec4 result = vec4(min(found.rgb, pixel.rgb), found.a);
-if (nearShare < 0.5 * nearest)
+if (nearWeight < 0.5 * maxNearWeight)
 {
 result = vec4(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-vec4 BokehNearPixel(vec4 pixel, float nearShare, vec4 around)
+vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
 {
-vec4 result = vec4(pixel.rgb, nearShare);
+vec4 result = vec4(pixel.rgb, nearWeight);
 float brightest = BokehBrightest(pixel.rgb);
 float limit = BokehBrightest(around.rgb);
 if (around.a > brightest)
 {
-result = vec4(min(pixel.rgb, around.rgb), nearShare);
+result = vec4(min(pixel.rgb, around.rgb), nearWeight);
 if (brightest > limit)
 {
-result = vec4(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+result = vec4(result.rgb, nearWeight * (around.a - brightest) / (around.a - limit));
 }
 }
 return result;
 }
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0, 1.0);
-vec4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers, 8.0));
-float nearSlope = BokehNearSlope(reach.r);
-float farSlope = BokehFarSlope(reach.g);
-float unit = exp2(-reach.b);
-float heaviest = 500000.0 / max(layers.largest, 50.0);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers, 8.0));
+float nearSlope = BokehNearSlope(tile.r);
+float farSlope = BokehFarSlope(tile.g);
+float inverseBrightness = exp2(-tile.b);
+float maxWeight = 500000.0 / max(layers.largest, 50.0);
 vec4 a = BokehFetchGrid(MapSamp, middle + vec2(-0.5, -0.5), full);
 vec4 b = BokehFetchGrid(MapSamp, middle + vec2(0.5, -0.5), full);
 vec4 c = BokehFetchGrid(MapSamp, middle + vec2(-0.5, 0.5), full);
 vec4 d = BokehFetchGrid(MapSamp, middle + vec2(0.5, 0.5), full);
 vec4 s = vec4(a.a, b.a, c.a, d.a) * full.size.y;
-vec4 nearShares = BokehLayerShares(-s, nearSlope);
-vec4 farShares = BokehLayerShares(s, farSlope);
-vec4 far = vec4(a.rgb, 1.0) * farShares.x + vec4(b.rgb, 1.0) * farShares.y + vec4(c.rgb, 1.0) *
-farShares.z + vec4(d.rgb, 1.0) * farShares.w;
-vec4 weights = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+vec4 nearWeights = BokehLayerWeights(-s, nearSlope);
+vec4 farWeights = BokehLayerWeights(s, farSlope);
+vec4 farSum = vec4(a.rgb, 1.0) * farWeights.x + vec4(b.rgb, 1.0) * farWeights.y + vec4(c.rgb,
+1.0) * farWeights.z + vec4(d.rgb, 1.0) * farWeights.w;
+vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
 vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
 vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-vec4 nearLeft = -s * min(4.0 - 4.0 * nearShares, one);
-vec4 farLeft = s * min(4.0 - 4.0 * farShares, one);
-vec2 left = max(max(vec2(nearLeft.x, farLeft.x), vec2(nearLeft.y, farLeft.y)),
-max(vec2(nearLeft.z, farLeft.z), vec2(nearLeft.w, farLeft.w)));
-float nearest = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
-vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
-if (nearest > 0.0)
+vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
+vec4 farGather = s * min(4.0 - 4.0 * farWeights, one);
+vec2 gatherCoC = max(max(vec2(nearGather.x, farGather.x), vec2(nearGather.y, farGather.y)),
+max(vec2(nearGather.z, farGather.z), vec2(nearGather.w, farGather.w)));
+float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
+vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
+if (maxNearWeight > 0.0)
 {
 vec4 around = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
-around = BokehSurroundings(around, a, nearShares.x, nearest);
-around = BokehSurroundings(around, b, nearShares.y, nearest);
-around = BokehSurroundings(around, c, nearShares.z, nearest);
-around = BokehSurroundings(around, d, nearShares.w, nearest);
+around = BokehSurroundings(around, a, nearWeights.x, maxNearWeight);
+around = BokehSurroundings(around, b, nearWeights.y, maxNearWeight);
+around = BokehSurroundings(around, c, nearWeights.z, maxNearWeight);
+around = BokehSurroundings(around, d, nearWeights.w, maxNearWeight);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
@@ -1046,62 +1051,64 @@ vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
 if (max(abs(offset.x), abs(offset.y)) > 1.0)
 {
 vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
-around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
-full.size.y, nearSlope), nearest);
+around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
+full.size.y, nearSlope), maxNearWeight);
 }
 }
 }
-a = BokehNearPixel(a, nearShares.x, around);
-b = BokehNearPixel(b, nearShares.y, around);
-c = BokehNearPixel(c, nearShares.z, around);
-d = BokehNearPixel(d, nearShares.w, around);
-near = vec4(a.rgb, 1.0) * a.a + vec4(b.rgb, 1.0) * b.a + vec4(c.rgb, 1.0) * c.a +
+a = BokehNearPixel(a, nearWeights.x, around);
+b = BokehNearPixel(b, nearWeights.y, around);
+c = BokehNearPixel(c, nearWeights.z, around);
+d = BokehNearPixel(d, nearWeights.w, around);
+nearSum = vec4(a.rgb, 1.0) * a.a + vec4(b.rgb, 1.0) * b.a + vec4(c.rgb, 1.0) * c.a +
 vec4(d.rgb, 1.0) * d.a;
-weights = vec4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+weights = vec4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, inverseBrightness,
+maxWeight);
 sums = vec4(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
 }
 BokehPrefiltered targets;
-targets.nearLayer = near * 0.25;
-targets.farLayer = far * 0.25;
-float most = BOKEH_MAX_COLOR;
-targets.kernelSums = min(sums * 0.25, vec4(most, most, most, most));
-targets.leftovers = vec4(clamp(left, vec2(0.0, 0.0), vec2(most, most)), 0.0, 1.0);
+targets.nearLayer = nearSum * 0.25;
+targets.farLayer = farSum * 0.25;
+float maxValue = BOKEH_MAX_COLOR;
+targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
+targets.gatherCoC = vec4(clamp(gatherCoC, vec2(0.0, 0.0), vec2(maxValue, maxValue)), 0.0, 1.0);
 return targets;
 }
-struct BokehKernels
+struct BokehTileSums
 {
-vec4 leftovers;
+vec4 gatherCoC;
 vec4 sums;
 };
-BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE LeftSamp, BokehLayers layers)
+BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
+BokehLayerContext layers)
 {
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
 vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5, 0.5);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 left = vec2(0.0, 0.0);
+vec2 gatherCoC = vec2(0.0, 0.0);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
 sums += BokehFetchGrid(SumsSamp, place, halves);
-left = max(left, BokehFetchGrid(LeftSamp, place, halves).rg);
+gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, halves).rg);
 }
 }
-BokehKernels targets;
-targets.leftovers = vec4(left, 0.0, 1.0);
+BokehTileSums targets;
+targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
 targets.sums = sums / 16.0;
 return targets;
 }
-BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, vec2 axis, BokehLayers layers)
+BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
-vec2 sigma = max(reach * 0.0375, vec2(0.6, 0.6));
+vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+vec2 sigma = max(tile * 0.0375, vec2(0.6, 0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 left = vec2(0.0, 0.0);
+vec2 gatherCoC = vec2(0.0, 0.0);
 vec2 total = vec2(0.0, 0.0);
 for (int i = 0; i < 255; i++)
 {
@@ -1114,77 +1121,90 @@ vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
 weight.y);
-left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid).rg, abs(tiles)));
+gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
+abs(tiles)));
 total += weight;
 }
-BokehKernels targets;
-targets.leftovers = vec4(left, 0.0, 1.0);
+BokehTileSums targets;
+targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
 targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
 return targets;
 }
-BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
-return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(1.0, 0.0), layers);
+return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(1.0, 0.0), layers);
 }
-struct BokehSizes
+struct BokehLayerCoCTargets
 {
-vec4 reach;
-vec4 sizes;
+vec4 gatherTiles;
+vec4 layerCoC;
 };
-BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE ReachSamp, BokehLayers layers)
+BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid).rg;
-BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, vec2(0.0, 1.0), layers);
-vec4 sums = kernels.sums;
-vec2 sizes = vec2(0.0, 0.0);
-if (sums.g > 0.0001 && reach.r > 6.0)
+vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(0.0,
+1.0), layers);
+vec4 sums = tileSums.sums;
+vec2 layerCoC = vec2(0.0, 0.0);
+if (sums.g > 0.0001 && tile.r > 6.0)
 {
-sizes = vec2(8.0 * sums.r / sums.g, 0.0);
+layerCoC = vec2(8.0 * sums.r / sums.g, 0.0);
 }
-if (sums.a > 0.0001 && reach.g > 10.0)
+if (sums.a > 0.0001 && tile.g > 10.0)
 {
-sizes = vec2(sizes.x, 8.0 * sums.b / sums.a);
+layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
 }
-BokehSizes targets;
-targets.reach = vec4(reach, kernels.leftovers.rg);
-targets.sizes = vec4(sizes, 0.0, 1.0);
+BokehLayerCoCTargets targets;
+targets.gatherTiles = vec4(tile, tileSums.gatherCoC.rg);
+targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
 return targets;
 }
-vec2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers)
+vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp, BokehLayerContext layers)
 {
 vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
-return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0)).rg;
+return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0)).rg;
 }
-vec3 BokehLayerBlur(vec2 sizes, bool isFar, BokehPolygon polygon)
+struct BokehBlur
 {
-float CoC = 0.5 * sizes.r;
-float least = 1.5;
-float own = 9.0;
+float CoC;
+float spacing;
+bool useQuarterLayer;
+float sideTap;
+};
+BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
+{
+float CoC = 0.5 * layerCoC.r;
+float minSpacing = 1.5;
+float selfBlur = 9.0;
 if (isFar)
 {
-CoC = 0.5 * sizes.g;
-least = 1.15;
-own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+CoC = 0.5 * layerCoC.g;
+minSpacing = 1.15;
+selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
 }
-float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
+float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
 float hard = 0.4;
 if (polygon.sides < 6)
 {
-spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
+spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
 hard = 0.2;
 }
-float side = -1.0;
-if (spacing > least)
+BokehBlur blur;
+blur.useQuarterLayer = spacing > minSpacing;
+blur.sideTap = 0.0;
+if (blur.useQuarterLayer)
 {
-side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
+blur.sideTap = clamp(0.25 * spacing - hard, 0.0, 0.6);
+selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
 }
-return vec3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+blur.CoC = sqrt(max(CoC * CoC - selfBlur, 0.25));
+blur.spacing = max(spacing, 1.0);
+return blur;
 }
-vec4 BokehLevel(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayers layers)
+vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayerContext layers)
 {
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
@@ -1208,24 +1228,25 @@ sum = BokehFetchGrid(LayerSamp, center, halves);
 }
 return sum;
 }
-struct BokehLevels
+struct BokehDownsampled
 {
-vec4 middle;
-vec4 far;
-vec4 nearLevel;
-vec4 farLevel;
+vec4 midWithHoles;
+vec4 farWithHoles;
+vec4 nearQuarter;
+vec4 farQuarter;
 };
-BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SizesSamp, BokehPolygon polygon, BokehLayers layers)
+BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE LayerCoCSamp, BokehPolygon polygon,
+BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5, 0.5);
 vec2 middlePlace = first + vec2(1.5, 1.5);
-vec4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0));
-float nearSlope = BokehNearSlope(reach.r);
-float farSlope = BokehFarSlope(reach.g);
-float unit = exp2(-reach.b);
-vec4 middle = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp, middlePlace / 8.0, BokehReducedGrid(layers, 8.0));
+float nearSlope = BokehNearSlope(tile.r);
+float farSlope = BokehFarSlope(tile.g);
+float inverseBrightness = exp2(-tile.b);
+vec4 mid = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
 for (int y = 0; y < 4; y++)
 {
@@ -1234,22 +1255,23 @@ for (int x = 0; x < 4; x++)
 vec2 place = first + vec2(float(x), float(y));
 vec4 pixel = BokehFetchGrid(MapSamp, place, full);
 float s = pixel.a * full.size.y;
-float nearShare = BokehLayerShare(-s, nearSlope);
-float notNear = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
-float farShare = BokehLayerShare(s, farSlope);
-float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-middle += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
-far += vec4(pixel.rgb, 1.0) * (weight * farShare);
+float nearWeight = BokehLayerWeight(-s, nearSlope);
+float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
+float farWeight = BokehLayerWeight(s, farSlope);
+float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
+mid += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+far += vec4(pixel.rgb, 1.0) * (weight * farWeight);
 }
 }
 vec2 center = 0.5 * middlePlace;
-vec2 sizes = BokehLayerSizes(SizesSamp, layers);
-BokehLevels targets;
-targets.middle = middle / 16.0;
-targets.far = far / 16.0;
-targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
-layers);
-targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z, layers);
+vec2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers);
+BokehDownsampled targets;
+targets.midWithHoles = mid / 16.0;
+targets.farWithHoles = far / 16.0;
+targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
+polygon).sideTap, layers);
+targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
+polygon).sideTap, layers);
 return targets;
 }
 vec2 BokehEdgeDirection(int k, BokehPolygon polygon)
@@ -1257,106 +1279,106 @@ vec2 BokehEdgeDirection(int k, BokehPolygon polygon)
 vec2 outwards = BokehTurn(float(k), polygon);
 return BokehRotated(vec2(-outwards.y, outwards.x), polygon.axis);
 }
-int BokehOnEdge(int ring, BokehPolygon polygon)
+int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
 {
 return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
-vec2 BokehHoleShares(vec4 middle, vec4 far, float unit)
+vec2 BokehHoleWeights(vec4 middle, vec4 far, float inverseBrightness)
 {
-return vec2(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
-unit);
+return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
+BokehBrightest(far.rgb) * inverseBrightness);
 }
 struct BokehFilled
 {
-vec4 middle;
-vec4 back;
+vec4 midFill;
+vec4 farFill;
 };
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE ReachSamp,
-BokehPolygon polygon, BokehLayers layers)
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
+BOKEH_TEXTURE DilatedTilesSamp, BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 4.0);
 vec2 center = layers.uv * grid.size;
-vec4 tile = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers, 8.0));
-float reach = tile.r;
-float unit = exp2(-tile.b);
+vec4 tile = BokehFetchGrid(DilatedTilesSamp, center / 2.0, BokehReducedGrid(layers, 8.0));
+float nearCoC = tile.r;
+float inverseBrightness = exp2(-tile.b);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis);
 vec2 direction = BokehEdgeDirection(1, polygon);
 vec2 turn = BokehTurn(1.0, polygon);
-vec4 middle = BokehFetchGrid(MiddleSamp, center, grid);
+vec4 mid = BokehFetchGrid(MidSamp, center, grid);
 vec4 far = BokehFetchGrid(FarSamp, center, grid);
-vec2 shares = BokehHoleShares(middle, far, unit);
+vec2 weights = BokehHoleWeights(mid, far, inverseBrightness);
 for (int ring = 1; ring < 3; ring++)
 {
-if (reach < 6.0)
+if (nearCoC < 6.0)
 {
 break;
 }
-float diameter = max(reach / 8.0, 2.0) * float(ring);
+float diameter = max(nearCoC / 8.0, 2.0) * float(ring);
 float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
 vec2 scale = vec2(polygon.squeeze * diameter, diameter);
-int onEdge = BokehOnEdge(ring, polygon);
+int onEdge = BokehSamplesPerEdge(ring, polygon);
 for (int edge = 1; edge <= polygon.sides; edge++)
 {
 vec2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
 for (int i = 0; i < onEdge; i++)
 {
 vec2 place = center + corner * scale;
-vec4 middleTexel = BokehFetchGrid(MiddleSamp, place, grid);
+vec4 midTexel = BokehFetchGrid(MidSamp, place, grid);
 vec4 farTexel = BokehFetchGrid(FarSamp, place, grid);
-middle += middleTexel * weight;
+mid += midTexel * weight;
 far += farTexel * weight;
-shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
+weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
 corner += along;
 }
 direction = BokehRotated(direction, turn);
 }
 }
-vec3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
-float share = shares.r / max(shares.r + shares.g, 0.000001);
+vec3 both = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+float midWeight = weights.r / max(weights.r + weights.g, 0.000001);
 BokehFilled targets;
-targets.middle = vec4(both, share);
-targets.back = vec4(both, 1.0);
-if (middle.a > 0.000001)
+targets.midFill = vec4(both, midWeight);
+targets.farFill = vec4(both, 1.0);
+if (mid.a > 0.000001)
 {
-targets.middle = vec4(middle.rgb / middle.a, share);
+targets.midFill = vec4(mid.rgb / mid.a, midWeight);
 }
 if (far.a > 0.000001)
 {
-targets.back = vec4(far.rgb / far.a, 1.0);
+targets.farFill = vec4(far.rgb / far.a, 1.0);
 }
 return targets;
 }
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-bool secondPass, vec3 blur, BokehLayers layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
+bool secondPass, BokehBlur blur, BokehLayerContext layers)
 {
 float scale = 2.0;
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
 scale = 4.0;
 }
 BokehGrid grid = BokehReducedGrid(layers, scale);
-vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
-float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
-float phase = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
+float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
+float phase = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
 vec2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
-vec2 cellLength = segment.zw * (4.0 / (scale * cells));
+vec2 sampleStep = segment.zw * (4.0 / (scale * samples));
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-for (int i = 0; i < int(ceil(cells)); i++)
+for (int i = 0; i < int(ceil(samples)); i++)
 {
-float cell = clamp(cells - float(i), 0.0, 1.0);
-vec2 place = first + cellLength * (float(i) + cell * phase);
+float part = clamp(samples - float(i), 0.0, 1.0);
+vec2 place = first + sampleStep * (float(i) + part * phase);
 vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
-if (blur.z > -0.5)
+if (blur.useQuarterLayer)
 {
-texel = BokehFetchGrid(LevelSamp, place, grid);
+texel = BokehFetchGrid(QuarterSamp, place, grid);
 }
 else
 {
 texel = BokehFetchGrid(tex, place, grid);
 }
-sum += cell * texel;
+sum += part * texel;
 }
-sum = sum / cells;
+sum = sum / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -1368,95 +1390,97 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 vec4 w = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, vec2 sizes,
-bool isFar, int last, BokehPolygon polygon, BokehLayers layers)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
+bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 none = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
 BokehTargets targets;
-vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-if (blur.x > 0.51)
+BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
+if (blur.CoC > 0.51)
 {
-vec4 L2 = none;
-vec4 L3 = none;
-vec4 L4 = none;
-vec4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur, layers);
+vec4 L2 = zero;
+vec4 L3 = zero;
+vec4 L4 = zero;
+vec4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers);
+L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers);
+L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers);
+L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers);
 }
-targets.edge2 = L1;
-targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+targets.strip2 = L1;
+targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0));
-targets.edge3 = targets.edge2;
-targets.edge4 = targets.edge2;
-targets.edge5 = targets.edge2;
+targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0));
+targets.strip3 = targets.strip2;
+targets.strip4 = targets.strip2;
+targets.strip5 = targets.strip2;
 }
 return targets;
 }
-vec4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-BOKEH_TEXTURE Edge5Samp, vec2 sizes, bool isFar, BokehPolygon polygon, BokehLayers layers)
+vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_TEXTURE Strip4Samp,
+BOKEH_TEXTURE Strip5Samp, vec2 layerCoC, bool isFar, BokehPolygon polygon,
+BokehLayerContext layers)
 {
 vec2 center = layers.uv * ceil(layers.size / 2.0);
 vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
-vec3 blur = BokehLayerBlur(sizes, isFar, polygon);
-vec3 own = vec3(blur.x, blur.y, -1.0);
-if (blur.x > 0.51)
+BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
+blur.useQuarterLayer = false;
+if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers);
+result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own, layers);
+result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own, layers);
+result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own, layers);
+result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers);
 }
 result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0));
+result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0));
 }
 return result;
 }
 struct BokehLayersTargets
 {
-vec4 near2;
-vec4 far2;
-vec4 near3;
-vec4 far3;
+vec4 nearStrip2;
+vec4 farStrip2;
+vec4 nearStrip3;
+vec4 farStrip3;
 };
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearLevelSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarLevelSamp, vec2 sizes, BokehPolygon polygon,
-BokehLayers layers)
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
+BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, vec2 layerCoC, BokehPolygon polygon,
+BokehLayerContext layers)
 {
 int last = polygon.sides / 2;
-BokehTargets near = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+BokehTargets near = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last, polygon,
 layers);
-BokehTargets far = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon, layers);
+BokehTargets far = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
+layers);
 BokehLayersTargets targets;
-targets.near2 = near.edge2;
-targets.far2 = far.edge2;
-targets.near3 = near.edge3;
-targets.far3 = far.edge3;
+targets.nearStrip2 = near.strip2;
+targets.farStrip2 = far.strip2;
+targets.nearStrip3 = near.strip3;
+targets.farStrip3 = far.strip3;
 return targets;
 }
 struct BokehBlurred
@@ -1464,15 +1488,15 @@ struct BokehBlurred
 vec4 near;
 vec4 far;
 };
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp, BOKEH_TEXTURE Far2Samp,
-BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, vec2 sizes, BokehPolygon polygon,
-BokehLayers layers)
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
+BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, vec2 layerCoC, BokehPolygon polygon,
+BokehLayerContext layers)
 {
 BokehBlurred targets;
-targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
-polygon, layers);
-targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
-layers);
+targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
+layerCoC, false, polygon, layers);
+targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
+layerCoC, true, polygon, layers);
 return targets;
 }
 vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid halves)
@@ -1517,22 +1541,22 @@ struct BokehGather
 {
 vec4 sum;
 vec4 front;
-float farWeight;
+float farFound;
 float s;
 float inverse;
-float nearShare;
+float nearWeight;
 vec2 slopes;
 float snapping;
 vec2 bounds;
 float inner;
 };
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
-float outer, BokehPolygon polygon, BokehLayers layers)
+float outer, BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGather gather = before;
 BokehGrid full = BokehFullGrid(layers);
-vec2 none = vec2(0.0, 0.0);
-vec2 whole = vec2(1.0, 1.0);
+vec2 zero = vec2(0.0, 0.0);
+vec2 one = vec2(1.0, 1.0);
 float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
 float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
@@ -1558,23 +1582,23 @@ vec2 upright = corner + along * (float(i) + phase);
 vec2 place = right * upright.x + upwards * upright.y;
 vec2 texel = floor(place);
 vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
-gather.snapping, none, whole);
+gather.snapping, zero, one);
 vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
 vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
 vec2 CoC = vec2(pixel.a, other.a) * full.size.y;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
-gather.nearShare);
+vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
+gather.nearWeight);
 vec2 inverse = BokehSpreadInverse(CoC);
 inverse += (gather.inverse - inverse) * isBehind;
 inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
-vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
-covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
-gather.farWeight += inFar.x + inFar.y;
+vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
+covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
+gather.farFound += inFar.x + inFar.y;
 vec4 part = vec4(pixel.rgb, 1.0) * covers.x;
 vec4 otherPart = vec4(other.rgb, 1.0) * covers.y;
 gather.sum += part + otherPart;
-vec2 isFront = clamp(gather.s - 0.5 - CoC, none, whole);
+vec2 isFront = clamp(gather.s - 0.5 - CoC, zero, one);
 gather.front += part * isFront.x + otherPart * isFront.y;
 }
 corner += alongEdge;
@@ -1583,14 +1607,14 @@ direction = BokehRotated(direction, turn);
 gather.inner = outer;
 return gather;
 }
-vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
-BokehLayers layers)
+vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_TEXTURE NearSamp,
+BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MidFillSamp, BOKEH_TEXTURE FarFillSamp,
+BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGrid full = BokehFullGrid(layers);
 vec2 center = layers.uv * full.size;
 vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
-vec4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
+vec4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
 vec3 result = centerPixel.rgb;
 if (max(tile.r, tile.g) > 1.0)
 {
@@ -1598,13 +1622,13 @@ BokehGather gather;
 float s = centerPixel.a * full.size.y;
 gather.s = s;
 gather.slopes = vec2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
-float nearShare = BokehLayerShare(-s, gather.slopes.x);
-float farShare = BokehLayerShare(s, gather.slopes.y);
-gather.nearShare = nearShare;
+float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
+float farWeight = BokehLayerWeight(s, gather.slopes.y);
+gather.nearWeight = nearWeight;
 gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
-float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
 sqrt(gather.inverse);
-float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
+float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 float rings = float(BOKEH_LAYER_RINGS);
 if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
@@ -1618,9 +1642,9 @@ if (radius < 0.5)
 gather.inner = radius;
 }
 gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
-float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
-gather.farWeight = weight * farShare;
-gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
+gather.farFound = weight * farWeight;
+gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
 gather.front = vec4(0.0, 0.0, 0.0, 0.0);
 float edges = max(tile.r, tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
@@ -1631,7 +1655,7 @@ if (BOKEH_SIDES > 0)
 if (gather.inner < radius)
 {
 float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
 polygon, layers);
 }
 first = 2;
@@ -1643,24 +1667,24 @@ if (gather.inner >= radius)
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
 if (first < BOKEH_LAYER_RINGS)
 {
-onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 }
 gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers);
 }
-vec4 near = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
 if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
 {
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
-near = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-far = BokehFetchLayer(FarSamp, 0.5 * center, halves);
+nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
+farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
-vec4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
-max(far.a, 0.001));
-vec4 plain = sum + far * farShare;
+vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
+max(farLayer.a, 0.001));
+vec4 plain = sum + farLayer * farWeight;
 if (plain.a >= 0.001)
 {
 float rest = plain.a - gather.front.a;
@@ -1668,23 +1692,23 @@ float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
 + rest * open, 0.001);
 }
-if (nearShare > 0.0)
+if (nearWeight > 0.0)
 {
 BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-vec4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters);
-vec4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters);
-float inNear = near.a * min(2.0 - 2.0 * nearShare, 1.0);
+vec4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters);
+vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
+float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
 float empty = max(1.0 - sum.a - inNear, 0.0);
-float cover = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-float missing = max(1.0 - 2.0 * far.a, 0.0);
-vec3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
-missing;
-vec3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) / max(sum.a +
-empty, 0.000001);
-result += (stack - result) * nearShare;
+float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
+float missing = max(1.0 - 2.0 * farLayer.a, 0.0);
+vec3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a, 0.000001)) +
+farFill.rgb * missing;
+vec3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
+max(sum.a + empty, 0.000001);
+result += (stack - result) * nearWeight;
 }
-float alpha = clamp(near.a * 1.002, 0.0, 1.0);
-result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+float alpha = clamp(nearLayer.a * 1.002, 0.0, 1.0);
+result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
 }
 return vec4(result, centerPixel.a);
 }
@@ -1692,7 +1716,7 @@ return vec4(result, centerPixel.a);
 #error put bokeh.glsl before bokeh_lens.glsl
 #endif
 #define BOKEH_LENS 1
-BokehPolygon BokehClosed(BokehPolygon polygon)
+BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
 {
 BokehPolygon closed = polygon;
 closed.mean = vec2(0.0, 0.0);
@@ -1721,7 +1745,7 @@ float corner = 0.39269908 * clamp(roundness, 0.0, 1.0);
 float odd = sin(max(corner, 0.001));
 float even = sin(0.78539816 - corner);
 result.lengths = vec4(odd, even, odd, even);
-result = BokehClosed(result);
+result = BokehUpdatePolygon(result);
 }
 return result;
 }
@@ -1763,7 +1787,7 @@ BokehPolygon result = polygon;
 result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
 widths), BokehCutLength(4, widths));
 result.fifth = BokehCutLength(5, widths);
-return BokehClosed(result);
+return BokehUpdatePolygon(result);
 }
 struct BokehFocus
 {
@@ -1794,8 +1818,9 @@ nearest = min(nearest, BokehFetchTexel(MapSamp, BokehToTexture(place)).a);
 }
 }
 vec2 velocity = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
-vec2 before = uv - vec2(BokehSafe(velocity.x, -2.0, 2.0), BokehSafe(velocity.y, -2.0, 2.0));
-float history = BokehSafe(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
+vec2 before = uv - vec2(BokehSanitize(velocity.x, -2.0, 2.0), BokehSanitize(velocity.y, -2.0,
+2.0));
+float history = BokehSanitize(BokehFetch(HistorySamp, before).a, nearest, pixel.a);
 if (max(abs(before.x - 0.5), abs(before.y - 0.5)) <= 0.5)
 {
 pixel += vec4(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0));
@@ -1836,9 +1861,9 @@ return vec4(red, green.g, blue, green.a);
 #define BOKEH_TILE_MAX 23
 #define BOKEH_TILE_DILATE 24
 #define BOKEH_PREFILTER 25
-#define BOKEH_KERNEL_REDUCE 26
-#define BOKEH_KERNEL_ROWS 27
-#define BOKEH_KERNEL_COLUMNS 28
+#define BOKEH_LAYER_COC_REDUCE 26
+#define BOKEH_LAYER_COC_ROWS 27
+#define BOKEH_LAYER_COC_COLUMNS 28
 #define BOKEH_DOWNSAMPLE 29
 #define BOKEH_HOLE_FILL 30
 #define BOKEH_SQUARE_LAYER_FIRST 31
@@ -1851,9 +1876,9 @@ return vec4(red, green.g, blue, green.a);
 #define BOKEH_DECAGON_LAYER_SECOND 38
 #define BOKEH_COMPOSITE 39
 #define BOKEH_PREFILTER_ONE 40
-#define BOKEH_KERNEL_REDUCE_ONE 41
-#define BOKEH_KERNEL_ROWS_ONE 42
-#define BOKEH_KERNEL_COLUMNS_ONE 43
+#define BOKEH_LAYER_COC_REDUCE_ONE 41
+#define BOKEH_LAYER_COC_ROWS_ONE 42
+#define BOKEH_LAYER_COC_COLUMNS_ONE 43
 #define BOKEH_DOWNSAMPLE_ONE 44
 #define BOKEH_HOLE_FILL_ONE 45
 #define BOKEH_LAYER_EDGE 46
@@ -1979,9 +2004,9 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST || BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE || BOKEH_PASS == BOKEH_KERNEL_ROWS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE || BOKEH_PASS == BOKEH_LAYER_COC_ROWS
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 #define BOKEH_TARGETS 3
@@ -2025,10 +2050,10 @@ jitter = BokehJitter * BokehNoise(uv, imageSize, BokehFrame, passIndex);
 }
 return jitter;
 }
-BokehFilter BokehBegin(vec2 uv, float passIndex)
+BokehSamplingSettings BokehBegin(vec2 uv, float passIndex)
 {
 BokehUseViewport();
-BokehFilter settings;
+BokehSamplingSettings settings;
 settings.aspectRatio = BokehAspectRatio;
 settings.imageHeight = BokehImageHeight;
 settings.spacing = BokehSpacing;
@@ -2102,7 +2127,7 @@ depthUV = vec2(BokehDepthX, BokehDepthY) + uv * vec2(BokehDepthWidth, BokehDepth
 }
 return depthUV;
 }
-vec4 BokehPickTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
+vec4 BokehSelectTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 {
 vec4 picked = first;
 if (BOKEH_TARGET_INDEX == 1)
@@ -2122,7 +2147,7 @@ return picked;
 #ifdef BOKEH_PAPER
 vec4 BokehAdaptiveLine(vec2 uv)
 {
-BokehFilter settings = BokehBegin(uv, BokehPassIndex);
+BokehSamplingSettings settings = BokehBegin(uv, BokehPassIndex);
 vec2 lineCenter = vec2(BokehLineCenterX, BokehLineCenterY);
 vec4 segment = BokehSegment(BokehAngle, BokehLineLength, lineCenter, BokehSqueeze);
 return BokehDepthOfFieldAdaptive(BokehColorSamp, BokehDepthSamp, uv, segment, settings,
@@ -2130,11 +2155,11 @@ BokehBlurCoC > 0.5);
 }
 #endif
 #ifdef BOKEH_LAYERS
-BokehLayers BokehBeginLayers(vec2 uv, float scale, float passIndex)
+BokehLayerContext BokehBeginLayers(vec2 uv, float scale, float passIndex)
 {
 BokehUseViewport();
 vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
-BokehLayers layers = BokehMakeLayers(uv, imageSize, BokehMaxCoC);
+BokehLayerContext layers = BokehMakeLayerContext(uv, imageSize, BokehMaxCoC);
 if (BOKEH_VIEWPORT > 0)
 {
 layers.origin = vec2(BokehViewportX, BokehViewportY);
@@ -2143,33 +2168,34 @@ layers.texel = 1.0 / vec2(BokehTextureWidth, BokehTextureHeight);
 layers.jitter = BokehPassJitter(uv, ceil(imageSize / scale), passIndex);
 return layers;
 }
-BokehLayers BokehBeginTiles(vec2 uv)
+BokehLayerContext BokehBeginTiles(vec2 uv)
 {
 return BokehBeginLayers(uv, 1.0, 0.0);
 }
 BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
-BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
-return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerSizes(BokehColorSampC,
+BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
 layers), BokehLayer > 0.5, last, polygon, layers);
 }
-vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Edge5Samp, BokehPolygon polygon)
+vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
-BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Edge5Samp,
-BokehLayerSizes(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
+BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
+BokehLayerCoC(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
 }
 BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
 {
-BokehLayers layers = BokehBeginLayers(uv, 2.0, 0.0);
+BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
 return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
-BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
+BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
-BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, int sides)
+BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
+int sides)
 {
-BokehLayers layers = BokehBeginLayers(uv, 2.0, 1.0);
-return BokehLayersSecond(BokehColorSamp, BokehColorSampB, Near3Samp, Far3Samp,
-BokehLayerSizes(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
+BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
+BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
 #endif
 #if BOKEH_PASS == BOKEH_LINEAR_DEPTH
@@ -2204,7 +2230,7 @@ BokehResult = BokehPackCoC(color, clamp(BokehConstantCoC, 0.0, BokehMaxCoC));
 void main()
 {
 BokehResult = BokehSquareFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 4),
-BokehBegin(BokehUV, 0.0)).edge2;
+BokehBegin(BokehUV, 0.0)).strip2;
 }
 #elif BOKEH_PASS == BOKEH_SQUARE_SECOND
 void main()
@@ -2217,8 +2243,8 @@ void main()
 {
 BokehTargets targets = BokehHexagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 6),
 BokehBegin(BokehUV, 0.0));
-BokehResult = targets.edge2;
-BokehResultB = targets.edge3;
+BokehResult = targets.strip2;
+BokehResultB = targets.strip3;
 }
 #elif BOKEH_PASS == BOKEH_HEXAGON_SECOND
 void main()
@@ -2231,9 +2257,9 @@ void main()
 {
 BokehTargets targets = BokehOctagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 8),
 BokehBegin(BokehUV, 0.0));
-BokehResult = targets.edge2;
-BokehResultB = targets.edge3;
-BokehResultC = targets.edge4;
+BokehResult = targets.strip2;
+BokehResultB = targets.strip3;
+BokehResultC = targets.strip4;
 }
 #elif BOKEH_PASS == BOKEH_OCTAGON_SECOND
 void main()
@@ -2246,10 +2272,10 @@ void main()
 {
 BokehTargets targets = BokehDecagonFirst(BokehColorSamp, BokehUV, BokehAperture(BokehUV, 10),
 BokehBegin(BokehUV, 0.0));
-BokehResult = targets.edge2;
-BokehResultB = targets.edge3;
-BokehResultC = targets.edge4;
-BokehResultD = targets.edge5;
+BokehResult = targets.strip2;
+BokehResultB = targets.strip3;
+BokehResultC = targets.strip4;
+BokehResultD = targets.strip5;
 }
 #elif BOKEH_PASS == BOKEH_DECAGON_SECOND
 void main()
@@ -2262,7 +2288,7 @@ void main()
 {
 BokehTargets targets = BokehExactFirst(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2,
 BokehAnyAperture(BokehUV), BokehBegin(BokehUV, 0.0));
-BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 #elif BOKEH_PASS == BOKEH_DEBUG
 void main()
@@ -2324,7 +2350,7 @@ BokehResult = BokehCombine(a, BokehFetch(BokehColorSampB, BokehUV), BokehUseMax 
 #elif BOKEH_PASS == BOKEH_NAIVE_GATHER
 void main()
 {
-BokehFilter settings = BokehBegin(BokehUV, 0.0);
+BokehSamplingSettings settings = BokehBegin(BokehUV, 0.0);
 settings.aspectRatio = BokehAspectRatio / BokehSqueeze;
 BokehResult = BokehNaiveGather(BokehColorSamp, BokehDepthSamp, BokehKernelSamp, BokehUV,
 settings, BokehBlurCoC > 0.5);
@@ -2368,57 +2394,57 @@ BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
 BokehBeginTiles(BokehUV));
 BokehResult = targets.nearLayer;
 BokehResultB = targets.farLayer;
-BokehResultC = targets.kernelSums;
-BokehResultD = targets.leftovers;
+BokehResultC = targets.layerCoCSums;
+BokehResultD = targets.gatherCoC;
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE
 void main()
 {
-BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
 BokehBeginTiles(BokehUV));
-BokehResult = targets.leftovers;
+BokehResult = targets.gatherCoC;
 BokehResultB = targets.sums;
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_ROWS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_ROWS
 void main()
 {
-BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehBeginTiles(BokehUV));
-BokehResult = targets.leftovers;
+BokehResult = targets.gatherCoC;
 BokehResultB = targets.sums;
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS
 void main()
 {
-BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(BokehUV));
-BokehResult = targets.reach;
-BokehResultB = targets.sizes;
+BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+BokehColorSampC, BokehBeginTiles(BokehUV));
+BokehResult = targets.gatherTiles;
+BokehResultB = targets.layerCoC;
 }
 #elif BOKEH_PASS == BOKEH_DOWNSAMPLE
 void main()
 {
-BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
-BokehResult = targets.middle;
-BokehResultB = targets.far;
-BokehResultC = targets.nearLevel;
-BokehResultD = targets.farLevel;
+BokehResult = targets.midWithHoles;
+BokehResultB = targets.farWithHoles;
+BokehResultC = targets.nearQuarter;
+BokehResultD = targets.farQuarter;
 }
 #elif BOKEH_PASS == BOKEH_HOLE_FILL
 void main()
 {
 BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
-BokehResult = targets.middle;
-BokehResultB = targets.back;
+BokehResult = targets.midFill;
+BokehResultB = targets.farFill;
 }
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST
 void main()
 {
 BokehLayersTargets targets = BokehBothPolygons(BokehUV, 4);
-BokehResult = targets.near2;
-BokehResultB = targets.far2;
+BokehResult = targets.nearStrip2;
+BokehResultB = targets.farStrip2;
 }
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
 void main()
@@ -2431,10 +2457,10 @@ BokehResultB = targets.far;
 void main()
 {
 BokehLayersTargets targets = BokehBothPolygons(BokehUV, 6);
-BokehResult = targets.near2;
-BokehResultB = targets.far2;
-BokehResultC = targets.near3;
-BokehResultD = targets.far3;
+BokehResult = targets.nearStrip2;
+BokehResultB = targets.farStrip2;
+BokehResultC = targets.nearStrip3;
+BokehResultD = targets.farStrip3;
 }
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
 void main()
@@ -2447,9 +2473,9 @@ BokehResultB = targets.far;
 void main()
 {
 BokehTargets targets = BokehLayerPolygon(BokehUV, 4, BokehAperture(BokehUV, 8));
-BokehResult = targets.edge2;
-BokehResultB = targets.edge3;
-BokehResultC = targets.edge4;
+BokehResult = targets.strip2;
+BokehResultB = targets.strip3;
+BokehResultC = targets.strip4;
 }
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_SECOND
 void main()
@@ -2460,10 +2486,10 @@ BokehResult = BokehLayerResult(BokehUV, BokehColorSampC, BokehAperture(BokehUV, 
 void main()
 {
 BokehTargets targets = BokehLayerPolygon(BokehUV, 5, BokehAperture(BokehUV, 10));
-BokehResult = targets.edge2;
-BokehResultB = targets.edge3;
-BokehResultC = targets.edge4;
-BokehResultD = targets.edge5;
+BokehResult = targets.strip2;
+BokehResultB = targets.strip3;
+BokehResultC = targets.strip4;
+BokehResultD = targets.strip5;
 }
 #elif BOKEH_PASS == BOKEH_DECAGON_LAYER_SECOND
 void main()
@@ -2482,50 +2508,53 @@ void main()
 {
 BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
 BokehBeginTiles(BokehUV));
-BokehResult = BokehPickTarget(targets.nearLayer, targets.farLayer, targets.kernelSums,
-targets.leftovers);
+BokehResult = BokehSelectTarget(targets.nearLayer, targets.farLayer, targets.layerCoCSums,
+targets.gatherCoC);
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_REDUCE_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_REDUCE_ONE
 void main()
 {
-BokehKernels targets = BokehKernelReduce(BokehColorSamp, BokehColorSampB,
+BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
 BokehBeginTiles(BokehUV));
-BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+BokehResult = BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_ROWS_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_ROWS_ONE
 void main()
 {
-BokehKernels targets = BokehKernelRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehBeginTiles(BokehUV));
-BokehResult = BokehPickTarget(targets.leftovers, targets.sums, targets.sums, targets.sums);
+BokehResult = BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
-#elif BOKEH_PASS == BOKEH_KERNEL_COLUMNS_ONE
+#elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS_ONE
 void main()
 {
-BokehSizes targets = BokehKernelColumns(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(BokehUV));
-BokehResult = BokehPickTarget(targets.reach, targets.sizes, targets.sizes, targets.sizes);
+BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
+BokehColorSampC, BokehBeginTiles(BokehUV));
+BokehResult = BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
+targets.layerCoC);
 }
 #elif BOKEH_PASS == BOKEH_DOWNSAMPLE_ONE
 void main()
 {
-BokehLevels targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
+BokehDownsampled targets = BokehDownsample(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehColorSampD, BokehColorSampE, BokehAnyAperture(BokehUV), BokehBeginTiles(BokehUV));
-BokehResult = BokehPickTarget(targets.middle, targets.far, targets.nearLevel, targets.farLevel);
+BokehResult = BokehSelectTarget(targets.midWithHoles, targets.farWithHoles, targets.nearQuarter,
+targets.farQuarter);
 }
 #elif BOKEH_PASS == BOKEH_HOLE_FILL_ONE
 void main()
 {
 BokehFilled targets = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehColorSampC,
 BokehAnyAperture(BokehUV), BokehBeginLayers(BokehUV, 4.0, 0.0));
-BokehResult = BokehPickTarget(targets.middle, targets.back, targets.back, targets.back);
+BokehResult = BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill,
+targets.farFill);
 }
 #elif BOKEH_PASS == BOKEH_LAYER_EDGE
 void main()
 {
 BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
 BokehAnyAperture(BokehUV));
-BokehResult = BokehPickTarget(targets.edge2, targets.edge3, targets.edge4, targets.edge5);
+BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 #elif BOKEH_PASS == BOKEH_LAYER_SECOND_ONE
 void main()

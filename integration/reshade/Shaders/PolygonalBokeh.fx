@@ -121,9 +121,9 @@ BokehPolygon Aperture()
     return BokehMakePolygon(6, radians(Rotation), Squeeze);
 }
 
-BokehLayers Layers(float2 uv)
+BokehLayerContext Layers(float2 uv)
 {
-    return BokehMakeLayers(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), max(LargestBlurNear, LargestBlurFar) / 100.0);
+    return BokehMakeLayerContext(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), max(LargestBlurNear, LargestBlurFar) / 100.0);
 }
 
 // The pixel that automatic focus reads
@@ -248,99 +248,99 @@ sampler Layered17 { Texture = PolygonalBokehLayered17; AddressU = CLAMP; Address
 
 void LayeredTileMax1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     target0 = BokehTileMax(Layered0, layers);
 }
 
 void LayeredTileDilate2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     target0 = BokehTileDilate(Layered1, float2(1.0, 0.0), layers);
 }
 
 void LayeredTileDilate3PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     target0 = BokehTileDilate(Layered2, float2(0.0, 1.0), layers);
 }
 
 void LayeredPrefilter4PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPrefiltered targets = BokehPrefilter(Layered0, Layered1, layers);
     target0 = targets.nearLayer;
     target1 = targets.farLayer;
-    target2 = targets.kernelSums;
-    target3 = targets.leftovers;
+    target2 = targets.layerCoCSums;
+    target3 = targets.gatherCoC;
 }
 
-void LayeredKernelReduce5PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+void LayeredLayerCoCReduce5PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
-    BokehLayers layers = Layers(uv);
-    BokehKernels targets = BokehKernelReduce(Layered5, Layered6, layers);
-    target0 = targets.leftovers;
+    BokehLayerContext layers = Layers(uv);
+    BokehTileSums targets = BokehLayerCoCReduce(Layered5, Layered6, layers);
+    target0 = targets.gatherCoC;
     target1 = targets.sums;
 }
 
-void LayeredKernelRows6PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+void LayeredLayerCoCRows6PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
-    BokehLayers layers = Layers(uv);
-    BokehKernels targets = BokehKernelRows(Layered2, Layered7, Layered1, layers);
-    target0 = targets.leftovers;
+    BokehLayerContext layers = Layers(uv);
+    BokehTileSums targets = BokehLayerCoCRows(Layered2, Layered7, Layered1, layers);
+    target0 = targets.gatherCoC;
     target1 = targets.sums;
 }
 
-void LayeredKernelColumns7PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
+void LayeredLayerCoCColumns7PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
-    BokehLayers layers = Layers(uv);
-    BokehSizes targets = BokehKernelColumns(Layered8, Layered9, Layered1, layers);
-    target0 = targets.reach;
-    target1 = targets.sizes;
+    BokehLayerContext layers = Layers(uv);
+    BokehLayerCoCTargets targets = BokehLayerCoCColumns(Layered8, Layered9, Layered1, layers);
+    target0 = targets.gatherTiles;
+    target1 = targets.layerCoC;
 }
 
 void LayeredDownsample8PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
-    BokehLevels targets = BokehDownsample(Layered0, Layered1, Layered3, Layered4, Layered7, polygon, layers);
-    target0 = targets.middle;
-    target1 = targets.far;
-    target2 = targets.nearLevel;
-    target3 = targets.farLevel;
+    BokehDownsampled targets = BokehDownsample(Layered0, Layered1, Layered3, Layered4, Layered7, polygon, layers);
+    target0 = targets.midWithHoles;
+    target1 = targets.farWithHoles;
+    target2 = targets.nearQuarter;
+    target3 = targets.farQuarter;
 }
 
 void LayeredHoleFill9PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
     BokehFilled targets = BokehHoleFill(Layered10, Layered11, Layered1, polygon, layers);
-    target0 = targets.middle;
-    target1 = targets.back;
+    target0 = targets.midFill;
+    target1 = targets.farFill;
 }
 
 void LayeredHexagonLayerFirst10PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1, out float4 target2 : SV_Target2, out float4 target3 : SV_Target3)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
-    BokehLayersTargets targets = BokehLayersFirst(Layered3, Layered12, Layered4, Layered13, BokehLayerSizes(Layered7, layers), polygon, layers);
-    target0 = targets.near2;
-    target1 = targets.far2;
-    target2 = targets.near3;
-    target3 = targets.far3;
+    BokehLayersTargets targets = BokehLayersFirst(Layered3, Layered12, Layered4, Layered13, BokehLayerCoC(Layered7, layers), polygon, layers);
+    target0 = targets.nearStrip2;
+    target1 = targets.farStrip2;
+    target2 = targets.nearStrip3;
+    target3 = targets.farStrip3;
 }
 
 void LayeredHexagonLayerSecond11PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
-    BokehBlurred targets = BokehLayersSecond(Layered5, Layered6, Layered16, Layered17, BokehLayerSizes(Layered7, layers), polygon, layers);
+    BokehBlurred targets = BokehLayersSecond(Layered5, Layered6, Layered16, Layered17, BokehLayerCoC(Layered7, layers), polygon, layers);
     target0 = targets.near;
     target1 = targets.far;
 }
 
 void LayeredComposite12PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 color : SV_Target0)
 {
-    BokehLayers layers = Layers(uv);
+    BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
     color = BokehComposite(Layered0, Layered2, Layered3, Layered4, Layered14, Layered15, polygon, layers);
     color = Shown(color.rgb, uv);
@@ -355,9 +355,9 @@ technique PolygonalBokeh < ui_tooltip = "Near objects spread over what is behind
     pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate2PS; RenderTarget0 = PolygonalBokehLayered2; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate3PS; RenderTarget0 = PolygonalBokehLayered1; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredPrefilter4PS; RenderTarget0 = PolygonalBokehLayered3; RenderTarget1 = PolygonalBokehLayered4; RenderTarget2 = PolygonalBokehLayered5; RenderTarget3 = PolygonalBokehLayered6; }
-    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelReduce5PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
-    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelRows6PS; RenderTarget0 = PolygonalBokehLayered8; RenderTarget1 = PolygonalBokehLayered9; }
-    pass { VertexShader = PostProcessVS; PixelShader = LayeredKernelColumns7PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredLayerCoCReduce5PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredLayerCoCRows6PS; RenderTarget0 = PolygonalBokehLayered8; RenderTarget1 = PolygonalBokehLayered9; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredLayerCoCColumns7PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredDownsample8PS; RenderTarget0 = PolygonalBokehLayered10; RenderTarget1 = PolygonalBokehLayered11; RenderTarget2 = PolygonalBokehLayered12; RenderTarget3 = PolygonalBokehLayered13; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredHoleFill9PS; RenderTarget0 = PolygonalBokehLayered14; RenderTarget1 = PolygonalBokehLayered15; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredHexagonLayerFirst10PS; RenderTarget0 = PolygonalBokehLayered5; RenderTarget1 = PolygonalBokehLayered6; RenderTarget2 = PolygonalBokehLayered16; RenderTarget3 = PolygonalBokehLayered17; }
@@ -375,16 +375,16 @@ sampler Exact2 { Texture = PolygonalBokehExact2; AddressU = CLAMP; AddressV = CL
 void ExactHexagonFirst1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0, out float4 target1 : SV_Target1)
 {
     BokehPolygon polygon = Aperture();
-    BokehFilter settings = BokehDefaultFilter(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
+    BokehSamplingSettings settings = BokehDefaultSampling(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
     BokehTargets targets = BokehHexagonFirst(Exact0, uv, polygon, settings);
-    target0 = targets.edge2;
-    target1 = targets.edge3;
+    target0 = targets.strip2;
+    target1 = targets.strip3;
 }
 
 void ExactHexagonSecond2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 color : SV_Target0)
 {
     BokehPolygon polygon = Aperture();
-    BokehFilter settings = BokehDefaultFilter(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
+    BokehSamplingSettings settings = BokehDefaultSampling(float2(BUFFER_WIDTH, BUFFER_HEIGHT));
     color = BokehHexagonSecond(Exact1, Exact2, uv, polygon, settings);
     color = Shown(color.rgb, uv);
 }

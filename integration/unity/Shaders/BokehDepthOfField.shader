@@ -165,17 +165,17 @@ Shader "Hidden/BokehDepthOfField"
             #pragma vertex FullScreenVertex
             #pragma fragment BokehPrefilter_PS
         ENDHLSL }
-        Pass { Name "KernelReduce" HLSLPROGRAM
+        Pass { Name "LayerCoCReduce" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehKernelReduce_PS
+            #pragma fragment BokehLayerCoCReduce_PS
         ENDHLSL }
-        Pass { Name "KernelRows" HLSLPROGRAM
+        Pass { Name "LayerCoCRows" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehKernelRows_PS
+            #pragma fragment BokehLayerCoCRows_PS
         ENDHLSL }
-        Pass { Name "KernelColumns" HLSLPROGRAM
+        Pass { Name "LayerCoCColumns" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehKernelColumns_PS
+            #pragma fragment BokehLayerCoCColumns_PS
         ENDHLSL }
         Pass { Name "Downsample" HLSLPROGRAM
             #pragma vertex FullScreenVertex

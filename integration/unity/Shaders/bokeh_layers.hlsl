@@ -14,22 +14,25 @@
 //   blending off. RGBA16F; what uses two channels may be RG16F.
 //   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
 //
-//   function        size  reads                             writes
-//   TileMax         1/8   map                               largest near and far CoC, light level
-//   TileDilate      1/8   TileMax; then itself              the same of all tiles that reach here
-//   Prefilter       1/2   map, tiles                        nearLayer, farLayer, kernelSums,
-//                                                           leftovers (RG)
-//   KernelReduce    1/8   kernelSums, leftovers             leftovers (RG), sums: of a tile
-//   KernelRows      1/8   both, tiles                       the same of the tiles in its row
-//   KernelColumns   1/8   both, tiles                       reach: tiles and leftovers; sizes (RG):
-//                                                           CoC of the layers
-//   Downsample      1/4   map, tiles, both layers, sizes   middle, far; nearLevel, farLevel: for
-//                                                           wide lines of LayerFirst
-//   HoleFill        1/4   middle, far, tiles                middle, back: without holes
-//   LayerFirst      1/2   a layer, its level, sizes         exact polygon, first pass
-//   LayerSecond     1/2   what that wrote, sizes            exact polygon, second pass
-//   Composite       1     map, reach, both layers,          the picture
-//                         middle, back
+//   function         size  reads                            writes
+//   TileMax          1/8   map                              tiles: largest near and far CoC, mean
+//                                                           log brightness of 8 x 8 pixels
+//   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
+//                                                           whose blur reaches this tile
+//   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
+//                                                           gatherCoC (RG)
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
+//   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
+//                                                           layerCoC (RG): CoC of both layers
+//   Downsample       1/4   map, dilatedTiles, both layers,  midWithHoles, farWithHoles: background;
+//                          layerCoC                         nearQuarter, farQuarter: both layers
+//   HoleFill         1/4   midWithHoles, farWithHoles,      midFill, farFill: without holes
+//                          dilatedTiles
+//   LayerFirst       1/2   a layer, its quarter, layerCoC   strips: exact polygon, first pass
+//   LayerSecond      1/2   strips, layerCoC                 the blurred layer: second pass
+//   Composite        1     map, gatherTiles, both blurred   the finished image
+//                          layers, midFill, farFill
 //
 //   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
 //   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
@@ -40,11 +43,11 @@
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
 //                                              where no layer is, or with CUBIC 0 small ones
-//   BOKEH_LAYER_CELLS       11         2 ..    most samples on an edge of a layer's hexagon; twice
+//   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
-//   BOKEH_MIN_LEVEL         0.00001    > 0     colour that is as good as black: what is darker does
-//                                              not lower the level of light
+//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
+//                                              its tile any further
 //
 //   Presets: define one before bokeh.hlsl, or set the constants instead; in WGSL set all three.
 //
@@ -61,39 +64,39 @@
 
 #if defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_RINGS 1
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 0
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
-#define BOKEH_PRESET_CELLS 18
+#define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
 #else
 #define BOKEH_PRESET_RINGS 2
-#define BOKEH_PRESET_CELLS 11
+#define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 1
 #endif
 
 #ifndef BOKEH_PRESET_DEFAULT
-#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_CELLS) || defined(BOKEH_LAYER_CUBIC)
-#error a preset sets BOKEH_LAYER_RINGS, _CELLS and _CUBIC: define it or them, not both
+#if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
+#error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
 #endif
 #endif
 
 #ifndef BOKEH_LAYER_RINGS
 #define BOKEH_LAYER_RINGS BOKEH_PRESET_RINGS
 #endif
-#ifndef BOKEH_LAYER_CELLS
-#define BOKEH_LAYER_CELLS BOKEH_PRESET_CELLS
+#ifndef BOKEH_LAYER_SAMPLES
+#define BOKEH_LAYER_SAMPLES BOKEH_PRESET_LAYER_SAMPLES
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
 #endif
-#ifndef BOKEH_MIN_LEVEL
-#define BOKEH_MIN_LEVEL 0.00001
+#ifndef BOKEH_MIN_BRIGHTNESS
+#define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
 
 // Layers: where the image lies in textures of one size, all in their texels
@@ -112,7 +115,7 @@ struct BokehGrid
 //   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
 //   largest       possible CoC: maxCoC of the map times the image height, pixels
 //   jitter        from BokehNoise, times its amount; 0 = none
-struct BokehLayers
+struct BokehLayerContext
 {
     float2 uv;
     float2 size;
@@ -124,9 +127,9 @@ struct BokehLayers
 
 // Layers: settings for an image that fills its textures, without jitter
 //   maxCoC        fraction of the image height, as in the CoC map
-BokehLayers BokehMakeLayers(float2 uv, float2 imageSize, float maxCoC)
+BokehLayerContext BokehMakeLayerContext(float2 uv, float2 imageSize, float maxCoC)
 {
-    BokehLayers layers;
+    BokehLayerContext layers;
     layers.uv = uv;
     layers.size = imageSize;
     layers.origin = float2(0.0, 0.0);
@@ -137,7 +140,7 @@ BokehLayers BokehMakeLayers(float2 uv, float2 imageSize, float maxCoC)
 }
 
 // Layers: the grid of the full size
-BokehGrid BokehFullGrid(BokehLayers layers)
+BokehGrid BokehFullGrid(BokehLayerContext layers)
 {
     BokehGrid grid;
     grid.size = layers.size;
@@ -147,7 +150,7 @@ BokehGrid BokehFullGrid(BokehLayers layers)
 }
 
 // Layers: the grid of textures of 1 / scale of the full size
-BokehGrid BokehReducedGrid(BokehLayers layers, float scale)
+BokehGrid BokehReducedGrid(BokehLayerContext layers, float scale)
 {
     BokehGrid grid;
     grid.size = ceil(layers.size / scale);
@@ -198,12 +201,12 @@ float BokehBrightest(float3 color)
     return max(max(color.r, color.g), color.b);
 }
 
-// Layers: how fast a share grows with the CoC, for BokehLayerShare; 1 / pixels
-//   largest       CoC of a neighbourhood, pixels: where it is `none` or less there is no layer,
-//                 from `whole` up all of it
-float BokehLayerSlope(float largest, float none, float whole)
+// Layers: how fast a share grows with the CoC, for BokehLayerWeight; 1 / pixels
+//   largest       CoC of a neighbourhood, pixels: up to startCoC there is no layer, from
+//                 fullCoC up all of it
+float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
-    float gate = clamp((largest - none) / (whole - none), 0.001, 1.0);
+    float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
     return 5.0 / max(largest / gate, 2.0);
 }
 
@@ -227,14 +230,14 @@ float BokehFarSlope(float largest)
 //   From 0.2 to 0.4, what is half as near is blurred as the nearest (market_7: FLIP .184 for .180);
 //   from 0.6 to 0.8, more of it is left to the gather, and grainy (.181).
 //   CoC           pixels: -s for the near layer, s for the far one
-float BokehLayerShare(float CoC, float slope)
+float BokehLayerWeight(float CoC, float slope)
 {
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
 // Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
-//   returns       r = near, g = far, both >= 0, pixels; b = level
-float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers BOKEH_SAMPLER)
+//   returns       r = near, g = far, both >= 0, pixels; b = mean log2 of brightness
+float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
     float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + float2(0.5, 0.5);
     float3 found = float3(0.0, 0.0, 0.0);
@@ -245,8 +248,8 @@ float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayers layers BOKEH_SAMPLER)
             float2 place = first + float2(float(x), float(y));
             float4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers) BOKEH_LINEAR);
             float s = pixel.a * layers.size.y;
-            float level = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_LEVEL));
-            found = float3(max(found.r, -s), max(found.g, s), found.b + level);
+            float logBrightness = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
+            found = float3(max(found.r, -s), max(found.g, s), found.b + logBrightness);
         }
     }
     return float4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0,
@@ -263,19 +266,19 @@ float2 BokehReaching(float2 CoC, float tiles)
 }
 
 // Layers: how many tiles the largest CoC reaches, with BokehReaching's margin; 127 at most
-float BokehReachTiles(BokehLayers layers)
+float BokehReachTiles(BokehLayerContext layers)
 {
     return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
 
 // Layers: the largest CoC of any neighbouring tile that reaches this one; rows first, then columns
 //   axis          (1, 0), then (0, 1)
-float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayers layers BOKEH_SAMPLER)
+float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float radius = BokehReachTiles(layers);
     float2 found = float2(0.0, 0.0);
-    float level = 0.0;
+    float logBrightness = 0.0;
     BOKEH_LOOP for (int i = 0; i < 255; i++)
     {
         float tiles = float(i) - radius;
@@ -286,37 +289,39 @@ float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayers layers 
         float4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles,
             grid BOKEH_LINEAR);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
-        level += tile.b;
+        logBrightness += tile.b;
     }
-    return float4(found, level / (2.0 * radius + 1.0), 1.0);
+    return float4(found, logBrightness / (2.0 * radius + 1.0), 1.0);
 }
 
 // Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
-//   unit          1 / the level around
-//   heaviest      10000 at most; times the largest CoC / 8 it has to fit into a half float. The
-//                 least that BokehKernelColumns takes for a layer, 0.0001 of 6 pixels, is then no
+//   inverseBrightness  1 / mean brightness of the tiles around
+//   maxWeight     10000 at most; times the largest CoC / 8 it has to fit into a half float. The
+//                 least that BokehLayerCoCColumns takes for a layer, 0.0001 of 6 pixels, is then no
 //                 subnormal half either, which some GPUs flush to 0.
-float4 BokehBlurWeights(float4 a, float4 b, float4 c, float4 d, float unit, float heaviest)
+float4 BokehBlurWeights(float4 a, float4 b, float4 c, float4 d, float inverseBrightness,
+    float maxWeight)
 {
     float4 brightest = float4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
         BokehBrightest(d.rgb));
-    return min(0.01 + brightest * unit, float4(heaviest, heaviest, heaviest, heaviest));
+    return min(0.01 + brightest * inverseBrightness, float4(maxWeight, maxWeight, maxWeight,
+        maxWeight));
 }
 
 // Layers: what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times share, share
-//   kernelSums    for the mean CoC of both layers: CoC / 8 times weight, weight
-//   leftovers     rg = largest near and far CoC that is not wholly in its layer, pixels
+//   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
+//   gatherCoC     rg = largest near and far CoC that is not wholly in its layer, pixels
 struct BokehPrefiltered
 {
     float4 nearLayer;
     float4 farLayer;
-    float4 kernelSums;
-    float4 leftovers;
+    float4 layerCoCSums;
+    float4 gatherCoC;
 };
 
-// Layers: BokehLayerShare of four pixels
-float4 BokehLayerShares(float4 CoC, float slope)
+// Layers: BokehLayerWeight of four pixels
+float4 BokehLayerWeights(float4 CoC, float slope)
 {
     return clamp(CoC * slope - 2.0, float4(0.0, 0.0, 0.0, 0.0), float4(1.0, 1.0, 1.0, 1.0));
 }
@@ -324,10 +329,10 @@ float4 BokehLayerShares(float4 CoC, float slope)
 // Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
 //   found         of the pixels before this one
 //   nearest       largest share: from a half of it a pixel is near
-float4 BokehSurroundings(float4 found, float4 pixel, float nearShare, float nearest)
+float4 BokehSurroundings(float4 found, float4 pixel, float nearWeight, float maxNearWeight)
 {
     float4 result = float4(min(found.rgb, pixel.rgb), found.a);
-    if (nearShare < 0.5 * nearest)
+    if (nearWeight < 0.5 * maxNearWeight)
     {
         result = float4(found.rgb, max(found.a, BokehBrightest(pixel.rgb)));
     }
@@ -337,63 +342,63 @@ float4 BokehSurroundings(float4 found, float4 pixel, float nearShare, float near
 // Layers: a near pixel without the light from behind that antialiasing has put into it
 //   around        from BokehSurroundings
 //   returns       colour, share
-float4 BokehNearPixel(float4 pixel, float nearShare, float4 around)
+float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
 {
-    float4 result = float4(pixel.rgb, nearShare);
+    float4 result = float4(pixel.rgb, nearWeight);
     float brightest = BokehBrightest(pixel.rgb);
     float limit = BokehBrightest(around.rgb);
     if (around.a > brightest)
     {
-        result = float4(min(pixel.rgb, around.rgb), nearShare);
+        result = float4(min(pixel.rgb, around.rgb), nearWeight);
         if (brightest > limit)
         {
             // the part of it that is not light from behind
-            result = float4(result.rgb, nearShare * (around.a - brightest) / (around.a - limit));
+            result = float4(result.rgb, nearWeight * (around.a - brightest) / (around.a - limit));
         }
     }
     return result;
 }
 
 // Layers: near and far layer at half size, and what is known of their CoC
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
-    BokehLayers layers BOKEH_SAMPLER)
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+    BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
     float2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + float2(1.0, 1.0);
-    float4 reach = BokehFetchGrid(ReachSamp, middle / 8.0, BokehReducedGrid(layers,
+    float4 tile = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
-    float nearSlope = BokehNearSlope(reach.r);
-    float farSlope = BokehFarSlope(reach.g);
-    float unit = exp2(-reach.b);
-    float heaviest = 500000.0 / max(layers.largest, 50.0);
+    float nearSlope = BokehNearSlope(tile.r);
+    float farSlope = BokehFarSlope(tile.g);
+    float inverseBrightness = exp2(-tile.b);
+    float maxWeight = 500000.0 / max(layers.largest, 50.0);
     // the four pixels of this texel
     float4 a = BokehFetchGrid(MapSamp, middle + float2(-0.5, -0.5), full BOKEH_LINEAR);
     float4 b = BokehFetchGrid(MapSamp, middle + float2(0.5, -0.5), full BOKEH_LINEAR);
     float4 c = BokehFetchGrid(MapSamp, middle + float2(-0.5, 0.5), full BOKEH_LINEAR);
     float4 d = BokehFetchGrid(MapSamp, middle + float2(0.5, 0.5), full BOKEH_LINEAR);
     float4 s = float4(a.a, b.a, c.a, d.a) * full.size.y;
-    float4 nearShares = BokehLayerShares(-s, nearSlope);
-    float4 farShares = BokehLayerShares(s, farSlope);
-    float4 far = float4(a.rgb, 1.0) * farShares.x + float4(b.rgb, 1.0) * farShares.y + float4(c.rgb,
-        1.0) * farShares.z + float4(d.rgb, 1.0) * farShares.w;
-    float4 weights = farShares * BokehBlurWeights(a, b, c, d, unit, heaviest);
+    float4 nearWeights = BokehLayerWeights(-s, nearSlope);
+    float4 farWeights = BokehLayerWeights(s, farSlope);
+    float4 farSum = float4(a.rgb, 1.0) * farWeights.x + float4(b.rgb, 1.0) * farWeights.y +
+        float4(c.rgb, 1.0) * farWeights.z + float4(d.rgb, 1.0) * farWeights.w;
+    float4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     float4 one = float4(1.0, 1.0, 1.0, 1.0);
     float4 sums = float4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    float4 nearLeft = -s * min(4.0 - 4.0 * nearShares, one);
-    float4 farLeft = s * min(4.0 - 4.0 * farShares, one);
-    float2 left = max(max(float2(nearLeft.x, farLeft.x), float2(nearLeft.y, farLeft.y)),
-        max(float2(nearLeft.z, farLeft.z), float2(nearLeft.w, farLeft.w)));
-    float nearest = max(max(nearShares.x, nearShares.y), max(nearShares.z, nearShares.w));
-    float4 near = float4(0.0, 0.0, 0.0, 0.0);
-    if (nearest > 0.0)
+    float4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
+    float4 farGather = s * min(4.0 - 4.0 * farWeights, one);
+    float2 gatherCoC = max(max(float2(nearGather.x, farGather.x), float2(nearGather.y,
+        farGather.y)), max(float2(nearGather.z, farGather.z), float2(nearGather.w, farGather.w)));
+    float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
+    float4 nearSum = float4(0.0, 0.0, 0.0, 0.0);
+    if (maxNearWeight > 0.0)
     {
         // an antialiased pixel of a near edge holds light of what is behind it: where that is
         // brighter, no near pixel stays brighter than the darkest one around
         float4 around = float4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
-        around = BokehSurroundings(around, a, nearShares.x, nearest);
-        around = BokehSurroundings(around, b, nearShares.y, nearest);
-        around = BokehSurroundings(around, c, nearShares.z, nearest);
-        around = BokehSurroundings(around, d, nearShares.w, nearest);
+        around = BokehSurroundings(around, a, nearWeights.x, maxNearWeight);
+        around = BokehSurroundings(around, b, nearWeights.y, maxNearWeight);
+        around = BokehSurroundings(around, c, nearWeights.z, maxNearWeight);
+        around = BokehSurroundings(around, d, nearWeights.w, maxNearWeight);
         for (int y = 0; y < 4; y++)
         {
             for (int x = 0; x < 4; x++)
@@ -403,74 +408,77 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp,
                 if (max(abs(offset.x), abs(offset.y)) > 1.0)
                 {
                     float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
-                    around = BokehSurroundings(around, pixel, BokehLayerShare(-pixel.a *
-                        full.size.y, nearSlope), nearest);
+                    around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
+                        full.size.y, nearSlope), maxNearWeight);
                 }
             }
         }
-        a = BokehNearPixel(a, nearShares.x, around);
-        b = BokehNearPixel(b, nearShares.y, around);
-        c = BokehNearPixel(c, nearShares.z, around);
-        d = BokehNearPixel(d, nearShares.w, around);
-        near = float4(a.rgb, 1.0) * a.a + float4(b.rgb, 1.0) * b.a + float4(c.rgb, 1.0) * c.a +
+        a = BokehNearPixel(a, nearWeights.x, around);
+        b = BokehNearPixel(b, nearWeights.y, around);
+        c = BokehNearPixel(c, nearWeights.z, around);
+        d = BokehNearPixel(d, nearWeights.w, around);
+        nearSum = float4(a.rgb, 1.0) * a.a + float4(b.rgb, 1.0) * b.a + float4(c.rgb, 1.0) * c.a +
             float4(d.rgb, 1.0) * d.a;
-        weights = float4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, unit, heaviest);
+        weights = float4(a.a, b.a, c.a, d.a) * BokehBlurWeights(a, b, c, d, inverseBrightness,
+            maxWeight);
         sums = float4(-dot(weights, s) / 8.0, dot(weights, one), sums.z, sums.w);
     }
     BokehPrefiltered targets;
-    targets.nearLayer = near * 0.25;
-    targets.farLayer = far * 0.25;
-    float most = BOKEH_MAX_COLOR;
-    targets.kernelSums = min(sums * 0.25, float4(most, most, most, most));
-    targets.leftovers = float4(clamp(left, float2(0.0, 0.0), float2(most, most)), 0.0, 1.0);
+    targets.nearLayer = nearSum * 0.25;
+    targets.farLayer = farSum * 0.25;
+    float maxValue = BOKEH_MAX_COLOR;
+    targets.layerCoCSums = min(sums * 0.25, float4(maxValue, maxValue, maxValue, maxValue));
+    targets.gatherCoC = float4(clamp(gatherCoC, float2(0.0, 0.0), float2(maxValue, maxValue)), 0.0,
+        1.0);
     return targets;
 }
 
 // Layers: what is known of the CoC of a tile, and of those around
-//   leftovers     rg = the largest
-//   sums          the mean of kernelSums
-struct BokehKernels
+//   gatherCoC     rg = the largest
+//   sums          the mean of layerCoCSums
+struct BokehTileSums
 {
-    float4 leftovers;
+    float4 gatherCoC;
     float4 sums;
 };
 
-// Layers: kernelSums and leftovers of BokehPrefilter for each tile
-BokehKernels BokehKernelReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE LeftSamp,
-    BokehLayers layers BOKEH_SAMPLER)
+// Layers: layerCoCSums and gatherCoC of BokehPrefilter for each tile
+BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
+    BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid halves = BokehReducedGrid(layers, 2.0);
     float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + float2(0.5, 0.5);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
-    float2 left = float2(0.0, 0.0);
+    float2 gatherCoC = float2(0.0, 0.0);
     for (int y = 0; y < 4; y++)
     {
         for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
             sums += BokehFetchGrid(SumsSamp, place, halves BOKEH_LINEAR);
-            left = max(left, BokehFetchGrid(LeftSamp, place, halves BOKEH_LINEAR).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place,
+                halves BOKEH_LINEAR).rg);
         }
     }
-    BokehKernels targets;
-    targets.leftovers = float4(left, 0.0, 1.0);
+    BokehTileSums targets;
+    targets.gatherCoC = float4(gatherCoC, 0.0, 1.0);
     targets.sums = sums / 16.0;
     return targets;
 }
 
-// Layers: BokehKernelRows along any axis
+// Layers: BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
-BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE ReachSamp, float2 axis, BokehLayers layers BOKEH_SAMPLER)
+BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE DilatedTilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
+    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
     // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
     // .180), half as wide, the kernel changes within one light
-    float2 sigma = max(reach * 0.0375, float2(0.6, 0.6));
+    float2 sigma = max(tile * 0.0375, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
-    float2 left = float2(0.0, 0.0);
+    float2 gatherCoC = float2(0.0, 0.0);
     float2 total = float2(0.0, 0.0);
     BOKEH_LOOP for (int i = 0; i < 255; i++)
     {
@@ -483,59 +491,60 @@ BokehKernels BokehKernelAlong(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
             weight.y, weight.y);
-        left = max(left, BokehReaching(BokehFetchGrid(LeftSamp, place, grid BOKEH_LINEAR).rg,
-            abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place,
+            grid BOKEH_LINEAR).rg, abs(tiles)));
         total += weight;
     }
-    BokehKernels targets;
-    targets.leftovers = float4(left, 0.0, 1.0);
+    BokehTileSums targets;
+    targets.gatherCoC = float4(gatherCoC, 0.0, 1.0);
     targets.sums = sums / float4(total.x, total.x, total.y, total.y);
     return targets;
 }
 
-// Layers: leftovers and sums of the tiles around, along rows
-//   LeftSamp, SumsSamp  what BokehKernelReduce wrote
-//   returns       leftovers: the largest that reach here; sums: their mean, by a Gaussian as wide
+// Layers: gatherCoC and sums of the tiles around, along rows
+//   GatherCoCSamp, SumsSamp  what BokehLayerCoCReduce wrote
+//   returns       gatherCoC: the largest that reach here; sums: their mean, by a Gaussian as wide
 //                 as the CoC that reach here
-BokehKernels BokehKernelRows(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE ReachSamp, BokehLayers layers BOKEH_SAMPLER)
+BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    return BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, float2(1.0, 0.0), layers BOKEH_LINEAR);
+    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, float2(1.0, 0.0),
+        layers BOKEH_LINEAR);
 }
 
-// Layers: what BokehKernelColumns writes
-//   reach         near and far CoC that reach here, near and far leftovers that do; pixels
-//   sizes         rg = CoC that the near and the far layer are blurred by, 0 where there is none;
-//                 pixels
-struct BokehSizes
+// Layers: what BokehLayerCoCColumns writes
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the same of gatherCoC
+//                 alone; pixels
+//   layerCoC      rg = CoC to blur the near and the far layer by, pixels; 0 where there is no layer
+struct BokehLayerCoCTargets
 {
-    float4 reach;
-    float4 sizes;
+    float4 gatherTiles;
+    float4 layerCoC;
 };
 
 // Layers: the same along columns, and the CoC that the layers are blurred by
 //   One kernel for a neighbourhood and layer is what makes its blur separable.
-//   LeftSamp, SumsSamp  what BokehKernelRows wrote
-BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE ReachSamp, BokehLayers layers BOKEH_SAMPLER)
+//   GatherCoCSamp, SumsSamp  what BokehLayerCoCRows wrote
+BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 reach = BokehFetchGrid(ReachSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
-    BokehKernels kernels = BokehKernelAlong(LeftSamp, SumsSamp, ReachSamp, float2(0.0, 1.0),
-        layers BOKEH_LINEAR);
-    float4 sums = kernels.sums;
-    float2 sizes = float2(0.0, 0.0);
-    if (sums.g > 0.0001 && reach.r > 6.0)
+    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
+    BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
+        float2(0.0, 1.0), layers BOKEH_LINEAR);
+    float4 sums = tileSums.sums;
+    float2 layerCoC = float2(0.0, 0.0);
+    if (sums.g > 0.0001 && tile.r > 6.0)
     {
-        sizes = float2(8.0 * sums.r / sums.g, 0.0);
+        layerCoC = float2(8.0 * sums.r / sums.g, 0.0);
     }
-    if (sums.a > 0.0001 && reach.g > 10.0)
+    if (sums.a > 0.0001 && tile.g > 10.0)
     {
-        sizes = float2(sizes.x, 8.0 * sums.b / sums.a);
+        layerCoC = float2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
-    BokehSizes targets;
-    targets.reach = float4(reach, kernels.leftovers.rg);
-    targets.sizes = float4(sizes, 0.0, 1.0);
+    BokehLayerCoCTargets targets;
+    targets.gatherTiles = float4(tile, tileSums.gatherCoC.rg);
+    targets.layerCoC = float4(layerCoC, 0.0, 1.0);
     return targets;
 }
 
@@ -543,61 +552,76 @@ BokehSizes BokehKernelColumns(BOKEH_TEXTURE LeftSamp, BOKEH_TEXTURE SumsSamp,
 // [12] quarter size: levels of the layers, and what the near layer hides
 
 // Layers: CoC that the near and the far layer are blurred by here, pixels
-float2 BokehLayerSizes(BOKEH_TEXTURE SizesSamp, BokehLayers layers BOKEH_SAMPLER)
+float2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
     float2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
-    return BokehFetchGrid(SizesSamp, place, BokehReducedGrid(layers, 8.0) BOKEH_LINEAR).rg;
+    return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0) BOKEH_LINEAR).rg;
 }
 
-// Layers: what a layer is blurred by
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: 9 is their share of the
-//   squared CoC, 14 more that of a level. With 0 layers are too soft (market_7: FLIP .186 for
-//   .180), with 16 near ones too sharp (street_11: .044 for .041). Far lights: small ones keep
-//   their size by less (overlap with a decagon of 20 pixels: .89 for .87), wide ones have edges
-//   as hard as the truth's by more (market_7: .179 for .180).
-//   sizes         from BokehLayerSizes
-//   returns       x = CoC, texels of the half size; 0.5 where there is no layer, or nothing to do
-//                 (compare with 0.51: a GPU's root of 0.25 may be a little more)
-//                 y = spacing of the samples on an edge: an edge of a hexagon has at most
-//                 BOKEH_LAYER_CELLS; 1 or more
-//                 z = -1, or where the first pass reads the layer's level: weight of the texels
-//                 beside the middle one of that, so that it has a zero near 1 / spacing. More
-//                 makes edges soft, less leaves dots (hexagon, 216 pixels: ripple .16 with 1, .24
-//                 with 0, .05 so). Near lights have harder edges: from 1.15 on market_7 has .182
-//                 for .179, from 2 on dots show.
-float3 BokehLayerBlur(float2 sizes, bool isFar, BokehPolygon polygon)
+// Layers: how a layer is blurred at one place
+//   CoC           texels of the half size; 0.5 where there is no layer, or nothing to do (compare
+//                 with 0.51: a GPU's root of 0.25 may be a little more)
+//   spacing       of the samples on an edge, texels: 1 or more; an edge of a hexagon has at most
+//                 BOKEH_LAYER_SAMPLES samples
+//   useQuarterLayer  whether the first pass reads the layer at quarter size: samples are too far
+//                 apart for the half size
+//   sideTap       weight of the texels beside the middle one in that layer, so that it has a zero
+//                 near 1 / spacing. More makes edges soft, less leaves dots (hexagon, 216 pixels:
+//                 ripple .16 with 1, .24 with 0, .05 so).
+struct BokehBlur
 {
-    float CoC = 0.5 * sizes.r;
-    float least = 1.5;
-    float own = 9.0;
+    float CoC;
+    float spacing;
+    bool useQuarterLayer;
+    float sideTap;
+};
+
+// Layers: chooses how a layer is blurred from its CoC
+//   Averaging 2 x 2 pixels and the linear filter blur by themselves: selfBlur takes 9 off the
+//   squared CoC for that, and 14 more for the quarter size. With 0 layers are too soft (market_7:
+//   FLIP rises from .180 to .186), with 16 near ones are too sharp (street_11: from .041 to .044).
+//   Far lights: small ones keep their size by a smaller value (overlap with a decagon of 20 pixels:
+//   .89 against .87), wide ones get edges as hard as the truth's by a larger one (market_7: .179
+//   against .180). Near lights have harder edges: with a minSpacing below 1.15 market_7 rises from
+//   .179 to .182, above 2 dots show.
+//   layerCoC      from BokehLayerCoC
+BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
+{
+    float CoC = 0.5 * layerCoC.r;
+    float minSpacing = 1.5;
+    float selfBlur = 9.0;
     if (isFar)
     {
-        CoC = 0.5 * sizes.g;
-        least = 1.15;
-        own = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+        CoC = 0.5 * layerCoC.g;
+        minSpacing = 1.15;
+        selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
     }
     // a square has one line where others have more
-    float spacing = 0.5 * CoC / float(BOKEH_LAYER_CELLS);
+    float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
     float hard = 0.4;
     if (polygon.sides < 6)
     {
-        spacing = 0.354 * CoC / float(BOKEH_LAYER_CELLS);
+        spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
         hard = 0.2;
     }
-    float side = -1.0;
-    if (spacing > least)
+    BokehBlur blur;
+    blur.useQuarterLayer = spacing > minSpacing;
+    blur.sideTap = 0.0;
+    if (blur.useQuarterLayer)
     {
-        side = clamp(0.25 * spacing - hard, 0.0, 0.6);
-        own += 14.0 + 154.0 * side / (1.0 + 2.0 * side);
+        blur.sideTap = clamp(0.25 * spacing - hard, 0.0, 0.6);
+        selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
     }
-    return float3(sqrt(max(CoC * CoC - own, 0.25)), max(spacing, 1.0), side);
+    blur.CoC = sqrt(max(CoC * CoC - selfBlur, 0.25));
+    blur.spacing = max(spacing, 1.0);
+    return blur;
 }
 
-// Layers: a texel of a layer's level
+// Layers: samples a layer for its quarter size
 //   center        texels of the half size
-//   side          z of BokehLayerBlur
-float4 BokehLevel(BOKEH_TEXTURE LayerSamp, float2 center, float side,
-    BokehLayers layers BOKEH_SAMPLER)
+//   side          sideTap of BokehBlur
+float4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, float2 center, float side,
+    BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid halves = BokehReducedGrid(layers, 2.0);
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
@@ -623,31 +647,32 @@ float4 BokehLevel(BOKEH_TEXTURE LayerSamp, float2 center, float side,
 }
 
 // Layers: what BokehDownsample writes
-//   middle, far   what is between the layers, and the far layer: rgb times weight, weight
-//   nearLevel, farLevel  the layers, as BokehPrefilter has them
-struct BokehLevels
+//   midWithHoles, farWithHoles  pixels between the layers, and the far layer: rgb times weight,
+//                 weight
+//   nearQuarter, farQuarter  the two layers of BokehPrefilter
+struct BokehDownsampled
 {
-    float4 middle;
-    float4 far;
-    float4 nearLevel;
-    float4 farLevel;
+    float4 midWithHoles;
+    float4 farWithHoles;
+    float4 nearQuarter;
+    float4 farQuarter;
 };
 
 // Layers: levels of the layers; and what is not near, as weighted sums
 //   Bright pixels weigh less: a light would fill the whole hole.
-BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKEH_TEXTURE NearSamp,
-    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE SizesSamp, BokehPolygon polygon,
-    BokehLayers layers BOKEH_SAMPLER)
+BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+    BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE LayerCoCSamp, BokehPolygon polygon,
+    BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
     float2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + float2(0.5, 0.5);
     float2 middlePlace = first + float2(1.5, 1.5);
-    float4 reach = BokehFetchGrid(ReachSamp, middlePlace / 8.0, BokehReducedGrid(layers,
+    float4 tile = BokehFetchGrid(DilatedTilesSamp, middlePlace / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
-    float nearSlope = BokehNearSlope(reach.r);
-    float farSlope = BokehFarSlope(reach.g);
-    float unit = exp2(-reach.b);
-    float4 middle = float4(0.0, 0.0, 0.0, 0.0);
+    float nearSlope = BokehNearSlope(tile.r);
+    float farSlope = BokehFarSlope(tile.g);
+    float inverseBrightness = exp2(-tile.b);
+    float4 mid = float4(0.0, 0.0, 0.0, 0.0);
     float4 far = float4(0.0, 0.0, 0.0, 0.0);
     for (int y = 0; y < 4; y++)
     {
@@ -657,23 +682,23 @@ BokehLevels BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE ReachSamp, BOKE
             float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
             float s = pixel.a * full.size.y;
             // what is partly near is hardly background: a near light would shine through itself
-            float nearShare = BokehLayerShare(-s, nearSlope);
-            float notNear = max(1.0 - 2.0 * nearShare, 0.0625 - 0.0625 * nearShare);
-            float farShare = BokehLayerShare(s, farSlope);
-            float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * unit);
-            middle += float4(pixel.rgb, 1.0) * (weight * (1.0 - farShare));
-            far += float4(pixel.rgb, 1.0) * (weight * farShare);
+            float nearWeight = BokehLayerWeight(-s, nearSlope);
+            float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
+            float farWeight = BokehLayerWeight(s, farSlope);
+            float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
+            mid += float4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+            far += float4(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
     float2 center = 0.5 * middlePlace;
-    float2 sizes = BokehLayerSizes(SizesSamp, layers BOKEH_LINEAR);
-    BokehLevels targets;
-    targets.middle = middle / 16.0;
-    targets.far = far / 16.0;
-    targets.nearLevel = BokehLevel(NearSamp, center, BokehLayerBlur(sizes, false, polygon).z,
-        layers BOKEH_LINEAR);
-    targets.farLevel = BokehLevel(FarSamp, center, BokehLayerBlur(sizes, true, polygon).z,
-        layers BOKEH_LINEAR);
+    float2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers BOKEH_LINEAR);
+    BokehDownsampled targets;
+    targets.midWithHoles = mid / 16.0;
+    targets.farWithHoles = far / 16.0;
+    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
+        polygon).sideTap, layers BOKEH_LINEAR);
+    targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
+        polygon).sideTap, layers BOKEH_LINEAR);
     return targets;
 }
 
@@ -687,85 +712,85 @@ float2 BokehEdgeDirection(int k, BokehPolygon polygon)
 // Layers: how many samples of a ring are on each edge of the polygon
 //   6 on the first ring, 12 on the second and so on, shared out among the sides: all rings are
 //   sampled as densely. A polygon of more sides than that has one a side.
-int BokehOnEdge(int ring, BokehPolygon polygon)
+int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
 {
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
 // Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
 //   without those of brightness
-float2 BokehHoleShares(float4 middle, float4 far, float unit)
+float2 BokehHoleWeights(float4 middle, float4 far, float inverseBrightness)
 {
-    return float2(middle.a + BokehBrightest(middle.rgb) * unit, far.a + BokehBrightest(far.rgb) *
-        unit);
+    return float2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
+        BokehBrightest(far.rgb) * inverseBrightness);
 }
 
 // Layers: what BokehHoleFill writes
-//   middle        what is between the layers; a = its share in what is around
-//   back          the far layer
+//   midFill       what lies between the layers; a = its share of what is around
+//   farFill       the far layer
 struct BokehFilled
 {
-    float4 middle;
-    float4 back;
+    float4 midFill;
+    float4 farFill;
 };
 
 // Layers: holes filled with what is around; the nearest counts most
-//   MiddleSamp, FarSamp  what BokehDownsample wrote
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE ReachSamp,
-    BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+//   MidSamp, FarSamp  midWithHoles and farWithHoles of BokehDownsample
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
+    BOKEH_TEXTURE DilatedTilesSamp, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 4.0);
     float2 center = layers.uv * grid.size;
-    float4 tile = BokehFetchGrid(ReachSamp, center / 2.0, BokehReducedGrid(layers,
+    float4 tile = BokehFetchGrid(DilatedTilesSamp, center / 2.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
-    float reach = tile.r;
-    float unit = exp2(-tile.b);
+    float nearCoC = tile.r;
+    float inverseBrightness = exp2(-tile.b);
     float2 corner = BokehRotated(polygon.corner, polygon.axis);
     float2 direction = BokehEdgeDirection(1, polygon);
     float2 turn = BokehTurn(1.0, polygon);
-    float4 middle = BokehFetchGrid(MiddleSamp, center, grid BOKEH_LINEAR);
+    float4 mid = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
     float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
-    float2 shares = BokehHoleShares(middle, far, unit);
+    float2 weights = BokehHoleWeights(mid, far, inverseBrightness);
     for (int ring = 1; ring < 3; ring++)
     {
         // no near layer, no holes
-        if (reach < 6.0)
+        if (nearCoC < 6.0)
         {
             break;
         }
         // diameter in quarter pixels; the rings reach half the CoC
-        float diameter = max(reach / 8.0, 2.0) * float(ring);
+        float diameter = max(nearCoC / 8.0, 2.0) * float(ring);
         float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
         float2 scale = float2(polygon.squeeze * diameter, diameter);
-        int onEdge = BokehOnEdge(ring, polygon);
+        int onEdge = BokehSamplesPerEdge(ring, polygon);
         BOKEH_LOOP for (int edge = 1; edge <= polygon.sides; edge++)
         {
             float2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
             BOKEH_LOOP for (int i = 0; i < onEdge; i++)
             {
                 float2 place = center + corner * scale;
-                float4 middleTexel = BokehFetchGrid(MiddleSamp, place, grid BOKEH_LINEAR);
+                float4 midTexel = BokehFetchGrid(MidSamp, place, grid BOKEH_LINEAR);
                 float4 farTexel = BokehFetchGrid(FarSamp, place, grid BOKEH_LINEAR);
-                middle += middleTexel * weight;
+                mid += midTexel * weight;
                 far += farTexel * weight;
-                shares += BokehHoleShares(middleTexel, farTexel, unit) * weight;
+                weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
         }
     }
-    float3 both = (middle.rgb + far.rgb) / max(middle.a + far.a, 0.000001);
-    float share = shares.r / max(shares.r + shares.g, 0.000001);
+    float3 both = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+    float midWeight = weights.r / max(weights.r + weights.g, 0.000001);
     BokehFilled targets;
-    targets.middle = float4(both, share);
-    targets.back = float4(both, 1.0);
-    if (middle.a > 0.000001)
+    targets.midFill = float4(both, midWeight);
+    targets.farFill = float4(both, 1.0);
+    if (mid.a > 0.000001)
     {
-        targets.middle = float4(middle.rgb / middle.a, share);
+        targets.midFill = float4(mid.rgb / mid.a, midWeight);
     }
     if (far.a > 0.000001)
     {
-        targets.back = float4(far.rgb / far.a, 1.0);
+        targets.farFill = float4(far.rgb / far.a, 1.0);
     }
     return targets;
 }
@@ -777,38 +802,38 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE FarSamp, BOKEH
 //   it that must not spread. All four channels are blurred alike.
 
 // Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   blur          from BokehLayerBlur; LevelSamp is read where its z says so
-float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE LevelSamp, int k, BokehPolygon polygon,
-    bool secondPass, float3 blur, BokehLayers layers BOKEH_SAMPLER)
+//   blur          from BokehLayerBlur; its useQuarterLayer says whether QuarterSamp is read
+float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
+    bool secondPass, BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
 {
     float scale = 2.0;
-    if (blur.z > -0.5)
+    if (blur.useQuarterLayer)
     {
         scale = 4.0;
     }
     BokehGrid grid = BokehReducedGrid(layers, scale);
-    float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.x;
-    float cells = max(2.0 * length(segment.zw) / blur.y, 2.0);
-    float phase = 0.5 + layers.jitter * min(blur.y - 1.0, 1.0);
+    float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
+    float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
+    float phase = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
     float2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
-    float2 cellLength = segment.zw * (4.0 / (scale * cells));
+    float2 sampleStep = segment.zw * (4.0 / (scale * samples));
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-    BOKEH_LOOP for (int i = 0; i < int(ceil(cells)); i++)
+    BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
     {
-        float cell = clamp(cells - float(i), 0.0, 1.0);
-        float2 place = first + cellLength * (float(i) + cell * phase);
+        float part = clamp(samples - float(i), 0.0, 1.0);
+        float2 place = first + sampleStep * (float(i) + part * phase);
         float4 texel = float4(0.0, 0.0, 0.0, 0.0);
-        if (blur.z > -0.5)
+        if (blur.useQuarterLayer)
         {
-            texel = BokehFetchGrid(LevelSamp, place, grid BOKEH_LINEAR);
+            texel = BokehFetchGrid(QuarterSamp, place, grid BOKEH_LINEAR);
         }
         else
         {
             texel = BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
         }
-        sum += cell * texel;
+        sum += part * texel;
     }
-    sum = sum / cells;
+    sum = sum / samples;
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -826,86 +851,90 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 
 // Layers: first pass over a layer
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
-//   LevelSamp     nearLevel or farLevel of BokehDownsample
-//   sizes         from BokehLayerSizes
+//   QuarterSamp   nearQuarter or farQuarter of BokehDownsample
+//   layerCoC      from BokehLayerCoC
 //   isFar         false: the near layer
 //   last, returns as of BokehExactFirst
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE LevelSamp, float2 sizes,
-    bool isFar, int last, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, float2 layerCoC,
+    bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     float2 center = layers.uv * ceil(layers.size / 2.0);
-    float4 none = float4(0.0, 0.0, 0.0, 0.0);
+    float4 zero = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
-    float3 blur = BokehLayerBlur(sizes, isFar, polygon);
-    if (blur.x > 0.51)
+    BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
+    if (blur.CoC > 0.51)
     {
-        float4 L2 = none;
-        float4 L3 = none;
-        float4 L4 = none;
-        float4 L1 = BokehLayerLine(LayerSamp, LevelSamp, 1, polygon, false, blur,
+        float4 L2 = zero;
+        float4 L3 = zero;
+        float4 L4 = zero;
+        float4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur,
             layers BOKEH_LINEAR);
         if (last > 2)
         {
-            L2 = BokehLayerLine(LayerSamp, LevelSamp, 2, polygon, false, blur, layers BOKEH_LINEAR);
+            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur,
+                layers BOKEH_LINEAR);
         }
         if (last > 3)
         {
-            L3 = BokehLayerLine(LayerSamp, LevelSamp, 3, polygon, false, blur, layers BOKEH_LINEAR);
+            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur,
+                layers BOKEH_LINEAR);
         }
         if (last > 4)
         {
-            L4 = BokehLayerLine(LayerSamp, LevelSamp, 4, polygon, false, blur, layers BOKEH_LINEAR);
+            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur,
+                layers BOKEH_LINEAR);
         }
-        targets.edge2 = L1;
-        targets.edge3 = BokehLayerTarget(3, polygon, L1, L2, none, none);
-        targets.edge4 = BokehLayerTarget(4, polygon, L1, L2, L3, none);
-        targets.edge5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+        targets.strip2 = L1;
+        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.edge2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers,
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers,
             2.0) BOKEH_LINEAR);
-        targets.edge3 = targets.edge2;
-        targets.edge4 = targets.edge2;
-        targets.edge5 = targets.edge2;
+        targets.strip3 = targets.strip2;
+        targets.strip4 = targets.strip2;
+        targets.strip5 = targets.strip2;
     }
     return targets;
 }
 
 // Layers: second pass: the finished layer
-//   Edge2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
+//   Strip2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
 //   returns       rgb times share, share
-float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_TEXTURE Edge4Samp,
-    BOKEH_TEXTURE Edge5Samp, float2 sizes, bool isFar, BokehPolygon polygon,
-    BokehLayers layers BOKEH_SAMPLER)
+float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
+    BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 layerCoC, bool isFar,
+    BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     float2 center = layers.uv * ceil(layers.size / 2.0);
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
-    float3 blur = BokehLayerBlur(sizes, isFar, polygon);
-    float3 own = float3(blur.x, blur.y, -1.0);
-    if (blur.x > 0.51)
+    BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
+    blur.useQuarterLayer = false;
+    if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Edge2Samp, Edge2Samp, 2, polygon, true, own, layers BOKEH_LINEAR);
+        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur,
+            layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Edge3Samp, Edge3Samp, 3, polygon, true, own,
+            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Edge4Samp, Edge4Samp, 4, polygon, true, own,
+            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Edge5Samp, Edge5Samp, 5, polygon, true, own,
+            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         result = result / polygon.area;
     }
     else
     {
-        result = BokehFetchGrid(Edge2Samp, center, BokehReducedGrid(layers, 2.0) BOKEH_LINEAR);
+        result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0) BOKEH_LINEAR);
     }
     return result;
 }
@@ -913,27 +942,27 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Edge2Samp, BOKEH_TEXTURE Edge3Samp, BOKEH_
 // Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
 struct BokehLayersTargets
 {
-    float4 near2;
-    float4 far2;
-    float4 near3;
-    float4 far3;
+    float4 nearStrip2;
+    float4 farStrip2;
+    float4 nearStrip3;
+    float4 farStrip3;
 };
 
 // Layers: BokehLayerFirst of both layers, for a square or a hexagon
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearLevelSamp,
-    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarLevelSamp, float2 sizes, BokehPolygon polygon,
-    BokehLayers layers BOKEH_SAMPLER)
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, float2 layerCoC, BokehPolygon polygon,
+    BokehLayerContext layers BOKEH_SAMPLER)
 {
     int last = polygon.sides / 2;
-    BokehTargets near = BokehLayerFirst(NearSamp, NearLevelSamp, sizes, false, last, polygon,
+    BokehTargets near = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last, polygon,
         layers BOKEH_LINEAR);
-    BokehTargets far = BokehLayerFirst(FarSamp, FarLevelSamp, sizes, true, last, polygon,
+    BokehTargets far = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
         layers BOKEH_LINEAR);
     BokehLayersTargets targets;
-    targets.near2 = near.edge2;
-    targets.far2 = far.edge2;
-    targets.near3 = near.edge3;
-    targets.far3 = far.edge3;
+    targets.nearStrip2 = near.strip2;
+    targets.farStrip2 = far.strip2;
+    targets.nearStrip3 = near.strip3;
+    targets.farStrip3 = far.strip3;
     return targets;
 }
 
@@ -945,15 +974,15 @@ struct BokehBlurred
 };
 
 // Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE Near2Samp, BOKEH_TEXTURE Far2Samp,
-    BOKEH_TEXTURE Near3Samp, BOKEH_TEXTURE Far3Samp, float2 sizes, BokehPolygon polygon,
-    BokehLayers layers BOKEH_SAMPLER)
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
+    BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, float2 layerCoC,
+        BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehBlurred targets;
-    targets.near = BokehLayerSecond(Near2Samp, Near3Samp, Near3Samp, Near3Samp, sizes, false,
-        polygon, layers BOKEH_LINEAR);
-    targets.far = BokehLayerSecond(Far2Samp, Far3Samp, Far3Samp, Far3Samp, sizes, true, polygon,
-        layers BOKEH_LINEAR);
+    targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
+        layerCoC, false, polygon, layers BOKEH_LINEAR);
+    targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
+        layerCoC, true, polygon, layers BOKEH_LINEAR);
     return targets;
 }
 
@@ -1018,8 +1047,8 @@ float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 
 // Layers: the gather around a pixel, as far as it has come
 //   sum, front    colour and weight of all that it found, and of what is in front of this pixel
-//   farWeight     of what it found in the far layer
-//   s, inverse, nearShare  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
+//   farFound     of what it found in the far layer
+//   s, inverse, nearWeight  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
 //   slopes        of the near and the far layer; snapping: 0 = linear filter, 100 = nearest texel
 //   bounds        of a sample's 1 / radius^2: what spreads over the radius, over the middle
 //   inner         where the next ring begins, pixels
@@ -1027,10 +1056,10 @@ struct BokehGather
 {
     float4 sum;
     float4 front;
-    float farWeight;
+    float farFound;
     float s;
     float inverse;
-    float nearShare;
+    float nearWeight;
     float2 slopes;
     float snapping;
     float2 bounds;
@@ -1042,14 +1071,14 @@ struct BokehGather
 //                 write both loops out
 //   outer         where it ends, pixels
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
-    float outer, BokehPolygon polygon, BokehLayers layers BOKEH_SAMPLER)
+    float outer, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
     //  middle   1     2         covers, over that disc
     BokehGather gather = before;
     BokehGrid full = BokehFullGrid(layers);
-    float2 none = float2(0.0, 0.0);
-    float2 whole = float2(1.0, 1.0);
+    float2 zero = float2(0.0, 0.0);
+    float2 one = float2(1.0, 1.0);
     // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
     // with 0.5: street_11 .0420 for .0416)
     float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
@@ -1082,24 +1111,24 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 texel = floor(place);
             // steeper between two texels than the linear filter is
             float2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
-                gather.snapping, none, whole);
+                gather.snapping, zero, one);
             // both at once: this one and the one opposite to it
             float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
             float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
             float2 CoC = float2(pixel.a, other.a) * full.size.y;
-            float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, none, whole) * (1.0 -
-                gather.nearShare);
+            float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
+                gather.nearWeight);
             float2 inverse = BokehSpreadInverse(CoC);
             inverse += (gather.inverse - inverse) * isBehind;
             inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-            float2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), none);
-            float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, none, whole);
-            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, none, whole)) - inFar;
-            gather.farWeight += inFar.x + inFar.y;
+            float2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
+            covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
+            gather.farFound += inFar.x + inFar.y;
             float4 part = float4(pixel.rgb, 1.0) * covers.x;
             float4 otherPart = float4(other.rgb, 1.0) * covers.y;
             gather.sum += part + otherPart;
-            float2 isFront = clamp(gather.s - 0.5 - CoC, none, whole);
+            float2 isFront = clamp(gather.s - 0.5 - CoC, zero, one);
             gather.front += part * isFront.x + otherPart * isFront.y;
         }
         corner += alongEdge;
@@ -1114,14 +1143,14 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
 //   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
 //   and behind it. The table at the top says what it reads.
 //   returns       rgb = the picture, a = signed CoC of this pixel
-float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXTURE NearSamp,
-    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MiddleSamp, BOKEH_TEXTURE BackSamp, BokehPolygon polygon,
-    BokehLayers layers BOKEH_SAMPLER)
+float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_TEXTURE NearSamp,
+    BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MidFillSamp, BOKEH_TEXTURE FarFillSamp,
+        BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
     float2 center = layers.uv * full.size;
     float4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
-    float4 tile = BokehFetchGrid(TilesSamp, center / 8.0, BokehReducedGrid(layers,
+    float4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
     float3 result = centerPixel.rgb;
     // up to a CoC of one pixel nothing spreads
@@ -1131,17 +1160,17 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
         float s = centerPixel.a * full.size.y;
         gather.s = s;
         gather.slopes = float2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
-        float nearShare = BokehLayerShare(-s, gather.slopes.x);
-        float farShare = BokehLayerShare(s, gather.slopes.y);
-        gather.nearShare = nearShare;
+        float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
+        float farWeight = BokehLayerWeight(s, gather.slopes.y);
+        gather.nearWeight = nearWeight;
         gather.inverse = BokehSpreadInverse(float2(s, s)).x;
         // the gather reaches as far as what is in no layer
-        float restRadius = clamp(16.0 - 16.0 * farShare, 0.0, 1.0) * (1.0 - nearShare) /
+        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
-        float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farShare));
+        float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
-        // without CUBIC also where layers are small (LOW, canopy_12: .150 for .156)
+        // without CUBIC also where layers are small (LOW, canopy_12: .151 for .157)
         float rings = float(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
@@ -1157,11 +1186,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
         }
         // what spreads less than the inner radius of the first ring reaches no other pixel
         gather.bounds = 1.0 / float2(radius * radius, gather.inner * gather.inner);
-        float weight = (1.0 - nearShare) * min(gather.inverse / gather.bounds.y, 1.0);
+        float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
         // of what is in the far layer, that layer takes the place: one of its pixels alone would
         // shine
-        gather.farWeight = weight * farShare;
-        gather.sum = float4(centerPixel.rgb, 1.0) * (weight - gather.farWeight);
+        gather.farFound = weight * farWeight;
+        gather.sum = float4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = float4(0.0, 0.0, 0.0, 0.0);
         // where near layers are, places move to the nearest texel: between a near light and what is
         // behind it, the linear filter would find a light in focus
@@ -1175,7 +1204,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             if (gather.inner < radius)
             {
                 float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, 1, BokehOnEdge(1, polygon), outer,
+                gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
                     polygon, layers BOKEH_LINEAR);
             }
             first = 2;
@@ -1187,27 +1216,27 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
                 break;
             }
             float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            int onEdge = BokehOnEdge(BOKEH_LAYER_RINGS, polygon);
+            int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
             if (first < BOKEH_LAYER_RINGS)
             {
-                onEdge = BokehOnEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+                onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
             gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon,
                 layers BOKEH_LINEAR);
         }
 
-        float4 near = float4(0.0, 0.0, 0.0, 0.0);
-        float4 far = float4(0.0, 0.0, 0.0, 0.0);
+        float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
+        float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
         if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
             BokehGrid halves = BokehReducedGrid(layers, 2.0);
-            near = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
-            far = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
+            nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+            farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at a pixel of a layer, that layer itself is added below
-        float4 sum = gather.sum + far * (gather.farWeight * (1.0 - max(farShare, nearShare)) /
-            max(far.a, 0.001));
-        float4 plain = sum + far * farShare;
+        float4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
+            max(farLayer.a, 0.001));
+        float4 plain = sum + farLayer * farWeight;
         if (plain.a >= 0.001)
         {
             // what is in front covers the rest by as much as it has weight
@@ -1216,27 +1245,27 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE TilesSamp, BOKEH_TEXT
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
                 + rest * open, 0.001);
         }
-        if (nearShare > 0.0)
+        if (nearWeight > 0.0)
         {
             // in depth order: the gather, then what fills its holes, then the far layer, and what
             // fills that
             BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-            float4 middle = BokehFetchGrid(MiddleSamp, 0.25 * center, quarters BOKEH_LINEAR);
-            float4 back = BokehFetchGrid(BackSamp, 0.25 * center, quarters BOKEH_LINEAR);
-            float inNear = near.a * min(2.0 - 2.0 * nearShare, 1.0);
+            float4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
+            float4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
+            float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
             float empty = max(1.0 - sum.a - inNear, 0.0);
-            float cover = empty * clamp((middle.a - 0.3) / 0.4, 0.0, 1.0);
-            float missing = max(1.0 - 2.0 * far.a, 0.0);
-            float3 background = far.rgb * ((1.0 - missing) / max(far.a, 0.000001)) + back.rgb *
-                missing;
-            float3 stack = (sum.rgb + middle.rgb * cover + background * (empty - cover)) / max(sum.a
-                + empty, 0.000001);
-            result += (stack - result) * nearShare;
+            float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
+            float missing = max(1.0 - 2.0 * farLayer.a, 0.0);
+            float3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a, 0.000001)) +
+                farFill.rgb * missing;
+            float3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
+                max(sum.a + empty, 0.000001);
+            result += (stack - result) * nearWeight;
         }
         // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
         // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
-        float alpha = clamp(near.a * 1.002, 0.0, 1.0);
-        result = result * (1.0 - alpha) + near.rgb * (alpha / max(near.a, 0.000001));
+        float alpha = clamp(nearLayer.a * 1.002, 0.0, 1.0);
+        result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }
     return float4(result, centerPixel.a);
 }

@@ -43,7 +43,7 @@
 // Listing 1: depth of this pixel, made safe
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
 {
-    return BokehSafe(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -108,7 +108,7 @@ float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float sque
 //   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
 //   1 / bleedingMult up. All other samples have the weight 1.
 float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
-    BokehFilter settings)
+    BokehSamplingSettings settings)
 {
     float weight = 1.0;
     if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
@@ -143,7 +143,7 @@ float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool bl
 //   settings      of which the leakage test is used; there are always BOKEH_PAPER_SAMPLES samples,
 //                 in shader model 3 254 at most
 float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
-    float2 lineEnd, BokehFilter settings, bool blurCoC BOKEH_SAMPLER)
+    float2 lineEnd, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(ColorSamp, uv BOKEH_LINEAR);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -168,7 +168,7 @@ float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 //   segment       from BokehSegment
 //   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
 float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
-    float4 segment, BokehFilter settings, bool blurCoC BOKEH_SAMPLER)
+    float4 segment, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(ColorSamp, uv BOKEH_LINEAR);
     float4 result = centerPixel;
@@ -177,24 +177,24 @@ float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE De
     {
         float centerDepth = BokehPaperDepth(DepthSamp, uv);
         float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-        float cells = BokehCells(lengthInPixels, settings.spacing);
-        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / cells - 1.0, 0.0, 1.0);
+        float samples = BokehSampleCount(lengthInPixels, settings.spacing);
+        float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0.0, 1.0);
         float2 scale = float2(CoC / settings.aspectRatio, CoC);
         float2 first = uv + (segment.xy - segment.zw) * scale;
-        float2 cellLength = segment.zw * scale * (2.0 / cells);
+        float2 sampleStep = segment.zw * scale * (2.0 / samples);
         float4 color = float4(0.0, 0.0, 0.0, 0.0);
         float totalWeight = 0.0;
         BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
-            if (BOKEH_SPACING > 0.0 && float(i) >= cells)
+            if (BOKEH_SPACING > 0.0 && float(i) >= samples)
             {
                 break;
             }
-            float cell = clamp(cells - float(i), 0.0, 1.0);
-            float2 sampleCoords = first + cellLength * (float(i) + cell * phase);
+            float part = clamp(samples - float(i), 0.0, 1.0);
+            float2 sampleCoords = first + sampleStep * (float(i) + part * phase);
             float4 samplePixel = BokehFetch(ColorSamp, sampleCoords BOKEH_LINEAR);
             float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
-            float weight = cell * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
+            float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
             totalWeight += weight;
@@ -222,8 +222,8 @@ float4 BokehCombine(float4 a, float4 b, bool useMax)
 //   CompareSamp   the finished first parallelogram
 //   useMax        false: intersection (hexagon, octagon); true: union (star)
 float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-    BOKEH_TEXTURE CompareSamp, float2 uv, float2 lineEnd, BokehFilter settings, bool blurCoC,
-    bool useMax BOKEH_SAMPLER)
+    BOKEH_TEXTURE CompareSamp, float2 uv, float2 lineEnd, BokehSamplingSettings settings,
+        bool blurCoC, bool useMax BOKEH_SAMPLER)
 {
     float4 a = BokehDepthOfField(ColorSamp, DepthSamp, uv, lineEnd, settings, blurCoC BOKEH_LINEAR);
     return BokehCombine(a, BokehFetch(CompareSamp, uv BOKEH_LINEAR), useMax);
@@ -237,7 +237,7 @@ float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE Depth
 //   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right,
 //                 y towards the last row
 float4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
-    BOKEH_TEXTURE KernelSamp, float2 uv, BokehFilter settings, bool blurCoC BOKEH_SAMPLER)
+    BOKEH_TEXTURE KernelSamp, float2 uv, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(ColorSamp, uv BOKEH_LINEAR);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);
@@ -264,7 +264,7 @@ float4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 //   BOKEH_PAPER_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
 float4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
-    float2 lineEndU, float2 lineEndV, BokehFilter settings, bool blurCoC BOKEH_SAMPLER)
+    float2 lineEndU, float2 lineEndV, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(ColorSamp, uv BOKEH_LINEAR);
     float centerDepth = BokehPaperDepth(DepthSamp, uv);

@@ -15,7 +15,7 @@ from bokeh_validation.shaders.passes import PAPER_SAMPLES, USUAL_SPACING, Pass
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
 FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
 # Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
-PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS", "BOKEH_LAYER_CUBIC")
+PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC")
 PRESETS = {"low": (1, 11, 0), "medium": (2, 11, 1), "high": (3, 18, 1), "ultra": (4, 18, 1)}
 # Of exact -> samples on a line at most, pixels between them
 EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
@@ -75,7 +75,7 @@ class Settings:
     cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
     roundness    of octagons in the same: 0 a square, 1 regular
     lateral      how much larger red of the finished picture is than green, and blue smaller
-    targets      whether a pass may write several targets; exact and layered only
+    use_mrt      whether a pass may write several targets; exact and layered only
     preset       of exact and layered, one of PRESETS; for exact it counts where neither samples nor spacing is given
     focus        BOKEH_FOCUS_CONTROLS: (front, back) range in metres, scales, limits; None: without
     """
@@ -97,7 +97,7 @@ class Settings:
     cats_eye: float = 0.0
     roundness: float = 1.0
     lateral: float = 0.0
-    targets: bool = True
+    use_mrt: bool = True
     preset: str = "medium"
     focus: Focus | None = None
 
@@ -208,16 +208,16 @@ def _line_passes(
 def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     """Polygons with an even number of sides, added up from parallelograms: docs/methods/exact.md.
 
-    The first pass writes 'target 2' .. 'target n', n = sides / 2: at once, or one after the other without several
+    The first pass writes 'strip 2' .. 'strip n', n = sides / 2: at once, or one after the other without several
     targets. The second pass writes 'result'.
     """
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}"
     common = _filter_parameters(settings, size) | {"BokehAngle": radians(settings.rotation)}
     defines = {"BOKEH_SPACING": EXACT_PRESETS[settings.preset][1]} if settings.has_preset else {}
-    names = tuple(f"target {k}" for k in range(2, sides // 2 + 1))
+    names = tuple(f"strip {k}" for k in range(2, sides // 2 + 1))
     passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
-    if settings.targets:
+    if settings.use_mrt:
         passes.append(Pass(stem + "First", {"ColorSamp": "coc"}, names, common, settings.count, defines))
     else:
         for number, name in enumerate(names):
@@ -229,13 +229,9 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
     return Plan(tuple(passes), {})
 
 
-def layered(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Near and far layers at half size and a small gather of the rest: bokeh_layers.*. The last pass writes 'result'.
-
-    Without several targets, a pass of several is drawn once for each.
-    """
+def _layer_constants(settings: Settings, size: tuple[int, int]) -> tuple[dict, dict, dict]:
+    """Return what the passes of `layered` have in common: parameters, constants, and constants of a regular polygon."""
     sides = EXACT[settings.aperture]
-    stem = f"Bokeh{settings.aperture.capitalize()}Layer"
     defines = dict(zip(PRESET_CONSTANTS, PRESETS[settings.preset], strict=True))
     common = _filter_parameters(settings, size) | {
         "BokehMaxCoC": settings.camera.max_coc,
@@ -244,14 +240,24 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     }
     # where the polygon is the same at every pixel, the passes that sample rings of it have their loops written out
     is_regular = settings.cats_eye == 0.0 and settings.roundness == 1.0
-    known = {"BOKEH_SIDES": sides} if is_regular else {}
+    return common, defines, {"BOKEH_SIDES": sides} if is_regular else {}
+
+
+def layered(settings: Settings, size: tuple[int, int]) -> Plan:
+    """Near and far layers at half size and a small gather of the rest: bokeh_layers.*. The last pass writes 'result'.
+
+    Without several targets, a pass of several is drawn once for each.
+    """
+    sides = EXACT[settings.aperture]
+    stem = f"Bokeh{settings.aperture.capitalize()}Layer"
+    common, defines, known = _layer_constants(settings, size)
     passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
 
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
         values = {**common, **changed}
         constants = defines | (known if entry in ("BokehHoleFill", "BokehComposite") else {})
         read = dict(zip(COLORS, inputs, strict=False))
-        if settings.targets or (len(outputs) == 1 and entry != stem + "First"):
+        if settings.use_mrt or (len(outputs) == 1 and entry != stem + "First"):
             passes.append(Pass(entry, read, outputs, values, settings.count, constants, scale=scale))
             return
         one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
@@ -259,35 +265,39 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
             index = {"BOKEH_TARGET_INDEX": number}
             passes.append(Pass(one, read, name, values, settings.count, constants | index, scale=scale))
 
+    dilated, blurs = "dilated tiles", "layer coc"
+    of_tiles, of_rows = (tuple(f"{each} {sums}" for sums in ("gather coc", "coc sums")) for each in ("tile", "row"))
+    layers, quarters = ("near", "far"), ("near quarter", "far quarter")
+    holes, fills = ("mid with holes", "far with holes"), ("mid fill", "far fill")
     add(8, "BokehTileMax", ("coc",), ("tiles",))
-    add(8, "BokehTileDilate", ("tiles",), ("reach along rows",))
-    add(8, "BokehTileDilate", ("reach along rows",), ("reach",), BokehAxis=1.0)
-    add(2, "BokehPrefilter", ("coc", "reach"), ("near", "far", "sums", "leftovers"))
-    add(8, "BokehKernelReduce", ("sums", "leftovers"), ("tile leftovers", "tile sums"))
-    add(8, "BokehKernelRows", ("tile leftovers", "tile sums", "reach"), ("row leftovers", "row sums"))
-    add(8, "BokehKernelColumns", ("row leftovers", "row sums", "reach"), ("reaches", "sizes"))
-    holes = ("middle with holes", "far with holes")
-    add(4, "BokehDownsample", ("coc", "reach", "near", "far", "sizes"), (*holes, "near level", "far level"))
-    add(4, "BokehHoleFill", (*holes, "reach"), ("middle", "back"))
-    blurred = {layer: [f"{layer} target {k}" for k in range(2, sides // 2 + 1)] for layer in ("near", "far")}
-    together = settings.targets and sides in BOTH
+    add(8, "BokehTileDilate", ("tiles",), ("tiles along rows",))
+    add(8, "BokehTileDilate", ("tiles along rows",), (dilated,), BokehAxis=1.0)
+    add(2, "BokehPrefilter", ("coc", dilated), (*layers, "layer coc sums", "gather coc"))
+    add(8, "BokehLayerCoCReduce", ("layer coc sums", "gather coc"), of_tiles)
+    add(8, "BokehLayerCoCRows", (*of_tiles, dilated), of_rows)
+    add(8, "BokehLayerCoCColumns", (*of_rows, dilated), ("gather tiles", blurs))
+    add(4, "BokehDownsample", ("coc", dilated, *layers, blurs), (*holes, *quarters))
+    add(4, "BokehHoleFill", (*holes, dilated), fills)
+    blurred = {layer: [f"{layer} strip {k}" for k in range(2, sides // 2 + 1)] for layer in layers}
+    together = settings.use_mrt and sides in BOTH
     for index, (layer, names) in enumerate(blurred.items()):
-        inputs, outputs, values = (layer, f"{layer} level"), (f"{layer} blurred",), {"BokehLayer": float(index)}
+        inputs, outputs, values = (layer, f"{layer} quarter"), (f"{layer} blurred",), {"BokehLayer": float(index)}
         if together:
             # near, far of edge 2, then of edge 3
             names = [name for pair in zip(*blurred.values(), strict=True) for name in pair]
-            inputs, outputs, values = ("near", "near level", "far", "far level"), ("near blurred", "far blurred"), {}
-        add(2, stem + "First", (*inputs, "sizes"), tuple(names), **values)
-        # the CoC are in the fifth slot, whatever the number of targets
-        second, read = stem + "Second", dict(zip(COLORS, names, strict=False))
-        if not settings.targets:
-            # one program for all polygons: it does not read the last target again
-            second, read = "BokehLayerSecondOne", dict(zip(COLORS, names + names[-1:] * 3, strict=False))
-        read = {slot: read[slot] for slot in COLORS[:4] if slot in read} | {"ColorSampE": "sizes"}
+            inputs, values = (layers[0], quarters[0], layers[1], quarters[1]), {}
+            outputs = ("near blurred", "far blurred")
+        add(2, stem + "First", (*inputs, blurs), tuple(names), **values)
+        second = stem + "Second"
+        if not settings.use_mrt:
+            # one program for all polygons: it does not read the last strip again
+            second, names = "BokehLayerSecondOne", names + names[-1:] * 3
+        # the CoC are in the fifth slot, whatever the number of strips
+        read = dict(zip(COLORS, names[:4], strict=False)) | {"ColorSampE": blurs}
         passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=2))
         if together:
             break
-    add(1, "BokehComposite", ("coc", "reaches", "near blurred", "far blurred", "middle", "back"), ("result",))
+    add(1, "BokehComposite", ("coc", "gather tiles", "near blurred", "far blurred", *fills), ("result",))
     return Plan(tuple(passes), {})
 
 

@@ -259,7 +259,7 @@ def passes_page() -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|"
     for method, aperture in COUNTED:
         several, single = (
-            plan.frame(methods.Settings(method, aperture, targets=targets), PAGE_SIZE) for targets in (True, False)
+            plan.frame(methods.Settings(method, aperture, use_mrt=targets), PAGE_SIZE) for targets in (True, False)
         )
         megabytes = (f"{several[key] / 1e6:.0f}" for key in ("bytes", "bytes_shared"))
         cells = len(several["passes"]), _fetches(several), *megabytes, len(single["passes"]), _fetches(single)

@@ -52,12 +52,12 @@ class Row:
 
 
 def snake(name: str) -> str:
-    """near_target_2 for 'near target 2'."""
+    """near_strip_2 for 'near strip 2'."""
     return name.replace(" ", "_")
 
 
 def camel(name: str) -> str:
-    """nearTarget2 for 'near target 2'."""
+    """nearStrip2 for 'near strip 2'."""
     return name[0] + name.title().replace(" ", "")[1:]
 
 
@@ -82,7 +82,7 @@ def frame(
     memory    begins the name of each target, which its memory numbers: targets that may share it are one; else ''
     """
     spacing = 1.0 if adaptive and method == "paper" else 0.0
-    settings = methods.Settings(method, aperture, targets=targets, spacing=spacing)
+    settings = methods.Settings(method, aperture, use_mrt=targets, spacing=spacing)
     planned = plan.frame(settings, SIZE)
     names = {texture["name"]: style(texture["name"]) for texture in planned["textures"]} | DEPTH_NAMES
     numbers = {texture["name"]: texture["memory"] for texture in planned["textures"]}
@@ -126,7 +126,7 @@ def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) 
 
 
 # Arguments that each sample has under the library's name, and two of the line filter, which no sample calls
-LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayers layers", "BokehFilter settings")
+LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayerContext layers", "BokehSamplingSettings settings")
 LOCALS += ("BOKEH_DEPTH_TEXTURE DepthSamp", "vec2 lineEnd")
 
 
@@ -155,7 +155,7 @@ def call(item: Pass, names: dict[str, str]) -> str:
             sampled = textures.get(next(slots), sampled)
         known = {
             "BOKEH_TEXTURE": sampled,
-            "vec2 sizes": f"BokehLayerSizes({names.get('sizes')}, layers)",
+            "vec2 layerCoC": f"BokehLayerCoC({names.get('layer coc')}, layers)",
             "vec2 axis": "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
             "int": f"{_last(item)}",

@@ -97,7 +97,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "aperture": settings.aperture,
         "preset": presets.get(settings.preset),
         "presets": presets,
-        "several_targets": settings.targets,
+        "several_targets": settings.use_mrt,
         "size": list(size),
         "notes": list(NOTES),
         "programs": programs(settings),

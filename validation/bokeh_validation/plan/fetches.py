@@ -73,7 +73,7 @@ def _of_layers(item: Pass) -> int:
     """As the loops of bokeh_layers.* count."""
     values = item.values()
     sides = round(values["BokehSides"])
-    rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "CELLS", "CUBIC"))
+    rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "SAMPLES", "CUBIC"))
     along = tiles_along(item)
 
     def ring_samples(count: int) -> int:

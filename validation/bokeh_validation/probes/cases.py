@@ -82,7 +82,7 @@ CASES = (
         [ENTRIES, PART, VIEWPORT, BAD_INPUT, JSON],
         EXACT,
         aperture="decagon",
-        targets=False,
+        use_mrt=False,
         **ADAPTIVE,
     ),
     _named("exact, preset", [ENTRIES, VIEWPORT, BAD_INPUT], EXACT, samples=None),
@@ -98,7 +98,7 @@ CASES = (
         LAYERED,
         aperture="octagon",
         preset="ultra",
-        targets=False,
+        use_mrt=False,
         **WIDE,
     ),
     _named("naive, many", [COVERAGE], PAPER, method="naive", aperture="square", samples=12),
@@ -108,7 +108,7 @@ CASES = (
     _named("exact decagon, cut", [COVERAGE], EXACT, aperture="decagon", **CUT, **ADAPTIVE),
     _named("exact, focus", [COVERAGE], EXACT, focus=FOCUS),
     _named("exact octagon, cut too far", [COVERAGE], EXACT, aperture="octagon", cats_eye=5.0, roundness=-1.0),
-    _named("exact decagon, cut, one target", [COVERAGE], EXACT, aperture="decagon", targets=False, **CUT, **ADAPTIVE),
+    _named("exact decagon, cut, one target", [COVERAGE], EXACT, aperture="decagon", use_mrt=False, **CUT, **ADAPTIVE),
     _named("lateral, too much", [COVERAGE], EXACT, lateral=5.0),
     _named("lateral, too little", [COVERAGE], EXACT, lateral=-5.0),
     _named("constant CoC, too large", [COVERAGE], PAPER, coc=0.4),
@@ -123,7 +123,7 @@ CASES = (
     _named("layered, widest", [COVERAGE], LAYERED, aperture="square", preset="low", **WIDEST),
     _named("layered, cut", [COVERAGE, PART, VIEWPORT, JSON], LAYERED, aperture="octagon", **CUT, **WIDE),
     _named("layered decagon, cut", [COVERAGE], LAYERED, aperture="decagon", cats_eye=0.9, **WIDE),
-    _named("layered, cut, one target", [COVERAGE], LAYERED, aperture="octagon", targets=False, **CUT, **WIDE),
+    _named("layered, cut, one target", [COVERAGE], LAYERED, aperture="octagon", use_mrt=False, **CUT, **WIDE),
     _named(
         "hexagon", [EXPECTED], Settings("layered", "hexagon", camera=BOTH_FULL, jitter=1.0, squeeze=0.7, rotation=10.0)
     ),
@@ -143,12 +143,12 @@ CASES = (
     _named(
         "decagon, one target",
         [EXPECTED],
-        Settings("layered", "decagon", camera=BOTH_FULL, preset="ultra", targets=False),
+        Settings("layered", "decagon", camera=BOTH_FULL, preset="ultra", use_mrt=False),
     ),
     _named(
         "octagon, cut, one target",
         [EXPECTED],
-        Settings("layered", "octagon", camera=BOTH_FULL, targets=False, cats_eye=0.9),
+        Settings("layered", "octagon", camera=BOTH_FULL, use_mrt=False, cats_eye=0.9),
     ),
     _named("slope", [EXPECTED], near_edges.settings(rotation=10.0)),
     *(_named(f"plane {coc}", [EXPECTED], near_edges.settings(rotation=10.0)) for coc in PLANES),
@@ -196,15 +196,15 @@ LINES = [
     {"spacing": 1.0, "blur_coc": False},
 ]
 POLYGONS = [
-    {"targets": False},
+    {"use_mrt": False},
     {"samples": 4, "jitter": 0.5},
-    {"spacing": 1.0, "targets": False, "jitter": 1.0, "samples": 6},
+    {"spacing": 1.0, "use_mrt": False, "jitter": 1.0, "samples": 6},
     # squeezed edges have different lengths and numbers of samples: each line is worth its area all the same
     {"coc": 0.5, "camera": Camera(max_coc=1.0), "spacing": 1.0, "squeeze": 0.3, "rotation": 20.0},
 ]
 CUTS = [
     {},
-    {"targets": False},
+    {"use_mrt": False},
     {"rotation": 17.0, "squeeze": 0.6},
     {"spacing": 1.0, "samples": 5, "jitter": 1.0, "frame": 3},
     {"cats_eye": 0.3, "spacing": 1.0},
@@ -215,18 +215,18 @@ WIDE_FAR = Camera(0.4, 0.05, 4.0, max_coc=0.5)
 CUT_LAYERS = [
     {"rotation": 17.0},
     {"aperture": "square", "squeeze": 0.5},
-    {"aperture": "octagon", "targets": False, "rotation": 5.0},
+    {"aperture": "octagon", "use_mrt": False, "rotation": 5.0},
     {"aperture": "decagon", "jitter": 1.0, "frame": 3},
     {"camera": WIDE_FAR, "rotation": 17.0, "cats_eye": 0.9},
-    {"camera": WIDE_FAR, "aperture": "decagon", "targets": False, "cats_eye": 0.9},
+    {"camera": WIDE_FAR, "aperture": "decagon", "use_mrt": False, "cats_eye": 0.9},
 ]
 # A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
 FULL = Camera(1.8, 0.05, 8.0, max_coc=0.5)
 FULL_LAYERS = [
     {"jitter": 1.0, "squeeze": 0.7},
     {"aperture": "decagon", "preset": "low", "jitter": 0.5, "rotation": 20.0},
-    {"aperture": "decagon", "preset": "ultra", "targets": False},
-    {"aperture": "square", "preset": "high", "targets": False, "rotation": 5.0},
+    {"aperture": "decagon", "preset": "ultra", "use_mrt": False},
+    {"aperture": "square", "preset": "high", "use_mrt": False, "rotation": 5.0},
     {"camera": CAMERA, "preset": "high", "jitter": 1.0, "frame": 3},
     {"camera": CAMERA, "coc": 0.25, "squeeze": 1.5, "rotation": -30.0},
     {"camera": CAMERA, "coc": 0.05, "preset": "low"},
@@ -266,7 +266,7 @@ SWEEPS = {
         for shape in ("hexagon", "decagon")
     },
     # few samples on a wide blur, so that the noise acts in every pass
-    "jitter": _of_polygons([{}, {"targets": False}], **NOISY),
+    "jitter": _of_polygons([{}, {"use_mrt": False}], **NOISY),
     "cat's eye": _of_polygons(CUTS, cats_eye=0.7),
     "cat's eye, layered": _settings_of(Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7), CUT_LAYERS),
     "curved blades": [

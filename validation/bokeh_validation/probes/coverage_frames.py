@@ -155,7 +155,7 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     frame.textures["color"][3::9, 36::7, :3] = 60000.0
     yield "black and bright", frame
     # the noise of a layer's edge shows, and a parameter that nobody has set is a hexagon
-    frame = of_settings(replace(LAYERED, preset="low", targets=False, **WIDEST), (75, 50))
+    frame = of_settings(replace(LAYERED, preset="low", use_mrt=False, **WIDEST), (75, 50))
     passes = (replace(item, parameters={**item.parameters, "BokehSides": 0.0}) for item in frame.passes)
     yield "layered, sides unset, one target", replace(frame, passes=tuple(passes))
     # a CoC of 98 pixels spreads over 12 tiles; levels are read, whose size is not half of the layers'
@@ -166,26 +166,26 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     *_, first, second, _ = frame.passes
     random = np.random.default_rng(4)
     textures = {name: random.random((24, 32, 4)).astype(np.float16) for name in first.inputs.values()}
-    textures |= {"near level": textures["near level"][::2, ::2], "far level": textures["far level"][::2, ::2]}
-    textures["sizes"] = np.full((6, 8, 4), 4.0, np.float16)
+    textures |= {name: textures[name][::2, ::2] for name in ("near quarter", "far quarter")}
+    textures["layer coc"] = np.full((6, 8, 4), 4.0, np.float16)
     yield "layered, not blurred", replace(frame, passes=(first, second), textures=textures)
 
 
 # What no entry calls, and numbers that no device can be given
 SINE = float(np.sin(np.pi / 8.0))
 DECLARED = (
-    "vec2 end = vec2(0.25, 0.5); BokehFilter plain = BokehDefaultFilter(vec2(64.0, 32.0));"
+    "vec2 end = vec2(0.25, 0.5); BokehSamplingSettings plain = BokehDefaultSampling(vec2(64.0, 32.0));"
     "BokehPolygon polygon = BokehMakePolygon(8, 0.5, 0.75);"
-    "BokehLayers layers = BokehMakeLayers(vec2(0.25, 0.75), vec2(64.0, 48.0), 0.25);"
+    "BokehLayerContext layers = BokehMakeLayerContext(vec2(0.25, 0.75), vec2(64.0, 48.0), 0.25);"
     "BokehLens lens = BokehMakeLens(0.03, 0.05, 2.0);"
     "BokehLens open = BokehMakeLens(0.2, 0.05, 2.0); open.maxCoC = 1.0;"
     "BokehSetViewport(vec4(0.0, 0.0, 1.0, 8.0), vec2(16.0, 16.0));"
     "BokehPolygon square = BokehWithRoundness(polygon, 0.0); BokehPolygon curved = BokehWithRoundness(polygon, 0.5);"
     "BokehPolygon uncut = BokehWithCatsEye(BokehWithRoundness(polygon, 0.004), end, vec2(64.0, 32.0), 0.0);"
-    "vec3 wide = BokehLayerBlur(vec2(0.0, 60.0), true, polygon);"
-    "vec3 wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
+    "BokehBlur wide = BokehLayerBlur(vec2(0.0, 60.0), true, polygon);"
+    "BokehBlur wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
 )
-CELLS = methods.PRESETS[LAYERED.preset][1]
+SAMPLES = methods.PRESETS[LAYERED.preset][1]
 # The CoC of `open` at the planes of the calls below. Row 1 is a light beside row 0, which is black. Reversed, it is at
 # the near plane, so row 0, at the far plane, takes its CoC. Else it lies farther away, and row 0 keeps its own.
 LIGHT_COC, OWN_COC = (
@@ -207,8 +207,8 @@ VALUES = {
     # a place on the border, sides that no polygon has, edges that are none and little more than none
     **{"BokehFetchTexel(BokehColorSamp, vec2(1.0, 1.0)).r": 15.0, "BokehAnyAperture(end).sides": 10.0},
     **{"square.lengths.x": 0.001, "uncut.lengths.x": float(np.sin(np.pi / 2000.0))},
-    # far layers read their level from 1.15 on
-    **{"wide.y": 15.0 / CELLS, "wide.z": 0.0, "wideSquare.z": 0.25 * 0.354 * 75.0 / CELLS - 0.2},
+    # far layers read the quarter size from 1.15 on
+    **{"wide.spacing": 15.0 / SAMPLES, "wide.sideTap": 0.0, "wideSquare.sideTap": 0.25 * 0.354 * 75.0 / SAMPLES - 0.2},
     "curved.area": float(np.sin(np.pi / 8.0) + np.sin(np.pi * 3.0 / 8.0)) / 2.0,
 }
 # an image of one texel has no room for the inset
@@ -217,7 +217,7 @@ IN_A_PART = {
     MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): OWN_COC + (LIGHT_COC - OWN_COC) * (8.0 * OWN_COC - 1.0),
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
-    "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayers(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
+    "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayerContext(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
     "BokehSignedCoCMap(BokehColorSamp, BokehDepthSamp, end, end, end, lens, 0, end).r": 4.0,
 }
 

@@ -80,17 +80,17 @@ def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tu
 
 _SEVERAL = (
     _layers("Prefilter", 2, 4, lambda most: (1 + 4 * 4, 17, 5, 17, 5)),
-    _layers("KernelReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
-    _layers("KernelRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
-    _layers("KernelColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
+    _layers("LayerCoCReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
+    _layers("LayerCoCRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
+    _layers("LayerCoCColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
     _layers("Downsample", 5, 4, lambda most: (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10)),
     _layers("HoleFill", 3, 2, lambda most: (1 + 2 * most.filled,) * 3),
 )
 # Slots that one of the targets alone does not need, target by target
 UNREAD = {
-    "BokehKernelReduce": (COLORS[:1], COLORS[1:2]),
-    "BokehKernelRows": (COLORS[1:3], COLORS[:1]),
-    "BokehKernelColumns": (COLORS[1:2], COLORS[:1]),
+    "BokehLayerCoCReduce": (COLORS[:1], COLORS[1:2]),
+    "BokehLayerCoCRows": (COLORS[1:3], COLORS[:1]),
+    "BokehLayerCoCColumns": (COLORS[1:2], COLORS[:1]),
     "BokehDownsample": (COLORS[2:5], COLORS[2:5], (*COLORS[:2], COLORS[3]), COLORS[:3]),
 }
 _COLOR_DEPTH = ("ColorSamp", "DepthSamp")

@@ -14,7 +14,7 @@ TOO_LONG = "more than 100 characters in a line"
 MAX_PARAMETERS = {"glsl": 8, "hlsl": 8, "wgsl": 12}
 # Everything that reads or asks a texture, or needs derivatives; section [2] is the one place for it
 SAMPLING = (
-    r"\b(?a:tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather\w*|Load\w*"
+    r"\b(?a:tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather(?:Red|Green|Blue|Alpha|Cmp\w*)?|Load\w*"
     r"|Sample(?:Level|Grad|Bias|Cmp\w*)?|GetDimensions|CalculateLevelOfDetail\w*|dd[xy](?:_\w+)?|dFd[xy]\w*|dpd[xy]\w*"
     r"|fwidth\w*)\b(?!<f32>)"
 )

@@ -83,7 +83,7 @@ PICTURES = {
     **{f"control_{name}": [views] for name, views in CONTROLS.items()},
     "layers": [
         {name: {"target": name, "width": 240} for name in names}
-        for names in (("near", "near blurred", "middle"), ("far", "far blurred", "back"))
+        for names in (("near", "near blurred", "mid fill"), ("far", "far blurred", "far fill"))
     ],
 }
 

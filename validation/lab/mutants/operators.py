@@ -21,18 +21,21 @@ CALL = r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)"
 TERM = rf"-?(?:[\w.]+(?:{CALL})?|{CALL})(?:\.[a-z]+)?"
 NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
 # Not within brackets of a function whose arguments may be in any order
-ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerShare\()(?<!BokehRotated\()"
+ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerWeight\()(?<!BokehRotated\()"
 PAIRS = "+ -, * /, && ||, == !=, true false, min max, sin cos, floor ceil"
 SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx"
-MEMBERS = ".edge2 .edge3, .edge4 .edge5, .nearLayer .farLayer, .reach .sizes, .far .nearLevel, .nearLevel .farLevel"
+MEMBERS = (
+    ".strip2 .strip3, .strip4 .strip5, .nearLayer .farLayer, .gatherTiles .layerCoC, .farWithHoles .nearQuarter, "
+    ".nearQuarter .farQuarter"
+)
 OTHER = {
     "<": ">",
     ">": "<",
     ">=": "<",
     "<=": ">",
-    ".kernelSums": ".leftovers",
-    ".sums": ".leftovers",
-    ".back": ".middle",
+    ".layerCoCSums": ".gatherCoC",
+    ".sums": ".gatherCoC",
+    ".farFill": ".midFill",
 }
 for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
@@ -41,7 +44,7 @@ for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
 # What is before a number that is one less: a loop that ends early misses a sample, and a first pass that is asked for
 # one line too few does not see it, where one more only costs fetches
 LESS = re.compile(r"(?:< |Bokeh(?:ExactFirst|LayerPolygon)\((?:\w+, )+)\Z")
-GUARDS = r"(?:clamp|abs|BokehSafe|BokehToTexture|BokehGridCoords|min|max)"
+GUARDS = r"(?:clamp|abs|BokehSanitize|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
 
 
@@ -71,7 +74,7 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
         _other,
     ),
     "axis": (
-        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|edge\d|(?:near|far)Layer|(?:kernelS|s)ums|reach|sizes|far|(?:near|far)Level|back)\b(?!\()",
+        r"\.(?:[xyrgbazw]|xy|zw|rg|gr|rb|rgb|xyxy|strip\d|(?:near|far)Layer|(?:layerCoCS|s)ums|gatherTiles|layerCoC|farWithHoles|(?:near|far)Quarter|farFill)\b(?!\()",
         _other,
     ),
     "constant": (r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])", _number),
@@ -87,7 +90,7 @@ WHOLE = ("always", "never", "dropped")
 # Of a variable that nobody has set a driver makes 0 by itself
 ZEROED = re.compile(r"= (?:0\.0|vec\d\([0., ]+\));")
 # What compilers want of targets that a pass has not: nobody reads it
-UNREAD = re.compile(r"targets\.edge\d = (?:none|targets\.edge\d);")
+UNREAD = re.compile(r"targets\.strip\d = (?:zero|targets\.strip\d);")
 
 
 def bodies() -> Iterator[tuple[str, str, str, int, int]]:

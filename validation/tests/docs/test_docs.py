@@ -55,7 +55,7 @@ def test_fetches_of_the_readme():
 
 def costs(method: str, aperture: str = "hexagon", preset: str = "medium", targets: bool = True) -> tuple[int, int]:
     """Passes of a frame as `plan` prints it, and fetches of colour and depth for a pixel."""
-    planned = plan.frame(methods.Settings(method, aperture, preset=preset, targets=targets), (1920, 1080))
+    planned = plan.frame(methods.Settings(method, aperture, preset=preset, use_mrt=targets), (1920, 1080))
     return len(planned["passes"]), round(sum(planned["fetches"].values()))
 
 

@@ -30,8 +30,8 @@ WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer
 CAMERA = methods.Camera(aperture_diameter=0.08, focal_length=0.05, focus_distance=6.0)
 # What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes, as the
 # plan names them
-READS = ({"Color": "color", "Depth": "depth"}, {"Map": "coc"}, {"Edge2": "target 2", "Edge3": "target 3"})
-WRITES = (("coc",), ("target 2", "target 3"), ("result",))
+READS = ({"Color": "color", "Depth": "depth"}, {"Map": "coc"}, {"Strip2": "strip 2", "Strip3": "strip 3"})
+WRITES = (("coc",), ("strip 2", "strip 3"), ("result",))
 NAMES = [name for names in WRITES for name in names]
 
 

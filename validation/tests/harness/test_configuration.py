@@ -24,7 +24,7 @@ def without(text: str, language: str, *stems: str) -> str:
 WRONG = {
     **{name: ({name: 1}, f"{name} must be 2 or more") for name in ("BOKEH_NUM_SAMPLES", "BOKEH_PAPER_SAMPLES")},
     **{f"{name} too": (HIGH | {name: 9}, PRESET) for name in ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")},
-    **{f"{name} too": (HIGH | {name: 1}, PRESET) for name in ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_CELLS")},
+    **{f"{name} too": (HIGH | {name: 1}, PRESET) for name in ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES")},
     **{f"HIGH, {name}": (HIGH | {f"BOKEH_PRESET_{name}": 1}, TWO) for name in ("LOW", "MEDIUM", "ULTRA")},
 }
 WRONG_GLSL = {

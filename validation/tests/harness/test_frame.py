@@ -133,7 +133,7 @@ def test_every_frame_is_whole(method, targets):
     Textures share memory with their like, and no two at a time.
     """
     for aperture in methods.EXACT if method in ("exact", "layered") else aperture_shapes.NAMES:
-        planned = frame.frame(methods.Settings(method, aperture, targets=targets), (1921, 1081))
+        planned = frame.frame(methods.Settings(method, aperture, use_mrt=targets), (1921, 1081))
         there = {"color", "depth buffer", *planned["tables"]}
         freed = []
         for number, step in enumerate(planned["passes"]):
@@ -197,7 +197,7 @@ def test_layouts_made_from_the_wgsl(method, targets):
     """
     device = load("wgpu").device
     for aperture in ("square", "hexagon", "octagon") if method != "paper" else ("hexagon", "octagon"):
-        planned = frame.frame(methods.Settings(method, aperture, targets=targets), SIZE)
+        planned = frame.frame(methods.Settings(method, aperture, use_mrt=targets), SIZE)
         program = planned["programs"]["wgsl"]
         text = "".join((paths.ROOT / name).read_text(encoding="ascii") for name in program["files"])
         module = device.create_shader_module(code=text)

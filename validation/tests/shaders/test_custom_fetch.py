@@ -42,7 +42,7 @@ def test_both_eyes():
     maps = random.random((2, SIZE[1], SIZE[0], 4)).astype(np.float16)
     maps[..., 3] = random.uniform(-0.2, 0.2, maps.shape[:3])
     given = {"BokehImageWidth": SIZE[0], "BokehImageHeight": SIZE[1], "BokehAspectRatio": SIZE[0] / SIZE[1]}
-    item = Pass("BokehHexagonFirst", {"ColorSamp": "map"}, ("edge2", "edge3"), given, 9, {"BOKEH_SPACING": 1.5})
+    item = Pass("BokehHexagonFirst", {"ColorSamp": "map"}, ("strip2", "strip3"), given, 9, {"BOKEH_SPACING": 1.5})
     wanted = [driver.run([item], {"map": eye}, SIZE, "half", keep=item.outputs) for eye in maps]
     driver.make_current()
     context = driver.context

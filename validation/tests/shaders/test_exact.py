@@ -104,7 +104,7 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
     """
     driver = load(name)
     settings = Settings(method, aperture, camera=CAMERA, coc=0.3, spacing=1.0, samples=3, jitter=1.0)
-    settings = replace(settings, targets=targets)
+    settings = replace(settings, use_mrt=targets)
     case = noise_case((61, 48), settings)
     following = replace(case, settings=replace(settings, frame=1)).plan.passes
     passes = case.plan.passes

@@ -69,7 +69,7 @@ def draw(method: str, seed: int) -> Case:
         jitter=one([0.0, number(0.0, 1.0)]) if adaptive else 0.0,
         frame=int(random.integers(0, 1001)),
         squeeze=number(0.25, 2.0, 1.0),
-        targets=one([False, True]),
+        use_mrt=one([False, True]),
     )
     shape = tuple(random.integers(1, MOST_SIDE + 1, 2))
     # 6 clips one in thirty at the largest half float

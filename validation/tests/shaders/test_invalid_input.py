@@ -22,7 +22,7 @@ EVERYWHERE = ("exact hexagon", "layered hexagon")
 # Methods whose CoC is signed
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue
-LEVELS = ("tiles", "reach along rows", "reach")
+LEVELS = ("tiles", "tiles along rows", "dilated tiles")
 # The engine's alpha, which counts for nothing
 ALPHA = (np.nan, np.inf, -np.inf)
 
@@ -170,7 +170,7 @@ def test_clipped_highlights_do_not_overflow(aperture, driver):
     color = random.choice(np.array([65504.0, 65472.0]), (16, 16, 4)).astype(np.float16)
     depth = np.ones((16, 16), np.float32)
     for rotation in (0.0, 20.0, 45.0):
-        settings = Settings("exact", aperture, None, rotation, Camera(max_coc=1.0), coc=0.3, targets=False)
+        settings = Settings("exact", aperture, None, rotation, Camera(max_coc=1.0), coc=0.3, use_mrt=False)
         assert_right(driver, Case("clipped", settings, color, depth))
 
 

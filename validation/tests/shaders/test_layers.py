@@ -178,12 +178,12 @@ def ending(item: Pass, last: str, first: str = "", **changes) -> Pass:
 
 
 # What docs/methods/layered.md says of the targets that need two channels
-TWO_CHANNELS = {"leftovers", "tile leftovers", "row leftovers", "sizes"}
+TWO_CHANNELS = {"gather coc", "tile gather coc", "row gather coc", "layer coc"}
 
 
 def test_two_channels_are_enough():
     """The targets that docs/methods/layered.md names may be RG16F: the same picture."""
-    settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, targets=False)
+    settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, use_mrt=False)
     driver, case = load("osmesa"), noise_case((101, 77), settings)
     passes, last = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
     assert TWO_CHANNELS < {name for item in passes for name in item.outputs}

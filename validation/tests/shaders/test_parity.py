@@ -49,14 +49,14 @@ HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float 
 # What a change is -> the change as mutated() takes it. Beside what dropping a token of the common text shows, below
 LIBRARY = {
     "the spelling of a literal": "([[0.5=>.5]] * cos(halfStep)",
-    "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / cells;",
+    "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / samples;",
     "a default in the table": "//   BOKEH_MAX_COLOR          [[65504=>65500]].0",
     "a character that is not ASCII": "Listing 1: CoC of a thin lens[[=> \u00e9]]",
     "a backslash at the end of a line": "with a sensor of 35 mm film[[=>\\]]\n",
     "no licence line": "[[// SPDX-License-Identifier: MIT\n=>]]",
     "a version": "Version 0.3.[[0=>1]].",
     "a block comment": "    [[=>/* why */ ]]return filterCoC;",
-    "a derivative": "    return BokehSafe(depth[[=> + dFdx(depth)]], ",
+    "a derivative": "    return BokehSanitize(depth[[=> + dFdx(depth)]], ",
     "a default": ("BOKEH_MAX_COLOR [[65504=>65500]].0\n", "BOKEH_MAX_COLOR: f32 = [[65504=>65500]].0"),
     "a type of a parameter": "float lengthInPixels, [[float=>int]] spacing)",
     "a type of another language": ("[[float4=>vec4]] sum =", "[[vec4=>float4]] sum =", "sum: [[vec4f=>float4]]"),
@@ -76,7 +76,10 @@ PAPER = {
 }
 LAYERS = {
     "a row of the presets": "//   BOKEH_PRESET_LOW        [[1=>2]] ",
-    "the configuration": ("#define BOKEH_PRESET_CELLS [[11=>9]]", "override BOKEH_LAYER_CELLS: i32 = [[11=>13]];"),
+    "the configuration": (
+        "#define BOKEH_PRESET_LAYER_SAMPLES [[11=>9]]",
+        "override BOKEH_LAYER_SAMPLES: i32 = [[11=>13]];",
+    ),
 }
 PASSES = {
     "a parameter of the block": "Bokeh[[BlurCoC=>UseMax]] > 0.5",
@@ -131,7 +134,7 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
 
 @pytest.mark.parametrize("language", paths.LANGUAGES)
 def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
-    change = "BokehSafe([[color.r, 0.0, BOKEH=> color.r , 0.0,\n        BOKEH]]_MAX_COLOR),"
+    change = "BokehSanitize([[color.r, 0.0, BOKEH=> color.r , 0.0,\n        BOKEH]]_MAX_COLOR),"
     assert not parity.check(mutated("bokeh", language, change))
     key = FILES["bokeh"][language]
     (function,) = (one[0] for one in shaders.FUNCTION.finditer(TEXTS[key]) if one["name"] == "BokehPackCoC")
@@ -149,7 +152,7 @@ def test_the_layers_of_the_passes_can_be_left_out(language):
 # One change to all three languages, where only the rules are left
 MORE = "float a, float b, float c, float d,\n    float e, float f, float g, "
 ALIKE = {
-    "nine parameters": f"BokehSafe([[=>{MORE}]]float value,",
+    "nine parameters": f"BokehSanitize([[=>{MORE}]]float value,",
     "a tag line": "// [[Lines: colour=>Colour]] of a weighted sum",
     "a bit operator": "k > [[polygon.sides / 2=>(polygon.sides | 2)]])",
     "a swizzle assigned": "        sum[[ *==>.xy =]] BokehEdgeArea(",

@@ -116,7 +116,7 @@ def test_alone(is_part):
 
 CHANGES = [
     {"jitter": 1.0, "squeeze": 0.7},
-    {"aperture": "octagon", "cats_eye": 0.7, "targets": False},
+    {"aperture": "octagon", "cats_eye": 0.7, "use_mrt": False},
     {"preset": "low"},
     {"method": "paper"},
     {"method": "exact", "spacing": 1.0, "cats_eye": 0.5},

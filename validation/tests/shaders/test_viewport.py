@@ -29,7 +29,7 @@ CASES = {
     # than 8 pixels wide and high: a target of an eighth that is one texel wide has no room for the inset
     "layered, whole": (LAYERED, SIZE, (0, 0, 90, 74)),
     "layered square, a corner": (replace(LAYERED, aperture="square"), SIZE, (8, 24, 40, 30)),
-    "layered octagon, last corner": (replace(LAYERED, aperture="octagon", targets=False), SIZE, (40, 16, 50, 58)),
+    "layered octagon, last corner": (replace(LAYERED, aperture="octagon", use_mrt=False), SIZE, (40, 16, 50, 58)),
     "layered decagon, smallest": (replace(LAYERED, aperture="decagon"), SIZE, (72, 56, 11, 9)),
     # The smallest image, the whole texture, its last corner, and far from uv 0, where float32 is coarsest
     "smallest": (WIDE, (9, 7), (3, 2, 2, 2)),

@@ -55,7 +55,7 @@ def test_sizes(size, driver):
     for method in PLAIN:
         within(driver, noise_case(size, Settings(method, "hexagon", camera=camera)))
     within(driver, noise_case(size, Settings("exact", "hexagon", 5, camera=camera, spacing=1.0, jitter=1.0)))
-    within(driver, noise_case(size, Settings("layered", "hexagon", 7, camera=camera, targets=min(size) > 2)))
+    within(driver, noise_case(size, Settings("layered", "hexagon", 7, camera=camera, use_mrt=min(size) > 2)))
 
 
 @pytest.mark.parametrize("group", SWEEPS)

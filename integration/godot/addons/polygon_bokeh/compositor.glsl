@@ -10,9 +10,9 @@ low_tile_max = "#define BOKEH_PRESET_LOW 1\n#define TILE_MAX 1";
 low_tile_dilate = "#define BOKEH_PRESET_LOW 1\n#define TILE_DILATE 1";
 low_tile_dilate_2 = "#define BOKEH_PRESET_LOW 1\n#define TILE_DILATE_2 1";
 low_prefilter = "#define BOKEH_PRESET_LOW 1\n#define PREFILTER 1";
-low_kernel_reduce = "#define BOKEH_PRESET_LOW 1\n#define KERNEL_REDUCE 1";
-low_kernel_rows = "#define BOKEH_PRESET_LOW 1\n#define KERNEL_ROWS 1";
-low_kernel_columns = "#define BOKEH_PRESET_LOW 1\n#define KERNEL_COLUMNS 1";
+low_layer_co_creduce = "#define BOKEH_PRESET_LOW 1\n#define LAYER_CO_CREDUCE 1";
+low_layer_co_crows = "#define BOKEH_PRESET_LOW 1\n#define LAYER_CO_CROWS 1";
+low_layer_co_ccolumns = "#define BOKEH_PRESET_LOW 1\n#define LAYER_CO_CCOLUMNS 1";
 low_downsample = "#define BOKEH_PRESET_LOW 1\n#define DOWNSAMPLE 1";
 low_hole_fill = "#define BOKEH_PRESET_LOW 1\n#define HOLE_FILL 1";
 low_layers_first = "#define BOKEH_PRESET_LOW 1\n#define LAYERS_FIRST 1";
@@ -41,9 +41,9 @@ medium_tile_max = "#define BOKEH_PRESET_MEDIUM 1\n#define TILE_MAX 1";
 medium_tile_dilate = "#define BOKEH_PRESET_MEDIUM 1\n#define TILE_DILATE 1";
 medium_tile_dilate_2 = "#define BOKEH_PRESET_MEDIUM 1\n#define TILE_DILATE_2 1";
 medium_prefilter = "#define BOKEH_PRESET_MEDIUM 1\n#define PREFILTER 1";
-medium_kernel_reduce = "#define BOKEH_PRESET_MEDIUM 1\n#define KERNEL_REDUCE 1";
-medium_kernel_rows = "#define BOKEH_PRESET_MEDIUM 1\n#define KERNEL_ROWS 1";
-medium_kernel_columns = "#define BOKEH_PRESET_MEDIUM 1\n#define KERNEL_COLUMNS 1";
+medium_layer_co_creduce = "#define BOKEH_PRESET_MEDIUM 1\n#define LAYER_CO_CREDUCE 1";
+medium_layer_co_crows = "#define BOKEH_PRESET_MEDIUM 1\n#define LAYER_CO_CROWS 1";
+medium_layer_co_ccolumns = "#define BOKEH_PRESET_MEDIUM 1\n#define LAYER_CO_CCOLUMNS 1";
 medium_downsample = "#define BOKEH_PRESET_MEDIUM 1\n#define DOWNSAMPLE 1";
 medium_hole_fill = "#define BOKEH_PRESET_MEDIUM 1\n#define HOLE_FILL 1";
 medium_layers_first = "#define BOKEH_PRESET_MEDIUM 1\n#define LAYERS_FIRST 1";
@@ -72,9 +72,9 @@ high_tile_max = "#define BOKEH_PRESET_HIGH 1\n#define TILE_MAX 1";
 high_tile_dilate = "#define BOKEH_PRESET_HIGH 1\n#define TILE_DILATE 1";
 high_tile_dilate_2 = "#define BOKEH_PRESET_HIGH 1\n#define TILE_DILATE_2 1";
 high_prefilter = "#define BOKEH_PRESET_HIGH 1\n#define PREFILTER 1";
-high_kernel_reduce = "#define BOKEH_PRESET_HIGH 1\n#define KERNEL_REDUCE 1";
-high_kernel_rows = "#define BOKEH_PRESET_HIGH 1\n#define KERNEL_ROWS 1";
-high_kernel_columns = "#define BOKEH_PRESET_HIGH 1\n#define KERNEL_COLUMNS 1";
+high_layer_co_creduce = "#define BOKEH_PRESET_HIGH 1\n#define LAYER_CO_CREDUCE 1";
+high_layer_co_crows = "#define BOKEH_PRESET_HIGH 1\n#define LAYER_CO_CROWS 1";
+high_layer_co_ccolumns = "#define BOKEH_PRESET_HIGH 1\n#define LAYER_CO_CCOLUMNS 1";
 high_downsample = "#define BOKEH_PRESET_HIGH 1\n#define DOWNSAMPLE 1";
 high_hole_fill = "#define BOKEH_PRESET_HIGH 1\n#define HOLE_FILL 1";
 high_layers_first = "#define BOKEH_PRESET_HIGH 1\n#define LAYERS_FIRST 1";
@@ -103,9 +103,9 @@ ultra_tile_max = "#define BOKEH_PRESET_ULTRA 1\n#define TILE_MAX 1";
 ultra_tile_dilate = "#define BOKEH_PRESET_ULTRA 1\n#define TILE_DILATE 1";
 ultra_tile_dilate_2 = "#define BOKEH_PRESET_ULTRA 1\n#define TILE_DILATE_2 1";
 ultra_prefilter = "#define BOKEH_PRESET_ULTRA 1\n#define PREFILTER 1";
-ultra_kernel_reduce = "#define BOKEH_PRESET_ULTRA 1\n#define KERNEL_REDUCE 1";
-ultra_kernel_rows = "#define BOKEH_PRESET_ULTRA 1\n#define KERNEL_ROWS 1";
-ultra_kernel_columns = "#define BOKEH_PRESET_ULTRA 1\n#define KERNEL_COLUMNS 1";
+ultra_layer_co_creduce = "#define BOKEH_PRESET_ULTRA 1\n#define LAYER_CO_CREDUCE 1";
+ultra_layer_co_crows = "#define BOKEH_PRESET_ULTRA 1\n#define LAYER_CO_CROWS 1";
+ultra_layer_co_ccolumns = "#define BOKEH_PRESET_ULTRA 1\n#define LAYER_CO_CCOLUMNS 1";
 ultra_downsample = "#define BOKEH_PRESET_ULTRA 1\n#define DOWNSAMPLE 1";
 ultra_hole_fill = "#define BOKEH_PRESET_ULTRA 1\n#define HOLE_FILL 1";
 ultra_layers_first = "#define BOKEH_PRESET_ULTRA 1\n#define LAYERS_FIRST 1";
@@ -212,7 +212,7 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	target_0 = BokehTileMax(slot_0, layers);
 }
 
@@ -223,7 +223,7 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	target_0 = BokehTileDilate(slot_0, vec2(1.0, 0.0), layers);
 }
 
@@ -234,7 +234,7 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	target_0 = BokehTileDilate(slot_0, vec2(0.0, 1.0), layers);
 }
 
@@ -249,15 +249,15 @@ layout(location = 3) out vec4 target_3;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPrefiltered targets = BokehPrefilter(slot_0, slot_1, layers);
 	target_0 = targets.nearLayer;
 	target_1 = targets.farLayer;
-	target_2 = targets.kernelSums;
-	target_3 = targets.leftovers;
+	target_2 = targets.layerCoCSums;
+	target_3 = targets.gatherCoC;
 }
 
-#elif defined(KERNEL_REDUCE)
+#elif defined(LAYER_CO_CREDUCE)
 
 layout(set = 0, binding = 0) uniform sampler2D slot_0;
 layout(set = 0, binding = 1) uniform sampler2D slot_1;
@@ -266,13 +266,13 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
-	BokehKernels targets = BokehKernelReduce(slot_0, slot_1, layers);
-	target_0 = targets.leftovers;
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
+	BokehTileSums targets = BokehLayerCoCReduce(slot_0, slot_1, layers);
+	target_0 = targets.gatherCoC;
 	target_1 = targets.sums;
 }
 
-#elif defined(KERNEL_ROWS)
+#elif defined(LAYER_CO_CROWS)
 
 layout(set = 0, binding = 0) uniform sampler2D slot_0;
 layout(set = 0, binding = 1) uniform sampler2D slot_1;
@@ -282,13 +282,13 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
-	BokehKernels targets = BokehKernelRows(slot_0, slot_1, slot_2, layers);
-	target_0 = targets.leftovers;
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
+	BokehTileSums targets = BokehLayerCoCRows(slot_0, slot_1, slot_2, layers);
+	target_0 = targets.gatherCoC;
 	target_1 = targets.sums;
 }
 
-#elif defined(KERNEL_COLUMNS)
+#elif defined(LAYER_CO_CCOLUMNS)
 
 layout(set = 0, binding = 0) uniform sampler2D slot_0;
 layout(set = 0, binding = 1) uniform sampler2D slot_1;
@@ -298,10 +298,10 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
-	BokehSizes targets = BokehKernelColumns(slot_0, slot_1, slot_2, layers);
-	target_0 = targets.reach;
-	target_1 = targets.sizes;
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerCoCTargets targets = BokehLayerCoCColumns(slot_0, slot_1, slot_2, layers);
+	target_0 = targets.gatherTiles;
+	target_1 = targets.layerCoC;
 }
 
 #elif defined(DOWNSAMPLE)
@@ -318,13 +318,13 @@ layout(location = 3) out vec4 target_3;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehLevels targets = BokehDownsample(slot_0, slot_1, slot_2, slot_3, slot_4, polygon, layers);
-	target_0 = targets.middle;
-	target_1 = targets.far;
-	target_2 = targets.nearLevel;
-	target_3 = targets.farLevel;
+	BokehDownsampled targets = BokehDownsample(slot_0, slot_1, slot_2, slot_3, slot_4, polygon, layers);
+	target_0 = targets.midWithHoles;
+	target_1 = targets.farWithHoles;
+	target_2 = targets.nearQuarter;
+	target_3 = targets.farQuarter;
 }
 
 #elif defined(HOLE_FILL)
@@ -337,11 +337,11 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
 	BokehFilled targets = BokehHoleFill(slot_0, slot_1, slot_2, polygon, layers);
-	target_0 = targets.middle;
-	target_1 = targets.back;
+	target_0 = targets.midFill;
+	target_1 = targets.farFill;
 }
 
 #elif defined(LAYERS_FIRST)
@@ -356,11 +356,11 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehLayersTargets targets = BokehLayersFirst(slot_0, slot_1, slot_2, slot_3, BokehLayerSizes(slot_4, layers), polygon, layers);
-	target_0 = targets.near2;
-	target_1 = targets.far2;
+	BokehLayersTargets targets = BokehLayersFirst(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), polygon, layers);
+	target_0 = targets.nearStrip2;
+	target_1 = targets.farStrip2;
 }
 
 #elif defined(LAYERS_SECOND)
@@ -373,9 +373,9 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_1, slot_1, BokehLayerSizes(slot_4, layers), polygon, layers);
+	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_1, slot_1, BokehLayerCoC(slot_4, layers), polygon, layers);
 	target_0 = targets.near;
 	target_1 = targets.far;
 }
@@ -392,7 +392,7 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
 	target_0 = BokehComposite(slot_0, slot_1, slot_2, slot_3, slot_4, slot_5, polygon, layers);
 }
@@ -411,13 +411,13 @@ layout(location = 3) out vec4 target_3;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehLayersTargets targets = BokehLayersFirst(slot_0, slot_1, slot_2, slot_3, BokehLayerSizes(slot_4, layers), polygon, layers);
-	target_0 = targets.near2;
-	target_1 = targets.far2;
-	target_2 = targets.near3;
-	target_3 = targets.far3;
+	BokehLayersTargets targets = BokehLayersFirst(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), polygon, layers);
+	target_0 = targets.nearStrip2;
+	target_1 = targets.farStrip2;
+	target_2 = targets.nearStrip3;
+	target_3 = targets.farStrip3;
 }
 
 #elif defined(LAYERS_SECOND_2)
@@ -432,9 +432,9 @@ layout(location = 1) out vec4 target_1;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerSizes(slot_4, layers), polygon, layers);
+	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), polygon, layers);
 	target_0 = targets.near;
 	target_1 = targets.far;
 }
@@ -450,12 +450,12 @@ layout(location = 2) out vec4 target_2;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerSizes(slot_2, layers), false, 4, polygon, layers);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
+	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerCoC(slot_2, layers), false, 4, polygon, layers);
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
 }
 
 #elif defined(LAYER_SECOND)
@@ -468,9 +468,9 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_2, BokehLayerSizes(slot_4, layers), false, polygon, layers);
+	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_2, BokehLayerCoC(slot_4, layers), false, polygon, layers);
 }
 
 #elif defined(LAYER_FIRST_2)
@@ -484,12 +484,12 @@ layout(location = 2) out vec4 target_2;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerSizes(slot_2, layers), true, 4, polygon, layers);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
+	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerCoC(slot_2, layers), true, 4, polygon, layers);
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
 }
 
 #elif defined(LAYER_SECOND_2)
@@ -502,9 +502,9 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_2, BokehLayerSizes(slot_4, layers), true, polygon, layers);
+	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_2, BokehLayerCoC(slot_4, layers), true, polygon, layers);
 }
 
 #elif defined(LAYER_FIRST_3)
@@ -519,13 +519,13 @@ layout(location = 3) out vec4 target_3;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerSizes(slot_2, layers), false, 5, polygon, layers);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
-	target_3 = targets.edge5;
+	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerCoC(slot_2, layers), false, 5, polygon, layers);
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
+	target_3 = targets.strip5;
 }
 
 #elif defined(LAYER_SECOND_3)
@@ -539,9 +539,9 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerSizes(slot_4, layers), false, polygon, layers);
+	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), false, polygon, layers);
 }
 
 #elif defined(LAYER_FIRST_4)
@@ -556,13 +556,13 @@ layout(location = 3) out vec4 target_3;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerSizes(slot_2, layers), true, 5, polygon, layers);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
-	target_3 = targets.edge5;
+	BokehTargets targets = BokehLayerFirst(slot_0, slot_1, BokehLayerCoC(slot_2, layers), true, 5, polygon, layers);
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
+	target_3 = targets.strip5;
 }
 
 #elif defined(LAYER_SECOND_4)
@@ -576,9 +576,9 @@ layout(location = 0) out vec4 target_0;
 
 void main()
 {
-	BokehLayers layers = BokehMakeLayers(uv, parameters.image_size, parameters.max_coc);
+	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerSizes(slot_4, layers), true, polygon, layers);
+	target_0 = BokehLayerSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), true, polygon, layers);
 }
 
 #elif defined(SQUARE_FIRST)
@@ -589,8 +589,8 @@ layout(location = 0) out vec4 target_0;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
-	target_0 = BokehSquareFirst(slot_0, uv, polygon, settings).edge2;
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
+	target_0 = BokehSquareFirst(slot_0, uv, polygon, settings).strip2;
 }
 
 #elif defined(SQUARE_SECOND)
@@ -601,7 +601,7 @@ layout(location = 0) out vec4 target_0;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	target_0 = BokehSquareSecond(slot_0, uv, polygon, settings);
 }
 
@@ -614,10 +614,10 @@ layout(location = 1) out vec4 target_1;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	BokehTargets targets = BokehHexagonFirst(slot_0, uv, polygon, settings);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
 }
 
 #elif defined(HEXAGON_SECOND)
@@ -629,7 +629,7 @@ layout(location = 0) out vec4 target_0;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	target_0 = BokehHexagonSecond(slot_0, slot_1, uv, polygon, settings);
 }
 
@@ -643,11 +643,11 @@ layout(location = 2) out vec4 target_2;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	BokehTargets targets = BokehOctagonFirst(slot_0, uv, polygon, settings);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
 }
 
 #elif defined(OCTAGON_SECOND)
@@ -660,7 +660,7 @@ layout(location = 0) out vec4 target_0;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	target_0 = BokehOctagonSecond(slot_0, slot_1, slot_2, uv, polygon, settings);
 }
 
@@ -675,12 +675,12 @@ layout(location = 3) out vec4 target_3;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	BokehTargets targets = BokehDecagonFirst(slot_0, uv, polygon, settings);
-	target_0 = targets.edge2;
-	target_1 = targets.edge3;
-	target_2 = targets.edge4;
-	target_3 = targets.edge5;
+	target_0 = targets.strip2;
+	target_1 = targets.strip3;
+	target_2 = targets.strip4;
+	target_3 = targets.strip5;
 }
 
 #elif defined(DECAGON_SECOND)
@@ -694,7 +694,7 @@ layout(location = 0) out vec4 target_0;
 void main()
 {
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
-	BokehFilter settings = BokehDefaultFilter(parameters.image_size);
+	BokehSamplingSettings settings = BokehDefaultSampling(parameters.image_size);
 	target_0 = BokehDecagonSecond(slot_0, slot_1, slot_2, slot_3, uv, polygon, settings);
 }
 

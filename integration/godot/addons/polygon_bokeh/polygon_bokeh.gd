@@ -69,8 +69,8 @@ uniform vec2 image_size;
 void fragment()
 {
 	BokehPolygon polygon = BokehMakePolygon(%d, rotation, squeeze);
-	BokehLayers layers = BokehMakeLayers(UV, image_size, max_coc);
-	BokehFilter settings = BokehDefaultFilter(image_size);
+	BokehLayerContext layers = BokehMakeLayerContext(UV, image_size, max_coc);
+	BokehSamplingSettings settings = BokehDefaultSampling(image_size);
 	COLOR = %s;
 }
 """

@@ -19,9 +19,9 @@ BOKEH_SHADER(AdaptiveFinal, "BokehAdaptiveFinal_PS");
 BOKEH_SHADER(TileMax, "BokehTileMax_PS");
 BOKEH_SHADER(TileDilate, "BokehTileDilate_PS");
 BOKEH_SHADER(Prefilter, "BokehPrefilter_PS");
-BOKEH_SHADER(KernelReduce, "BokehKernelReduce_PS");
-BOKEH_SHADER(KernelRows, "BokehKernelRows_PS");
-BOKEH_SHADER(KernelColumns, "BokehKernelColumns_PS");
+BOKEH_SHADER(LayerCoCReduce, "BokehLayerCoCReduce_PS");
+BOKEH_SHADER(LayerCoCRows, "BokehLayerCoCRows_PS");
+BOKEH_SHADER(LayerCoCColumns, "BokehLayerCoCColumns_PS");
 BOKEH_SHADER(Downsample, "BokehDownsample_PS");
 BOKEH_SHADER(HoleFill, "BokehHoleFill_PS");
 BOKEH_SHADER(SquareLayerFirst, "BokehSquareLayerFirst_PS");
@@ -42,17 +42,17 @@ static const TArray<FBokehStep>* BokehLayered(int32 Sides)
     {
         static const TArray<FBokehStep> Steps = {
             {&AddBokehPass<FBokehTileMaxPS>, TEXT("coc"), TEXT("tiles"), 8, {}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("reachAlongRows"), 8, {.Axis = 0.0f}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("reachAlongRows"), TEXT("reach"), 8, {.Axis = 1.0f}},
-            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc reach"), TEXT("near far sums leftovers"), 2, {}},
-            {&AddBokehPass<FBokehKernelReducePS>, TEXT("sums leftovers"), TEXT("tileLeftovers tileSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelRowsPS>, TEXT("tileLeftovers tileSums reach"), TEXT("rowLeftovers rowSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelColumnsPS>, TEXT("rowLeftovers rowSums reach"), TEXT("reaches sizes"), 8, {}},
-            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc reach near far sizes"), TEXT("middleWithHoles farWithHoles nearLevel farLevel"), 4, {.Sides = 4.0f}},
-            {&AddBokehPass<FBokehHoleFillPS>, TEXT("middleWithHoles farWithHoles reach"), TEXT("middle back"), 4, {.Sides = 4.0f}},
-            {&AddBokehPass<FBokehSquareLayerFirstPS>, TEXT("near nearLevel far farLevel sizes"), TEXT("nearTarget2 farTarget2"), 2, {}},
-            {&AddBokehPass<FBokehSquareLayerSecondPS>, TEXT("nearTarget2 farTarget2 - - sizes"), TEXT("nearBlurred farBlurred"), 2, {}},
-            {&AddBokehPass<FBokehCompositePS>, TEXT("coc reaches nearBlurred farBlurred middle back"), TEXT("result"), 1, {.Sides = 4.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("tilesAlongRows"), 8, {.Axis = 0.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tilesAlongRows"), TEXT("dilatedTiles"), 8, {.Axis = 1.0f}},
+            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc dilatedTiles"), TEXT("near far layerCocSums gatherCoc"), 2, {}},
+            {&AddBokehPass<FBokehLayerCoCReducePS>, TEXT("layerCocSums gatherCoc"), TEXT("tileGatherCoc tileCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCRowsPS>, TEXT("tileGatherCoc tileCocSums dilatedTiles"), TEXT("rowGatherCoc rowCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCColumnsPS>, TEXT("rowGatherCoc rowCocSums dilatedTiles"), TEXT("gatherTiles layerCoc"), 8, {}},
+            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc dilatedTiles near far layerCoc"), TEXT("midWithHoles farWithHoles nearQuarter farQuarter"), 4, {.Sides = 4.0f}},
+            {&AddBokehPass<FBokehHoleFillPS>, TEXT("midWithHoles farWithHoles dilatedTiles"), TEXT("midFill farFill"), 4, {.Sides = 4.0f}},
+            {&AddBokehPass<FBokehSquareLayerFirstPS>, TEXT("near nearQuarter far farQuarter layerCoc"), TEXT("nearStrip2 farStrip2"), 2, {}},
+            {&AddBokehPass<FBokehSquareLayerSecondPS>, TEXT("nearStrip2 farStrip2 - - layerCoc"), TEXT("nearBlurred farBlurred"), 2, {}},
+            {&AddBokehPass<FBokehCompositePS>, TEXT("coc gatherTiles nearBlurred farBlurred midFill farFill"), TEXT("result"), 1, {.Sides = 4.0f}},
         };
         return &Steps;
     }
@@ -60,17 +60,17 @@ static const TArray<FBokehStep>* BokehLayered(int32 Sides)
     {
         static const TArray<FBokehStep> Steps = {
             {&AddBokehPass<FBokehTileMaxPS>, TEXT("coc"), TEXT("tiles"), 8, {}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("reachAlongRows"), 8, {.Axis = 0.0f}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("reachAlongRows"), TEXT("reach"), 8, {.Axis = 1.0f}},
-            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc reach"), TEXT("near far sums leftovers"), 2, {}},
-            {&AddBokehPass<FBokehKernelReducePS>, TEXT("sums leftovers"), TEXT("tileLeftovers tileSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelRowsPS>, TEXT("tileLeftovers tileSums reach"), TEXT("rowLeftovers rowSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelColumnsPS>, TEXT("rowLeftovers rowSums reach"), TEXT("reaches sizes"), 8, {}},
-            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc reach near far sizes"), TEXT("middleWithHoles farWithHoles nearLevel farLevel"), 4, {.Sides = 6.0f}},
-            {&AddBokehPass<FBokehHoleFillPS>, TEXT("middleWithHoles farWithHoles reach"), TEXT("middle back"), 4, {.Sides = 6.0f}},
-            {&AddBokehPass<FBokehHexagonLayerFirstPS>, TEXT("near nearLevel far farLevel sizes"), TEXT("nearTarget2 farTarget2 nearTarget3 farTarget3"), 2, {}},
-            {&AddBokehPass<FBokehHexagonLayerSecondPS>, TEXT("nearTarget2 farTarget2 nearTarget3 farTarget3 sizes"), TEXT("nearBlurred farBlurred"), 2, {}},
-            {&AddBokehPass<FBokehCompositePS>, TEXT("coc reaches nearBlurred farBlurred middle back"), TEXT("result"), 1, {.Sides = 6.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("tilesAlongRows"), 8, {.Axis = 0.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tilesAlongRows"), TEXT("dilatedTiles"), 8, {.Axis = 1.0f}},
+            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc dilatedTiles"), TEXT("near far layerCocSums gatherCoc"), 2, {}},
+            {&AddBokehPass<FBokehLayerCoCReducePS>, TEXT("layerCocSums gatherCoc"), TEXT("tileGatherCoc tileCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCRowsPS>, TEXT("tileGatherCoc tileCocSums dilatedTiles"), TEXT("rowGatherCoc rowCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCColumnsPS>, TEXT("rowGatherCoc rowCocSums dilatedTiles"), TEXT("gatherTiles layerCoc"), 8, {}},
+            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc dilatedTiles near far layerCoc"), TEXT("midWithHoles farWithHoles nearQuarter farQuarter"), 4, {.Sides = 6.0f}},
+            {&AddBokehPass<FBokehHoleFillPS>, TEXT("midWithHoles farWithHoles dilatedTiles"), TEXT("midFill farFill"), 4, {.Sides = 6.0f}},
+            {&AddBokehPass<FBokehHexagonLayerFirstPS>, TEXT("near nearQuarter far farQuarter layerCoc"), TEXT("nearStrip2 farStrip2 nearStrip3 farStrip3"), 2, {}},
+            {&AddBokehPass<FBokehHexagonLayerSecondPS>, TEXT("nearStrip2 farStrip2 nearStrip3 farStrip3 layerCoc"), TEXT("nearBlurred farBlurred"), 2, {}},
+            {&AddBokehPass<FBokehCompositePS>, TEXT("coc gatherTiles nearBlurred farBlurred midFill farFill"), TEXT("result"), 1, {.Sides = 6.0f}},
         };
         return &Steps;
     }
@@ -78,19 +78,19 @@ static const TArray<FBokehStep>* BokehLayered(int32 Sides)
     {
         static const TArray<FBokehStep> Steps = {
             {&AddBokehPass<FBokehTileMaxPS>, TEXT("coc"), TEXT("tiles"), 8, {}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("reachAlongRows"), 8, {.Axis = 0.0f}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("reachAlongRows"), TEXT("reach"), 8, {.Axis = 1.0f}},
-            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc reach"), TEXT("near far sums leftovers"), 2, {}},
-            {&AddBokehPass<FBokehKernelReducePS>, TEXT("sums leftovers"), TEXT("tileLeftovers tileSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelRowsPS>, TEXT("tileLeftovers tileSums reach"), TEXT("rowLeftovers rowSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelColumnsPS>, TEXT("rowLeftovers rowSums reach"), TEXT("reaches sizes"), 8, {}},
-            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc reach near far sizes"), TEXT("middleWithHoles farWithHoles nearLevel farLevel"), 4, {.Sides = 8.0f}},
-            {&AddBokehPass<FBokehHoleFillPS>, TEXT("middleWithHoles farWithHoles reach"), TEXT("middle back"), 4, {.Sides = 8.0f}},
-            {&AddBokehPass<FBokehOctagonLayerFirstPS>, TEXT("near nearLevel sizes"), TEXT("nearTarget2 nearTarget3 nearTarget4"), 2, {.Layer = 0.0f}},
-            {&AddBokehPass<FBokehOctagonLayerSecondPS>, TEXT("nearTarget2 nearTarget3 nearTarget4 - sizes"), TEXT("nearBlurred"), 2, {.Layer = 0.0f}},
-            {&AddBokehPass<FBokehOctagonLayerFirstPS>, TEXT("far farLevel sizes"), TEXT("farTarget2 farTarget3 farTarget4"), 2, {.Layer = 1.0f}},
-            {&AddBokehPass<FBokehOctagonLayerSecondPS>, TEXT("farTarget2 farTarget3 farTarget4 - sizes"), TEXT("farBlurred"), 2, {.Layer = 1.0f}},
-            {&AddBokehPass<FBokehCompositePS>, TEXT("coc reaches nearBlurred farBlurred middle back"), TEXT("result"), 1, {.Sides = 8.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("tilesAlongRows"), 8, {.Axis = 0.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tilesAlongRows"), TEXT("dilatedTiles"), 8, {.Axis = 1.0f}},
+            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc dilatedTiles"), TEXT("near far layerCocSums gatherCoc"), 2, {}},
+            {&AddBokehPass<FBokehLayerCoCReducePS>, TEXT("layerCocSums gatherCoc"), TEXT("tileGatherCoc tileCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCRowsPS>, TEXT("tileGatherCoc tileCocSums dilatedTiles"), TEXT("rowGatherCoc rowCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCColumnsPS>, TEXT("rowGatherCoc rowCocSums dilatedTiles"), TEXT("gatherTiles layerCoc"), 8, {}},
+            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc dilatedTiles near far layerCoc"), TEXT("midWithHoles farWithHoles nearQuarter farQuarter"), 4, {.Sides = 8.0f}},
+            {&AddBokehPass<FBokehHoleFillPS>, TEXT("midWithHoles farWithHoles dilatedTiles"), TEXT("midFill farFill"), 4, {.Sides = 8.0f}},
+            {&AddBokehPass<FBokehOctagonLayerFirstPS>, TEXT("near nearQuarter layerCoc"), TEXT("nearStrip2 nearStrip3 nearStrip4"), 2, {.Layer = 0.0f}},
+            {&AddBokehPass<FBokehOctagonLayerSecondPS>, TEXT("nearStrip2 nearStrip3 nearStrip4 - layerCoc"), TEXT("nearBlurred"), 2, {.Layer = 0.0f}},
+            {&AddBokehPass<FBokehOctagonLayerFirstPS>, TEXT("far farQuarter layerCoc"), TEXT("farStrip2 farStrip3 farStrip4"), 2, {.Layer = 1.0f}},
+            {&AddBokehPass<FBokehOctagonLayerSecondPS>, TEXT("farStrip2 farStrip3 farStrip4 - layerCoc"), TEXT("farBlurred"), 2, {.Layer = 1.0f}},
+            {&AddBokehPass<FBokehCompositePS>, TEXT("coc gatherTiles nearBlurred farBlurred midFill farFill"), TEXT("result"), 1, {.Sides = 8.0f}},
         };
         return &Steps;
     }
@@ -98,19 +98,19 @@ static const TArray<FBokehStep>* BokehLayered(int32 Sides)
     {
         static const TArray<FBokehStep> Steps = {
             {&AddBokehPass<FBokehTileMaxPS>, TEXT("coc"), TEXT("tiles"), 8, {}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("reachAlongRows"), 8, {.Axis = 0.0f}},
-            {&AddBokehPass<FBokehTileDilatePS>, TEXT("reachAlongRows"), TEXT("reach"), 8, {.Axis = 1.0f}},
-            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc reach"), TEXT("near far sums leftovers"), 2, {}},
-            {&AddBokehPass<FBokehKernelReducePS>, TEXT("sums leftovers"), TEXT("tileLeftovers tileSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelRowsPS>, TEXT("tileLeftovers tileSums reach"), TEXT("rowLeftovers rowSums"), 8, {}},
-            {&AddBokehPass<FBokehKernelColumnsPS>, TEXT("rowLeftovers rowSums reach"), TEXT("reaches sizes"), 8, {}},
-            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc reach near far sizes"), TEXT("middleWithHoles farWithHoles nearLevel farLevel"), 4, {.Sides = 10.0f}},
-            {&AddBokehPass<FBokehHoleFillPS>, TEXT("middleWithHoles farWithHoles reach"), TEXT("middle back"), 4, {.Sides = 10.0f}},
-            {&AddBokehPass<FBokehDecagonLayerFirstPS>, TEXT("near nearLevel sizes"), TEXT("nearTarget2 nearTarget3 nearTarget4 nearTarget5"), 2, {.Layer = 0.0f}},
-            {&AddBokehPass<FBokehDecagonLayerSecondPS>, TEXT("nearTarget2 nearTarget3 nearTarget4 nearTarget5 sizes"), TEXT("nearBlurred"), 2, {.Layer = 0.0f}},
-            {&AddBokehPass<FBokehDecagonLayerFirstPS>, TEXT("far farLevel sizes"), TEXT("farTarget2 farTarget3 farTarget4 farTarget5"), 2, {.Layer = 1.0f}},
-            {&AddBokehPass<FBokehDecagonLayerSecondPS>, TEXT("farTarget2 farTarget3 farTarget4 farTarget5 sizes"), TEXT("farBlurred"), 2, {.Layer = 1.0f}},
-            {&AddBokehPass<FBokehCompositePS>, TEXT("coc reaches nearBlurred farBlurred middle back"), TEXT("result"), 1, {.Sides = 10.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tiles"), TEXT("tilesAlongRows"), 8, {.Axis = 0.0f}},
+            {&AddBokehPass<FBokehTileDilatePS>, TEXT("tilesAlongRows"), TEXT("dilatedTiles"), 8, {.Axis = 1.0f}},
+            {&AddBokehPass<FBokehPrefilterPS>, TEXT("coc dilatedTiles"), TEXT("near far layerCocSums gatherCoc"), 2, {}},
+            {&AddBokehPass<FBokehLayerCoCReducePS>, TEXT("layerCocSums gatherCoc"), TEXT("tileGatherCoc tileCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCRowsPS>, TEXT("tileGatherCoc tileCocSums dilatedTiles"), TEXT("rowGatherCoc rowCocSums"), 8, {}},
+            {&AddBokehPass<FBokehLayerCoCColumnsPS>, TEXT("rowGatherCoc rowCocSums dilatedTiles"), TEXT("gatherTiles layerCoc"), 8, {}},
+            {&AddBokehPass<FBokehDownsamplePS>, TEXT("coc dilatedTiles near far layerCoc"), TEXT("midWithHoles farWithHoles nearQuarter farQuarter"), 4, {.Sides = 10.0f}},
+            {&AddBokehPass<FBokehHoleFillPS>, TEXT("midWithHoles farWithHoles dilatedTiles"), TEXT("midFill farFill"), 4, {.Sides = 10.0f}},
+            {&AddBokehPass<FBokehDecagonLayerFirstPS>, TEXT("near nearQuarter layerCoc"), TEXT("nearStrip2 nearStrip3 nearStrip4 nearStrip5"), 2, {.Layer = 0.0f}},
+            {&AddBokehPass<FBokehDecagonLayerSecondPS>, TEXT("nearStrip2 nearStrip3 nearStrip4 nearStrip5 layerCoc"), TEXT("nearBlurred"), 2, {.Layer = 0.0f}},
+            {&AddBokehPass<FBokehDecagonLayerFirstPS>, TEXT("far farQuarter layerCoc"), TEXT("farStrip2 farStrip3 farStrip4 farStrip5"), 2, {.Layer = 1.0f}},
+            {&AddBokehPass<FBokehDecagonLayerSecondPS>, TEXT("farStrip2 farStrip3 farStrip4 farStrip5 layerCoc"), TEXT("farBlurred"), 2, {.Layer = 1.0f}},
+            {&AddBokehPass<FBokehCompositePS>, TEXT("coc gatherTiles nearBlurred farBlurred midFill farFill"), TEXT("result"), 1, {.Sides = 10.0f}},
         };
         return &Steps;
     }
@@ -122,32 +122,32 @@ static const TArray<FBokehStep>* BokehExact(int32 Sides)
     if (Sides == 4)
     {
         static const TArray<FBokehStep> Steps = {
-            {&AddBokehPass<FBokehSquareFirstPS>, TEXT("coc"), TEXT("target2"), 1, {}},
-            {&AddBokehPass<FBokehSquareSecondPS>, TEXT("target2"), TEXT("result"), 1, {}},
+            {&AddBokehPass<FBokehSquareFirstPS>, TEXT("coc"), TEXT("strip2"), 1, {}},
+            {&AddBokehPass<FBokehSquareSecondPS>, TEXT("strip2"), TEXT("result"), 1, {}},
         };
         return &Steps;
     }
     if (Sides == 6)
     {
         static const TArray<FBokehStep> Steps = {
-            {&AddBokehPass<FBokehHexagonFirstPS>, TEXT("coc"), TEXT("target2 target3"), 1, {}},
-            {&AddBokehPass<FBokehHexagonSecondPS>, TEXT("target2 target3"), TEXT("result"), 1, {}},
+            {&AddBokehPass<FBokehHexagonFirstPS>, TEXT("coc"), TEXT("strip2 strip3"), 1, {}},
+            {&AddBokehPass<FBokehHexagonSecondPS>, TEXT("strip2 strip3"), TEXT("result"), 1, {}},
         };
         return &Steps;
     }
     if (Sides == 8)
     {
         static const TArray<FBokehStep> Steps = {
-            {&AddBokehPass<FBokehOctagonFirstPS>, TEXT("coc"), TEXT("target2 target3 target4"), 1, {}},
-            {&AddBokehPass<FBokehOctagonSecondPS>, TEXT("target2 target3 target4"), TEXT("result"), 1, {}},
+            {&AddBokehPass<FBokehOctagonFirstPS>, TEXT("coc"), TEXT("strip2 strip3 strip4"), 1, {}},
+            {&AddBokehPass<FBokehOctagonSecondPS>, TEXT("strip2 strip3 strip4"), TEXT("result"), 1, {}},
         };
         return &Steps;
     }
     if (Sides == 10)
     {
         static const TArray<FBokehStep> Steps = {
-            {&AddBokehPass<FBokehDecagonFirstPS>, TEXT("coc"), TEXT("target2 target3 target4 target5"), 1, {}},
-            {&AddBokehPass<FBokehDecagonSecondPS>, TEXT("target2 target3 target4 target5"), TEXT("result"), 1, {}},
+            {&AddBokehPass<FBokehDecagonFirstPS>, TEXT("coc"), TEXT("strip2 strip3 strip4 strip5"), 1, {}},
+            {&AddBokehPass<FBokehDecagonSecondPS>, TEXT("strip2 strip3 strip4 strip5"), TEXT("result"), 1, {}},
         };
         return &Steps;
     }
