@@ -139,9 +139,19 @@ struct FSimpleMulticastDelegate
     void RemoveAll(const void*) {}
 };
 
+// 5.6, or what the compiler is told
+#ifndef STUB_ENGINE_MINOR
+#define STUB_ENGINE_MINOR 6
+#endif
+#define UE_VERSION_OLDER_THAN(Major, Minor, Patch) (5 < Major || (5 == Major && STUB_ENGINE_MINOR < Minor))
+
 struct FCoreDelegates
 {
+#if STUB_ENGINE_MINOR < 8
     static FSimpleMulticastDelegate OnPostEngineInit;
+#else
+    static FSimpleMulticastDelegate& GetOnPostEngineInit();
+#endif
 };
 
 struct IModuleInterface
@@ -347,8 +357,17 @@ struct FViewMatrices
     const FMatrix& GetProjectionMatrix() const { return ProjectionMatrix; }
 };
 
+struct FPostProcessSettings
+{
+    float DepthOfFieldFocalDistance, DepthOfFieldFstop, DepthOfFieldSensorWidth, DepthOfFieldSqueezeFactor;
+    int32 DepthOfFieldBladeCount;
+};
+
+struct FFinalPostProcessSettings : FPostProcessSettings {};
+
 struct FSceneView
 {
+    FFinalPostProcessSettings FinalPostProcessSettings;
     FViewMatrices ViewMatrices;
     TUniformBufferRef<FViewUniformShaderParameters> ViewUniformBuffer;
     bool bIsSceneCapture, bIsReflectionCapture;

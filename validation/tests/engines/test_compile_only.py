@@ -132,13 +132,14 @@ def test_csharp(engine):
         check_compiled("mcs", "mono-mcs", [*options, *editor], files)
 
 
-def test_unreal_classes():
-    """Both C++ files of the plug-in, syntax and types only, with one stand-in for all headers of the engine."""
+@pytest.mark.parametrize("minor", [6, 8])
+def test_unreal_classes(minor):
+    """Both C++ files of the plug-in, syntax and types only, with one stand-in for all headers of an engine 5.x."""
     own = [path for path in MODULE.rglob("*") if path.suffix in (".h", ".cpp")]
     files = {path.name: re.sub('#include "(?!Bokeh).*', "", text(path)) for path in own}
     files["Unreal.h"] = text(STUBS / "unreal/Unreal.h")
     warnings = ["-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror"]
-    arguments = ["-std=c++20", "-fsyntax-only", *warnings, "-include", "Unreal.h"]
+    arguments = ["-std=c++20", "-fsyntax-only", *warnings, f"-DSTUB_ENGINE_MINOR={minor}", "-include", "Unreal.h"]
     check_compiled("x86_64-w64-mingw32-g++", "g++-mingw-w64-x86-64-posix", arguments, files)
 
 
@@ -176,7 +177,7 @@ def test_unity_package():
 
 
 def test_unity_presets():
-    """A material for each preset, with the shader's GUID and one of its keywords: a build has the variants that it uses."""
+    """A material for each preset, with the shader's GUID and its keyword: a build has the variants that it uses."""
     shader = text(SHADERS["unity"])
     (keywords,) = re.findall(r"#pragma shader_feature_local_fragment _ (.*)", shader)
     assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 31
@@ -213,3 +214,34 @@ def test_unity_blades(blades, sides):
     (lowest, highest, formula) = re.search(r"Mathf\.Clamp\((.*), (\d+), (\d+)\);", feature).group(2, 3, 1)
     value = eval(formula.replace("camera.bladeCount", str(blades)).replace("/", "//"), {"__builtins__": {}})
     assert min(max(value, int(lowest)), int(highest)) == sides
+
+
+def test_unreal_camera():
+    """The lens: the camera's values where its depth of field is on, in metres; a console variable above 0 overrides."""
+    source = text(EXTENSION)
+    lens = source.partition("struct FBokehLens")[2].partition("\n};")[0]
+    taken = dict(re.findall(r"^            (\w+) = (.*);$", lens, re.MULTILINE))
+    settings = {
+        "Settings.DepthOfFieldFstop": 4.0,
+        "Settings.DepthOfFieldFocalDistance": 250.0,
+        "Settings.DepthOfFieldSensorWidth": 36.0,
+        "Settings.DepthOfFieldSqueezeFactor": 2.0,
+        "Settings.DepthOfFieldBladeCount": 7,
+        "ViewRect.Height()": 720.0,
+        "ViewRect.Width()": 1280.0,
+    }
+    found = {}
+    for name, expression in taken.items():
+        for words, value in settings.items():
+            expression = expression.replace(words, repr(value))
+        expression = re.sub(r"static_cast<float>", "", re.sub(r"(?<=\d)f\b", "", expression))
+        expression = expression.replace("FMath::", "").replace(" / 2 ", " // 2 ")
+        known = {"Max": max, "Clamp": lambda value, low, high: min(max(value, low), high)}
+        found[name] = eval(expression, {"__builtins__": {}}, known)
+    assert found == pytest.approx(
+        {"FStop": 4.0, "FocusDistance": 2.5, "SensorHeight": 0.02025, "Squeeze": 0.5, "Sides": 8}
+    )
+    overridden = re.findall(r"Override\((\w+), Setting(\w+)\.GetValueOnRenderThread\(\)\);", lens)
+    assert dict(overridden) == {name: name for name in found}
+    # 0 where nothing was set
+    assert all(re.search(rf"^BOKEH_SETTING\(\w+, {name}, 0(\.0f)?, ", source, re.MULTILINE) for name in found)

@@ -25,8 +25,8 @@ SOURCES = {
     ),
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
         r"BokehFocalLength = (.*?);", r"BokehApertureDiameter = (.*?);",
-        {r"SettingSensorHeight\.GetValueOnRenderThread\(\)": "h", r"Given->BokehFocalLength": "f", "Zoom": "zoom",
-         r"SettingFStop\.GetValueOnRenderThread\(\)": "n", r"SettingBokehScale\.GetValueOnRenderThread\(\)": "k"},
+        {r"Lens\.SensorHeight": "h", r"Given->BokehFocalLength": "f", "Zoom": "zoom",
+         r"Lens\.FStop": "n", r"SettingBokehScale\.GetValueOnRenderThread\(\)": "k"},
     ),
     "bevy/src/lib.rs": (
         r"let focal_length = (.*?);", r"aperture_diameter: (focal_length / f_stop \* bokeh_scale), \.\.lens",
@@ -140,7 +140,7 @@ def test_aperture(source):
 DEFAULTS = {
     "unity/Runtime/BokehVolume.cs": (r"fStop = new MinFloatParameter\(([\d.]+)f", r"bokehScale = .*\(([\d.]+)f, "),
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
-        r"FStop, ([\d.]+)f", r"BokehScale, ([\d.]+)f"),
+        r"float FStop = ([\d.]+)f", r"BokehScale, ([\d.]+)f"),
     "wgpu/src/lens.rs": (r"f_stop: ([\d.]+),", r"bokeh_scale: ([\d.]+),"),
     "godot/addons/polygon_bokeh/polygon_bokeh.gd": (r"f_stop := ([\d.]+)", r"bokeh_scale := ([\d.]+)"),
     "ogre/PolygonBokeh.h": (r"float fStop = ([\d.]+)f", r"float bokehScale = ([\d.]+)f"),

@@ -9,10 +9,20 @@
 #include "HAL/IConsoleManager.h"
 #include "Interfaces/IPluginManager.h"
 #include "Misc/CoreDelegates.h"
+#include "Misc/EngineVersionComparison.h"
 #include "Misc/Paths.h"
 #include "Modules/ModuleManager.h"
 #include "SceneViewExtension.h"
 #include "ShaderCore.h"
+
+static auto& PostEngineInit()
+{
+#if UE_VERSION_OLDER_THAN(5, 8, 0)
+    return FCoreDelegates::OnPostEngineInit;
+#else
+    return FCoreDelegates::GetOnPostEngineInit();
+#endif
+}
 
 class FBokehDepthOfFieldModule : public IModuleInterface
 {
@@ -22,12 +32,12 @@ public:
         const FString Folder = IPluginManager::Get().FindPlugin(TEXT("BokehDepthOfField"))->GetBaseDir();
         AddShaderSourceDirectoryMapping(TEXT("/Plugin/BokehDepthOfField"), FPaths::Combine(Folder, TEXT("Shaders")));
         // view extensions need the engine, which is not there yet
-        FCoreDelegates::OnPostEngineInit.AddRaw(this, &FBokehDepthOfFieldModule::Register);
+        PostEngineInit().AddRaw(this, &FBokehDepthOfFieldModule::Register);
     }
 
     virtual void ShutdownModule() override
     {
-        FCoreDelegates::OnPostEngineInit.RemoveAll(this);
+        PostEngineInit().RemoveAll(this);
         Extension.Reset();
     }
 
@@ -89,5 +99,13 @@ void Bokeh::PullFocus(const APlayerController& Player, const TArray<FVector2D>& 
         }
     }
     const float K = 1.0f - FMath::Exp(-DeltaSeconds / Tau);
-    FocusDistance().Set(1.0f / ((1.0f - K) / FocusDistance().GetFloat() + K * Nearest), ECVF_SetByCode);
+    const float Before = FocusDistance().GetFloat();
+    // 0: the focus was the camera's until now, which is not known here
+    const float Inverse = Before > 0.0f ? (1.0f - K) / Before + K * Nearest : Nearest;
+    FocusDistance().Set(1.0f / Inverse, ECVF_SetByCode);
+}
+
+void Bokeh::FollowCamera()
+{
+    FocusDistance().Set(0.0f, ECVF_SetByCode);
 }

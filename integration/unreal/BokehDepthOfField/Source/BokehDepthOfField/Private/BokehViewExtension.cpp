@@ -21,15 +21,52 @@
 BOKEH_SETTING(int32, Enable, 1, "0: off");
 BOKEH_SETTING(int32, Method, 0, "0: layered, 1: exact (one layer, cheaper, near outlines stay hard), 2: the paper's");
 BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra");
-BOKEH_SETTING(int32, Sides, 6, "4, 6, 8 or 10; the paper's method has 6 and 8");
+BOKEH_SETTING(int32, Sides, 0, "4, 6, 8 or 10; the paper's method has 6 and 8; 0: by the camera's blades, or 6");
 BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
-BOKEH_SETTING(float, FStop, 2.8f, "of a lens with the view's field of view");
+BOKEH_SETTING(float, FStop, 0.0f, "of a lens with the view's field of view; 0: the camera's, or 2.8");
 BOKEH_SETTING(float, BokehScale, 10.0f, "how many times wider the blur is than that lens's; 1: a real lens, 0: none");
-BOKEH_SETTING(float, FocusDistance, 5.0f, "metres along the view axis");
-BOKEH_SETTING(float, SensorHeight, 0.024f, "metres");
+BOKEH_SETTING(float, FocusDistance, 0.0f, "metres along the view axis; 0: the camera's, or 5");
+BOKEH_SETTING(float, SensorHeight, 0.0f, "metres; 0: the camera's, or 0.024");
 BOKEH_SETTING(float, MaxCoC, 0.1f, "largest circle of confusion: its diameter as a fraction of the image height");
 BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
-BOKEH_SETTING(float, Squeeze, 1.0f, "width over height of the bokeh");
+BOKEH_SETTING(float, Squeeze, 0.0f, "width over height of the bokeh; 0: by the camera's squeeze factor, or 1");
+
+// The lens of a view, in metres: what console variables set; else what a cine camera or a post-process volume sets for
+// depth of field; else the defaults here
+struct FBokehLens
+{
+    float FStop = 2.8f;
+    float FocusDistance = 5.0f;
+    float SensorHeight = 0.024f;
+    float Squeeze = 1.0f;
+    int32 Sides = 6;
+
+    FBokehLens(const FSceneView& View, const FIntRect& ViewRect)
+    {
+        const FPostProcessSettings& Settings = View.FinalPostProcessSettings;
+        // the same condition turns the engine's own depth of field on
+        if (Settings.DepthOfFieldFstop > 0.0f && Settings.DepthOfFieldFocalDistance > 0.0f)
+        {
+            FStop = Settings.DepthOfFieldFstop;
+            FocusDistance = 0.01f * Settings.DepthOfFieldFocalDistance;
+            SensorHeight = 0.001f * Settings.DepthOfFieldSensorWidth * static_cast<float>(ViewRect.Height()) / static_cast<float>(ViewRect.Width());
+            Squeeze = 1.0f / FMath::Max(Settings.DepthOfFieldSqueezeFactor, 1.0f);
+            // 4 to 16 blades, of which an even number is drawn, up to 10
+            Sides = FMath::Clamp((Settings.DepthOfFieldBladeCount + 1) / 2 * 2, 4, 10);
+        }
+        Override(FStop, SettingFStop.GetValueOnRenderThread());
+        Override(FocusDistance, SettingFocusDistance.GetValueOnRenderThread());
+        Override(SensorHeight, SettingSensorHeight.GetValueOnRenderThread());
+        Override(Squeeze, SettingSqueeze.GetValueOnRenderThread());
+        Override(Sides, SettingSides.GetValueOnRenderThread());
+    }
+
+private:
+    template <typename T> static void Override(T& Value, T Set)
+    {
+        Value = Set > T(0) ? Set : Value;
+    }
+};
 
 // Names and types are those of BokehDepthOfField.usf and bokeh_passes.ush
 #define BOKEH_DECLARE(Name, Default) SHADER_PARAMETER(float, Bokeh##Name)
@@ -125,6 +162,7 @@ struct FBokehPasses
     const FPostProcessMaterialInputs& Inputs;
     const FIntRect ViewRect;
     const FScreenPassRenderTarget& Output;
+    const FBokehLens Lens;
     TMap<FString, FRDGTextureRef> Textures;
 
     // What all passes of the view are given
@@ -142,12 +180,12 @@ struct FBokehPasses
         Given->BokehAspectRatio = Given->BokehImageWidth / Given->BokehImageHeight;
         // M[1][1] is 1 / tan(half of the vertical field of view): docs/lens.md
         const float Zoom = static_cast<float>(View.ViewMatrices.GetProjectionMatrix().M[1][1]);
-        Given->BokehFocalLength = 0.5f * SettingSensorHeight.GetValueOnRenderThread() * Zoom;
-        Given->BokehApertureDiameter = SettingBokehScale.GetValueOnRenderThread() * Given->BokehFocalLength / SettingFStop.GetValueOnRenderThread();
-        Given->BokehFocusDistance = SettingFocusDistance.GetValueOnRenderThread();
-        Given->BokehSensorHeight = SettingSensorHeight.GetValueOnRenderThread();
+        Given->BokehFocalLength = 0.5f * Lens.SensorHeight * Zoom;
+        Given->BokehApertureDiameter = SettingBokehScale.GetValueOnRenderThread() * Given->BokehFocalLength / Lens.FStop;
+        Given->BokehFocusDistance = Lens.FocusDistance;
+        Given->BokehSensorHeight = Lens.SensorHeight;
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
-        Given->BokehSqueeze = SettingSqueeze.GetValueOnRenderThread();
+        Given->BokehSqueeze = Lens.Squeeze;
         Given->BokehDebugMode = static_cast<float>(SettingDebug.GetValueOnRenderThread() - 1);
         return Given;
     }
@@ -226,7 +264,8 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
         Inputs.GetInput(EPostProcessMaterialInput::SceneColor));
     const FScreenPassRenderTarget Output = FScreenPassRenderTarget::CreateFromInput(GraphBuilder, SceneColor,
         ERenderTargetLoadAction::ENoAction, TEXT("Bokeh.Result"));
-    FBokehPasses Passes{GraphBuilder, View, Inputs, SceneColor.ViewRect, Output, {}};
+    const FBokehLens Lens(View, SceneColor.ViewRect);
+    FBokehPasses Passes{GraphBuilder, View, Inputs, SceneColor.ViewRect, Output, Lens, {}};
     Passes.Textures.Add(TEXT("color"), SceneColor.Texture);
 
     const bool bDebug = SettingDebug.GetValueOnRenderThread() > 0;
@@ -244,7 +283,7 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
         return Output;
     }
     const auto Frame = Method == 0 ? &BokehLayered : Method == 1 ? &BokehExact : &BokehPaper;
-    const TArray<FBokehStep>* Steps = Frame(SettingSides.GetValueOnRenderThread());
+    const TArray<FBokehStep>* Steps = Frame(Lens.Sides);
     for (const FBokehStep& Step : Steps ? *Steps : *Frame(6))
     {
         Passes.Draw(Step);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the focus is. Both functions set r.Bokeh.FocusDistance; call them each frame to follow an object.
+// Where the focus is. These functions set r.Bokeh.FocusDistance; call them each frame to follow an object.
 
 #pragma once
 
@@ -18,4 +18,7 @@ namespace Bokeh
     // Autofocus, each frame: towards the nearest of what is seen at these pixels, with Tau seconds as time constant
     BOKEHDEPTHOFFIELD_API void PullFocus(
         const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau = 0.2f);
+
+    // Give the focus back to the camera: that of a cine camera or a post-process volume, or 5 m
+    BOKEHDEPTHOFFIELD_API void FollowCamera();
 }
