@@ -11,7 +11,7 @@ import typer
 from bokeh_validation import files, paths, plan, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
-from bokeh_validation.generate import compositor, copies, samples
+from bokeh_validation.generate import compositor, copies, manifests, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -44,9 +44,15 @@ def generate(
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; exit code 1 if a file is out of date.")
     ] = False,
+    repository: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Write the repository's address to every manifest.")
+    ] = "",
 ) -> None:
     """Write what the samples and documents have of the frame, the parameters and the shaders."""
     stale = out_of_date()
+    if repository:
+        addressed = manifests.with_repository(repository)
+        stale |= {name: text for name, text in addressed.items() if _text(name) != text}
     for name, text in stale.items():
         if not check:
             files.whole(paths.ROOT / name, lambda target, text=text: target.write_text(text, encoding="utf-8"))

@@ -11,6 +11,8 @@ import zipfile
 import pytest
 
 from bokeh_validation import __version__, paths
+from bokeh_validation.errors import UserError
+from bokeh_validation.generate import manifests
 
 INTEGRATION = paths.ROOT / "integration"
 PAGE = (paths.ROOT / "docs/publishing.md").read_text(encoding="utf-8")
@@ -74,3 +76,125 @@ def test_reshade_archive(tmp_path):
     included = set(re.findall(r'^#include "(.*)"$', effect, re.MULTILINE)) - {"ReShade.fxh"}
     assert names == {"LICENSE", "Shaders/PolygonalBokeh.fx", *(f"Shaders/{name}" for name in included)}
     assert len(included) == 2
+
+
+def parsed(name: str, text: str) -> dict:
+    """The fields of a manifest of integration/, by the store's own format."""
+    if name.endswith((".json", ".uplugin")):
+        return json.loads(text)
+    if name.endswith(".toml"):
+        read = tomllib.loads(text)
+        return read.get("package") or read["project"]
+    return dict(re.findall(r'^(\w+)="(.*)"$', text, re.MULTILINE))
+
+
+UPLUGIN = "unreal/BokehDepthOfField/BokehDepthOfField.uplugin"
+CRATE = {"name", "version", "edition", "description", "license", "readme", "keywords", "categories"}
+# Manifest below integration/ -> the fields that its store requires or shows, without addresses; and those
+STORES = {
+    "web/package.json": (
+        {"name", "version", "description", "keywords", "license", "author", "exports", "files"},
+        {"repository", "homepage", "bugs"},
+    ),
+    "bevy/Cargo.toml": (CRATE, {"repository"}),
+    "wgpu/Cargo.toml": (CRATE, {"repository"}),
+    "panda3d/pyproject.toml": (
+        {"name", "version", "description", "readme", "requires-python", "license", "license-files", "authors",
+         "keywords", "classifiers"},
+        {"urls"},
+    ),
+    "unity/package.json": (
+        {"name", "version", "displayName", "description", "unity", "license", "author", "keywords", "samples"},
+        {"documentationUrl", "changelogUrl", "licensesUrl", "repository"},
+    ),
+    UPLUGIN: (
+        {"FileVersion", "Version", "VersionName", "EngineVersion", "FriendlyName", "Description", "Category",
+         "CreatedBy", "Modules"},
+        {"CreatedByURL", "DocsURL", "SupportURL"},
+    ),
+    "godot/addons/polygon_bokeh/plugin.cfg": ({"name", "description", "author", "version", "script"}, set()),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STORES)
+def test_fields(name):
+    """The fields that a store requires or shows, none of them empty."""
+    found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))
+    assert {field for field in STORES[name][0] if not found.get(field)} == set()
+    author = found.get("author") or found.get("CreatedBy") or found.get("authors")
+    if author:
+        assert "the authors of the polygonal bokeh shader package" in json.dumps(author).lower()
+    assert found.get("license", "MIT") == "MIT"
+
+
+def test_rules_of_the_stores():
+    """What registries refuse: long or many keywords, unknown categories, names in another form, no platforms."""
+    for name in ("bevy/Cargo.toml", "wgpu/Cargo.toml"):
+        found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))
+        assert len(found["keywords"]) <= 5 and len(found["categories"]) <= 5
+        assert all(re.fullmatch(r"[a-z0-9][\w+-]{0,19}", word) for word in found["keywords"])
+        assert set(found["categories"]) <= {"graphics", "rendering", "game-development"}
+    unity = json.loads((INTEGRATION / "unity/package.json").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"[a-z0-9-]+(\.[a-z0-9-]+){2,}", unity["name"]) and re.fullmatch(r"\d{4}\.\d", unity["unity"])
+    plugin = json.loads((INTEGRATION / UPLUGIN).read_text(encoding="utf-8"))
+    assert re.fullmatch(r"5\.\d\.0", plugin["EngineVersion"])
+    assert all(module["PlatformAllowList"] for module in plugin["Modules"])
+    sources = [
+        path for path in (INTEGRATION / UPLUGIN).parent.rglob("*") if path.suffix in (".h", ".cpp", ".cs", ".usf")
+    ]
+    assert len(sources) >= 8
+    for path in sources:
+        assert "// Copyright (c) 2026 the authors of the polygonal bokeh shader package\n" in path.read_text(), path
+
+
+def test_reshade_entry():
+    """The entry of ReShade's list has the keys of all entries there, and names the effect that the archive has."""
+    (entry,) = re.findall(r"^```ini\n\[NN\]\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    found = dict(line.split("=", 1) for line in entry.splitlines())
+    wanted = "PackageName PackageDescription InstallPath TextureInstallPath DownloadUrl RepositoryUrl EffectFiles"
+    assert list(found) == wanted.split() and all(found.values())
+    effects = [path.name for path in (INTEGRATION / "reshade/Shaders").glob("*.fx")]
+    assert found["EffectFiles"].split(",") == effects
+    assert found["InstallPath"].startswith(r".\reshade-shaders\Shaders")
+
+
+ADDRESS = "https://example.com/owner/polygonal-bokeh"
+
+
+def test_repository(monkeypatch, tmp_path):
+    """The option writes the addresses to every manifest; another address takes the place of the first."""
+    for given in (f"{ADDRESS}-before/", f"{ADDRESS}.git"):
+        texts = manifests.with_repository(given)
+        for name, text in texts.items():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        monkeypatch.setattr(manifests.paths, "ROOT", tmp_path)
+    assert f"repository-code: {ADDRESS}\n" in texts.pop("CITATION.cff")
+    assert set(texts) == {f"integration/{name}" for name, (_, addresses) in STORES.items() if addresses}
+    for name, text in texts.items():
+        fields, addresses = STORES[name.removeprefix("integration/")]
+        found = parsed(name, text)
+        assert fields | addresses <= set(found), name
+        for field in addresses:
+            said = json.dumps(found[field])
+            assert ADDRESS in said and "-before" not in said and ".git.git" not in said, (name, field)
+
+
+@pytest.mark.parametrize("address", ["", "example.com/owner/name", "https://example.com", "https://a b/c", "git@a:b/c"])
+def test_repository_refused(address):
+    """What is no address of a repository's page."""
+    with pytest.raises(UserError, match="not an address"):
+        manifests.with_repository(address)
+
+
+def test_names_of_archives():
+    """The page's names of archives begin with the packages' own names."""
+    for name, archive in {
+        "panda3d/pyproject.toml": "polygonal_bokeh_panda3d-$V-py3-none-any.whl",
+        "web/package.json": "polygonal-bokeh-$V.tgz",
+        "unity/package.json": "com.polygonal-bokeh.urp-$V.tgz",
+        "wgpu/Cargo.toml": "polygonal-bokeh-$V.crate",
+        "bevy/Cargo.toml": "bokeh-bevy-$V.crate",
+    }.items():
+        found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))["name"]
+        assert archive in PAGE and archive.partition("-$V")[0].replace("_", "-") == found

@@ -1,3 +1,4 @@
+// Copyright (c) 2026 the authors of the polygonal bokeh shader package
 // SPDX-License-Identifier: MIT
 // The passes, in the render dependency graph. Lengths in metres; the engine's centimetres end in the first shader.
 

@@ -1,3 +1,4 @@
+// Copyright (c) 2026 the authors of the polygonal bokeh shader package
 // SPDX-License-Identifier: MIT
 // Where the focus is. These functions set r.Bokeh.FocusDistance; call them each frame to follow an object.
 

@@ -1,0 +1,82 @@
+"""Addresses of the repository in the manifests of every package: `validation/run generate --repository ADDRESS`.
+
+The checkout does not know where it is published, so manifests have none until somebody says so.
+"""
+
+import json
+import re
+
+from bokeh_validation import __version__, paths
+from bokeh_validation.errors import UserError
+
+ADDRESS = re.compile(r"https://[\w.-]+(?:/[\w.~-]+)+?(?:\.git)?/?")
+PYPROJECT = "integration/panda3d/pyproject.toml"
+
+
+def with_repository(address: str) -> dict[str, str]:
+    """Return path below the checkout -> text of each manifest with these addresses, in place of those that it has.
+
+    address  of the repository's page, such as https://example.com/owner/name
+
+    Raises UserError for anything else.
+    """
+    if not ADDRESS.fullmatch(address):
+        raise UserError(f"--repository {address}: not an address. Give one like https://example.com/owner/name.")
+    page = address.rstrip("/").removesuffix(".git")
+    files = f"{page}/blob/v{__version__}"
+
+    def git(folder: str) -> dict[str, str]:
+        return {"type": "git", "url": f"git+{page}.git", "directory": folder}
+
+    changed = {
+        "integration/web/package.json": _json(
+            "integration/web/package.json",
+            "license",
+            {"repository": git("integration/web"), "homepage": f"{page}#readme", "bugs": f"{page}/issues"},
+        ),
+        "integration/unity/package.json": _json(
+            "integration/unity/package.json",
+            "license",
+            {
+                "documentationUrl": f"{files}/integration/unity/README.md",
+                "changelogUrl": f"{files}/CHANGELOG.md",
+                "licensesUrl": f"{files}/LICENSE",
+                "repository": git("integration/unity"),
+            },
+        ),
+    }
+    plugin = "integration/unreal/BokehDepthOfField/BokehDepthOfField.uplugin"
+    guide = f"{files}/integration/unreal/README.md"
+    changed[plugin] = _json(
+        plugin, "CreatedBy", {"CreatedByURL": page, "DocsURL": guide, "SupportURL": f"{page}/issues"}
+    )
+    for crate in ("bevy", "wgpu"):
+        name = f"integration/{crate}/Cargo.toml"
+        changed[name] = _line(name, r'^license = "MIT"$', r'^repository = ".*"$', f'repository = "{page}"')
+    urls = f'[project.urls]\nRepository = "{page}"\nIssues = "{page}/issues"\n'
+    text = re.sub(r"\n\[project\.urls\]\n(?:.+\n)*", "", _text(PYPROJECT))
+    changed[PYPROJECT] = f"{text.rstrip()}\n\n{urls}"
+    changed["CITATION.cff"] = _line(
+        "CITATION.cff", r"^license: MIT$", r"^repository-code: .*$", f"repository-code: {page}"
+    )
+    return changed
+
+
+def _text(name: str) -> str:
+    return (paths.ROOT / name).read_text(encoding="utf-8")
+
+
+def _json(name: str, after: str, values: dict[str, object]) -> str:
+    """Return a JSON manifest with these values behind a key, and without those that it had."""
+    text = _text(name)
+    indent = re.search(r"^( +)\"", text, re.MULTILINE)[1]
+    for key in values:
+        text = re.sub(rf'^{indent}"{key}": .*,\n', "", text, flags=re.MULTILINE)
+    lines = "".join(f"{indent}{json.dumps(key)}: {json.dumps(value)},\n" for key, value in values.items())
+    return re.sub(rf'^({indent}"{after}": .*,\n)', lambda found: found[1] + lines, text, count=1, flags=re.MULTILINE)
+
+
+def _line(name: str, after: str, old: str, line: str) -> str:
+    """Return a manifest with a line behind another, and without the one that it had."""
+    text = re.sub(rf"{old}\n", "", _text(name), flags=re.MULTILINE)
+    return re.sub(after, lambda found: f"{found[0]}\n{line}", text, count=1, flags=re.MULTILINE)
