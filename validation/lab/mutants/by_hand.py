@@ -23,7 +23,7 @@ MISTAKES = (
     ("dxc", "bokeh_passes", "", "TEXTURE, BokehColorSampC,", "<->TEXTURE, BokehColorSampD,"),
     ("d3d9", "bokeh_passes", "", "TEXTURE, BokehColorSampB,", "<->TEXTURE, BokehColorSampC,"),
     ("wgpu", "bokeh_passes", "", " var BokehColorSampB:", "<-> var BokehColorSampC:"),
-    ("dxc", "bokeh_passes", "FullScreen_VS", "1.0 - uv.y * 2.0", "uv.y * 2.0 - 1.0"),
+    ("dxc", "bokeh_passes", "FullScreen_VS", "1.0 - result.uv.y * 2.0", "result.uv.y * 2.0 - 1.0"),
     ("d3d9", "bokeh_passes", "FullScreen_VS", "float2(-1.0, 1.0)", "float2(0.0, 0.0)"),
     ("egl", "bokeh_passes", "FullScreen_VS", "vec4(BokehUV * 2.0 - 1.0,", "vec4(1.0 - BokehUV * 2.0,"),
     ("egl", "bokeh_passes", "FullScreen_VS", "== 1 ? 2.0", "== 1 ? 1.0"),
