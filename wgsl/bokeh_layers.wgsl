@@ -669,10 +669,12 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
     var targets: BokehDownsampled;
     targets.midWithHoles = mid / 16.0;
     targets.farWithHoles = far / 16.0;
-    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
-        polygon).sideTap, layers, BokehLinearClamp);
-    targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
-        polygon).sideTap, layers, BokehLinearClamp);
+    let nearBlur: BokehBlur = BokehLayerBlur(layerCoC, false, polygon);
+    let farBlur: BokehBlur = BokehLayerBlur(layerCoC, true, polygon);
+    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers,
+        BokehLinearClamp);
+    targets.farQuarter = BokehQuarterLayer(FarSamp, center, farBlur.sideTap, layers,
+        BokehLinearClamp);
     return targets;
 }
 

@@ -1206,10 +1206,12 @@ let layerCoC: vec2f = BokehLayerCoC(LayerCoCSamp, layers, BokehLinearClamp);
 var targets: BokehDownsampled;
 targets.midWithHoles = mid / 16.0;
 targets.farWithHoles = far / 16.0;
-targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
-polygon).sideTap, layers, BokehLinearClamp);
-targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
-polygon).sideTap, layers, BokehLinearClamp);
+let nearBlur: BokehBlur = BokehLayerBlur(layerCoC, false, polygon);
+let farBlur: BokehBlur = BokehLayerBlur(layerCoC, true, polygon);
+targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers,
+BokehLinearClamp);
+targets.farQuarter = BokehQuarterLayer(FarSamp, center, farBlur.sideTap, layers,
+BokehLinearClamp);
 return targets;
 }
 fn BokehEdgeDirection(k: i32, polygon: BokehPolygon) -> vec2f

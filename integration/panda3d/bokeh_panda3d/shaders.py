@@ -1268,10 +1268,10 @@ vec2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers);
 BokehDownsampled targets;
 targets.midWithHoles = mid / 16.0;
 targets.farWithHoles = far / 16.0;
-targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
-polygon).sideTap, layers);
-targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
-polygon).sideTap, layers);
+BokehBlur nearBlur = BokehLayerBlur(layerCoC, false, polygon);
+BokehBlur farBlur = BokehLayerBlur(layerCoC, true, polygon);
+targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers);
+targets.farQuarter = BokehQuarterLayer(FarSamp, center, farBlur.sideTap, layers);
 return targets;
 }
 vec2 BokehEdgeDirection(int k, BokehPolygon polygon)

@@ -695,10 +695,11 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
     BokehDownsampled targets;
     targets.midWithHoles = mid / 16.0;
     targets.farWithHoles = far / 16.0;
-    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, BokehLayerBlur(layerCoC, false,
-        polygon).sideTap, layers BOKEH_LINEAR);
-    targets.farQuarter = BokehQuarterLayer(FarSamp, center, BokehLayerBlur(layerCoC, true,
-        polygon).sideTap, layers BOKEH_LINEAR);
+    BokehBlur nearBlur = BokehLayerBlur(layerCoC, false, polygon);
+    BokehBlur farBlur = BokehLayerBlur(layerCoC, true, polygon);
+    targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers
+        BOKEH_LINEAR);
+    targets.farQuarter = BokehQuarterLayer(FarSamp, center, farBlur.sideTap, layers BOKEH_LINEAR);
     return targets;
 }
 

@@ -30,6 +30,9 @@ COMMON = {
     "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
     "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
 }
+# bokeh_passes.* is not for ReShade
+RESHADE = "a member of a function's result: ReShade's compiler makes invalid SPIR-V of it"
+MEMBER_OF_RESULT = re.compile(r"\)\.(?![xyzwrgba]{1,4}\b)[A-Za-z]")
 DECLARED = re.compile(
     r"^#(?:define|undef) (\w+)|^(?:cbuffer|struct) (\w+)|^(?:const|override|alias) (\w+)"
     r"|^(?:@\w+(?:\([^)]*\))? ?)*(?:fn|var(?:<[^>]*>)?) (\w+)"
@@ -68,6 +71,7 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
     if not is_library:
         yield from _interface(text, language)
         return
+    yield from ((match.start(), RESHADE) for match in MEMBER_OF_RESULT.finditer(code, common))
     for function in shaders.FUNCTION.finditer(text, common):
         if not re.match(r"// \S[^:\n]*: \S", function["doc"]):
             yield function.start("head"), f"{function['name']} has no tag line '// Listing n: what it is'"
