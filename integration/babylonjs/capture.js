@@ -4,6 +4,7 @@ import { AbstractEngine } from '@babylonjs/core/Engines/abstractEngine.js';
 import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import '@babylonjs/core/Engines/Extensions/engine.readTexture.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.readTexture.js';
+import { addGraph } from './frameGraph.js';
 import { addBokeh, depthsUnder } from './sample.js';
 
 const WIDTH = 320;
@@ -101,7 +102,50 @@ export async function capture(kind) {
     }
   }
   data.pull = pulled(sample);
+  const [width, height] = ODD_SIZE;
+  await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
+  files['frame-graph.png'] = base64((await drawnByGraph(sample, {})).picture);
+  await draw(sample, {}, ODD_SIZE);
+  const { shown, written, picture: _, ...found } = await drawnByGraph(sample, { opaque: false });
+  const shot = { name: 'frame-graph', method: 'layered', aperture: 'hexagon', width, height, ...shown };
+  for (const [what, array] of Object.entries(found)) {
+    shot[what] = `frame-graph-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+    files[shot[what]] = base64(array);
+  }
+  shot.written = 'frame-graph.written';
+  files[shot.written] = base64(written);
+  data.shots.push(shot);
   return { data, files };
+}
+
+// One frame of the sample's scene as a frame graph: its colour, depth, result, the canvas, and what the shot is told
+async function drawnByGraph({ engine, scene, camera, subject }, options) {
+  const { imageProcessingConfiguration: processing } = scene;
+  processing.applyByPostProcess = false; // as in a scene without post processes: a task takes notice only of changes
+  const { graph, bokeh } = await addGraph(scene, camera, options);
+  graph.optimizeTextureAllocation = false; // textures that are read afterwards are not used for others
+  bokeh.focusOn(subject.position);
+  await graph.buildAsync();
+  engine.beginFrame();
+  scene.render();
+  engine.endFrame();
+  const canvas = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
+  const read = (handle, channels) => pixels(engine, graph.textureManager.getTextureFromHandle(handle), channels);
+  const written = [];
+  for (const { writes } of bokeh.bokehPasses) for (const name of writes) written.push(await read(bokeh.handles[name], 4));
+  const found = {
+    written: new Uint8Array(await new Blob(written).arrayBuffer()),
+    color: await read(bokeh.sourceTexture, 4),
+    depth: await read(bokeh.depthTexture, 1),
+    result: await read(bokeh.outputTexture, 4),
+    picture: await canvas.bytes(),
+    shown: { ...settings(bokeh.uniforms), stored: { kind: 1, near: Math.fround(camera.minZ), far: Math.fround(camera.maxZ) } },
+  };
+  scene.frameGraph = null;
+  graph.dispose();
+  processing.applyByPostProcess = true;
+  scene.activeCamera = camera; // which a graph takes away
+  return found;
 }
 
 // The autofocus, frame by frame, on the floor and the wall

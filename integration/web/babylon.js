@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for Babylon.js: a PostProcess, made of the functions of the library, in GLSL for WebGL 2 and in
-// WGSL for WebGPU. It is the first of its camera's post processes, before bloom and image processing.
+// Polygonal bokeh for Babylon.js, made of the functions of the library, in GLSL for WebGL 2 and in WGSL for WebGPU: a
+// PostProcess, the first of its camera's, and a task for frame graphs. Both come before bloom and image processing.
 
 import { Constants } from '@babylonjs/core/Engines/constants.js';
+import { FrameGraphTask } from '@babylonjs/core/FrameGraph/frameGraphTask.js';
 import { EffectRenderer, EffectWrapper } from '@babylonjs/core/Materials/effectRenderer.js';
 import { MultiRenderTarget } from '@babylonjs/core/Materials/Textures/multiRenderTarget.js';
 import { ShaderLanguage } from '@babylonjs/core/Materials/shaderLanguage.js';
@@ -18,6 +19,10 @@ import { GLSL, WGSL } from './shaders.js';
 
 // What the depth renderer writes, as BokehLinearDepth reads it: metres, in a right-handed scene times -1
 const DEPTH = { leftHanded: '0, 0.0, 0.0', rightHanded: '7, 0.0, -1.0' };
+
+// What the screen depth of a frame graph's geometry renderer holds
+const SCREEN_DEPTH = { perspective: [1, 2], orthographic: [5, 6] }; // of them: usual, reversed
+const PLANES = ['nearPlane', 'farPlane'];
 
 const VIEWS = ['depth', 'coc', 'focus'];
 const OPTIONS = { ...CHOICES, method: ['layered', 'exact'], view: [undefined, ...VIEWS] };
@@ -61,7 +66,68 @@ fn main(input: FragmentInputs) -> FragmentOutputs
     ${opaque ? 'fragmentOutputs.color.a = 1.0;' : ''}
 }`;
 
-export class PolygonBokeh extends PostProcess {
+const languageOf = ({ isWebGPU }) => (isWebGPU ? ShaderLanguage.WGSL : ShaderLanguage.GLSL);
+
+// The passes of a frame, each with its shader
+//
+// held   how BokehLinearDepth reads the texture depth: kind, near, far
+// names  of the floats that the shaders get
+function passesOf(engine, options, held, names) {
+  const { method, opaque, view } = options;
+  const [map, ...others] = frame(options, held);
+  const rows = [map, ...(view ? [views(method, held)[VIEWS.indexOf(view)]] : others)];
+  const shader = engine.isWebGPU ? wgsl : glsl;
+  const textures = [...new Set(['color', 'depth', ...rows.flatMap(([writes]) => writes)])];
+  const text = library(engine.isWebGPU ? WGSL : GLSL, options);
+  return rows.map((row, i) => {
+    const [writes, scale, call] = row;
+    // in the order of the call
+    const reads = [...new Set(call.match(/\w+/g))].filter((name) => textures.includes(name));
+    const pass = { row, writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
+    pass.wrapper = new EffectWrapper({
+      engine,
+      name: `bokeh ${writes[0]}`,
+      fragmentShader: shader(text, names, pass, i, options),
+      shaderLanguage: languageOf(engine),
+      uniforms: [...names, 'imageSize'],
+      samplers: [...reads],
+      useAsPostProcess: true, // for blending off, which is its default
+      allowEmptySourceTexture: true,
+    });
+    return pass;
+  });
+}
+
+// What the post process and the task share: the lens and the focus, of this.camera
+const withLens = (Base) =>
+  class extends Base {
+    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how many
+    // times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
+    // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+    setLens(fStop = 2.8, bokehScale = 10) {
+      const { uniforms, camera } = this;
+      if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
+        uniforms.focalLength = 0.5 * uniforms.sensorHeight * Math.abs(camera.getProjectionMatrix(true).m[5]);
+      }
+      uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop, bokehScale);
+    }
+
+    // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
+    focusOn(point) {
+      this.uniforms.focusDistance = this.depthOf(point);
+    }
+
+    depthOf(point) {
+      return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
+    }
+
+    // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
+    pullFocus(dt, depths, tau = 0.2) {
+      this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
+    }
+  };
+
+export class PolygonBokeh extends withLens(PostProcess) {
   // camera   the camera whose picture is blurred
   // options, all of them checked:
   //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
@@ -73,7 +139,6 @@ export class PolygonBokeh extends PostProcess {
   //   view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
   constructor(camera, given) {
     const options = checked('PolygonBokeh', given, OPTIONS);
-    const { method, opaque, view } = options;
     const scene = camera.getScene();
     const engine = scene.getEngine();
 
@@ -82,33 +147,13 @@ export class PolygonBokeh extends PostProcess {
 
     const rightHanded = scene.useRightHandedSystem;
     const held = rightHanded ? DEPTH.rightHanded : DEPTH.leftHanded;
-    const [map, ...others] = frame(options, held);
-    const rows = [map, ...(view ? [views(method, held)[VIEWS.indexOf(view)]] : others)];
-    const [language, shader] = engine.isWebGPU ? [ShaderLanguage.WGSL, wgsl] : [ShaderLanguage.GLSL, glsl];
-    const names = [...new Set(['color', 'depth', ...rows.flatMap(([writes]) => writes)])];
-    const text = library(engine.isWebGPU ? WGSL : GLSL, options);
-    const passes = rows.map((row, i) => {
-      const [writes, scale, call] = row;
-      // in the order of the call
-      const reads = [...new Set(call.match(/\w+/g))].filter((name) => names.includes(name));
-      const pass = { row, writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
-      pass.wrapper = new EffectWrapper({
-        engine,
-        name: `bokeh ${writes[0]}`,
-        fragmentShader: shader(text, Object.keys(uniforms), pass, i, options),
-        shaderLanguage: language,
-        uniforms: [...Object.keys(uniforms), 'imageSize'],
-        samplers: [...reads],
-        useAsPostProcess: true, // for blending off, which is its default
-        allowEmptySourceTexture: true,
-      });
-      return pass;
-    });
+    const passes = passesOf(engine, options, held, Object.keys(uniforms));
 
     // The last pass is the post process itself, and writes into the input of the next one. Its input is the scene.
     const last = passes.at(-1);
     const textureType = Constants.TEXTURETYPE_HALF_FLOAT;
-    super('polygonBokeh', '', { size: 1, camera, textureType, shaderLanguage: language, effectWrapper: last.wrapper });
+    const shaderLanguage = languageOf(engine);
+    super('polygonBokeh', '', { size: 1, camera, textureType, shaderLanguage, effectWrapper: last.wrapper });
     camera.detachPostProcess(this);
     camera.attachPostProcess(this, 0);
     this.externalTextureSamplerBinding = true; // the scene's texture is called color here
@@ -140,31 +185,6 @@ export class PolygonBokeh extends PostProcess {
     this.resizing = engine.onResizeObservable.add(() => {
       depth.resize({ width: engine.getRenderWidth(), height: engine.getRenderHeight() });
     });
-  }
-
-  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how many
-  // times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
-  // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
-  setLens(fStop = 2.8, bokehScale = 10) {
-    const { uniforms, camera } = this;
-    if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
-      uniforms.focalLength = 0.5 * uniforms.sensorHeight * Math.abs(camera.getProjectionMatrix(true).m[5]);
-    }
-    uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop, bokehScale);
-  }
-
-  // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
-  focusOn(point) {
-    this.uniforms.focusDistance = this.depthOf(point);
-  }
-
-  depthOf(point) {
-    return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
-  }
-
-  // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
-  pullFocus(dt, depths, tau = 0.2) {
-    this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
   }
 
   // Whether all shaders are compiled
@@ -206,3 +226,104 @@ export class PolygonBokeh extends PostProcess {
     super.dispose(this.camera);
   }
 }
+
+// The same as a task of a frame graph, which knows the scene's depth already: nothing is drawn twice.
+//
+// sourceTexture  handle of the scene's colours, linear
+// depthTexture   handle of their depth: geometryScreenDepthTexture of a FrameGraphGeometryRendererTask, 32-bit floats
+// targetTexture  handle of what is written; left out, it is a texture of its own
+// outputTexture  handle of the result, for the tasks after it
+export class PolygonBokehTask extends withLens(FrameGraphTask) {
+  // name, frameGraph  as of every task
+  // camera            that the scene is drawn with; another one only of the same kind, perspective or orthographic
+  // options           those of PolygonBokeh
+  constructor(name, frameGraph, camera, given) {
+    super(name, frameGraph);
+    const options = checked('PolygonBokehTask', given, OPTIONS);
+    const { engine } = frameGraph;
+    const kinds = SCREEN_DEPTH[camera.mode === Constants.PERSPECTIVE_CAMERA ? 'perspective' : 'orthographic'];
+    const held = [kinds[engine.useReverseDepthBuffer ? 1 : 0], ...PLANES].join(', ');
+    // To be set from outside, as those of PolygonBokeh
+    this.uniforms = uniformsOf(options);
+    this.camera = camera;
+    this.bokehPasses = passesOf(engine, options, held, [...Object.keys(this.uniforms), ...PLANES]);
+    this.outputTexture = frameGraph.textureManager.createDanglingHandle();
+  }
+
+  getClassName() {
+    return 'PolygonBokehTask';
+  }
+
+  isReady() {
+    return this.bokehPasses.every(({ wrapper }) => wrapper.isReady());
+  }
+
+  // Babylon.js calls it when the graph is built, and again after a resize.
+  record(skipCreationOfDisabledPasses = false) {
+    const { sourceTexture, depthTexture, _frameGraph: graph } = this;
+    const { textureManager } = graph;
+    if (sourceTexture === undefined || depthTexture === undefined) {
+      throw new Error('polygonal-bokeh, PolygonBokehTask: sourceTexture and depthTexture are not set.');
+    }
+    const { width, height } = textureManager.getTextureDescription(sourceTexture).size;
+    const size = [width, height];
+    const handles = { color: sourceTexture, depth: depthTexture };
+    this.handles = handles;
+    for (const pass of this.bokehPasses) {
+      const { writes, reads, scale } = pass;
+      for (const name of writes) {
+        const options = halfFloats(name, size.map((side) => Math.ceil(side / scale)));
+        if (name === 'result') textureManager.resolveDanglingHandle(this.outputTexture, this.targetTexture, name, options);
+        handles[name] = name === 'result' ? this.outputTexture : textureManager.createRenderTargetTexture(name, options);
+      }
+      const added = graph.addRenderPass(`${this.name} ${writes[0]}`);
+      added.addDependencies(reads.map((name) => handles[name]));
+      added.setRenderTarget(writes.map((name) => handles[name]));
+      added.setExecuteFunc((context) => this.draw(context, pass, handles, size));
+    }
+    if (skipCreationOfDisabledPasses) return;
+    const disabled = graph.addRenderPass(`${this.name}_disabled`, true);
+    disabled.addDependencies(sourceTexture);
+    disabled.setRenderTarget(this.outputTexture);
+    disabled.setExecuteFunc((context) => context.copyTexture(sourceTexture));
+  }
+
+  draw(context, pass, handles, size) {
+    const { wrapper, writes, reads } = pass;
+    const { engine } = this._frameGraph;
+    if (pass === this.bokehPasses[0] && 'frame' in this.uniforms) this.uniforms.frame += 1;
+    if (writes.length > 1) context.bindAttachments(engine.buildTextureLayout(writes.map(() => true)));
+    context.applyFullScreenEffect(wrapper.drawWrapper, () => {
+      const { effect } = wrapper;
+      wrapper.bind();
+      const { minZ: nearPlane, maxZ: farPlane } = this.camera;
+      for (const [name, value] of Object.entries({ ...this.uniforms, nearPlane, farPlane })) effect.setFloat(name, value);
+      effect.setFloat2('imageSize', ...size);
+      for (const name of reads) {
+        if (!['color', 'depth'].includes(name)) {
+          context.setTextureSamplingMode(handles[name], Constants.TEXTURE_BILINEAR_SAMPLINGMODE);
+        }
+        context.bindTextureHandle(effect, name, handles[name]);
+      }
+    });
+  }
+
+  dispose() {
+    for (const { wrapper } of this.bokehPasses) wrapper.dispose();
+    super.dispose();
+  }
+}
+
+// How a frame graph makes a texture of 16-bit floats
+const halfFloats = (label, [width, height]) => ({
+  size: { width, height },
+  sizeIsPercentage: false,
+  options: {
+    createMipMaps: false,
+    types: [Constants.TEXTURETYPE_HALF_FLOAT],
+    formats: [Constants.TEXTUREFORMAT_RGBA],
+    samples: 1,
+    useSRGBBuffers: [false],
+    labels: [label],
+  },
+});

@@ -2,7 +2,8 @@
 
 import { FreeCamera } from '@babylonjs/core/Cameras/freeCamera.js';
 import { AppBase, CameraComponent, Vec3 } from 'playcanvas';
-import { PolygonBokeh } from 'polygonal-bokeh/babylon';
+import { FrameGraph } from '@babylonjs/core/FrameGraph/frameGraph.js';
+import { PolygonBokeh, PolygonBokehTask } from 'polygonal-bokeh/babylon';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
 import { PolygonBokehPass as PmndrsPass } from 'polygonal-bokeh/postprocessing';
 import { PolygonBokeh as Component } from 'polygonal-bokeh/react';
@@ -55,6 +56,9 @@ export function others(app: AppBase, component: CameraComponent, free: FreeCamer
   frame.debugMode = 2;
   const bokeh = new PolygonBokeh(free, { view: 'coc' });
   bokeh.uniforms.rotation = bokeh.depthOf(free.position);
+  const task = new PolygonBokehTask('bokeh', new FrameGraph(free.getScene()), free, { sides: 8 });
+  task.sourceTexture = task.outputTexture;
+  task.setLens(1.4);
 }
 
 export function react(composer: pmndrs.EffectComposer): unknown {
