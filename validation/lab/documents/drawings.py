@@ -12,7 +12,7 @@ from bokeh_validation import locks, paths, pictures, shaders, truth
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.truth import ray_traced
 from lab import other_effects
-from lab.documents import figures, gallery
+from lab.documents import figures, frame_graph, gallery
 from lab.documents.likeness import likeness
 from lab.other_effects.effects import EFFECTS
 from lab.rasterised import motion, random_score
@@ -26,7 +26,8 @@ class Animation(NamedTuple):
     quality: int
 
 
-Drawn = dict[str, np.ndarray | Animation]
+# A text is an SVG
+Drawn = dict[str, np.ndarray | Animation | str]
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,11 @@ def focus_pull(driver: Driver) -> Drawn:
     return {"focus_pull": Animation(gallery.pull(driver), gallery.PULL_MILLISECONDS, gallery.PULL_QUALITY)}
 
 
+def graph(_: Driver) -> Drawn:
+    """The passes and textures of `layered`, which docs/methods/layered.md shows."""
+    return {"frame_graph": frame_graph.draw()}
+
+
 def others(_: Driver, name: str) -> Drawn:
     """Other effects beside ours, in Chromium; on the device that they are on."""
     return {f"peers_{name}": other_effects.of_scene(name, list(EFFECTS), anew=False)[1]}
@@ -99,6 +105,7 @@ def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] =
 DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
     *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
+    Drawing(("frame_graph",), graph, (), (frame_graph.FRAME,)),
     Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(

@@ -24,7 +24,8 @@ def every_picture() -> dict[str, Path]:
     folders = paths.ROOT / "docs", paths.ROOT / "integration"
     found = sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in KINDS)
     # what a package manager installed there is no guide's
-    return {str(path.relative_to(paths.ROOT)): path for path in found if "node_modules" not in path.parts}
+    drawings = sorted((paths.ROOT / "docs").rglob("*.svg"))
+    return {str(path.relative_to(paths.ROOT)): path for path in [*found, *drawings] if "node_modules" not in path.parts}
 
 
 def file_hash(path: Path) -> str:
@@ -64,6 +65,9 @@ def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None)
     for name in (name for name in drawing.names if name in wanted):
         if isinstance(drawn[name], Animation):
             found.append(pictures.write_animation(place, name, *drawn[name]))
+        elif isinstance(drawn[name], str):
+            found.append(place / f"{name}.svg")
+            files.whole(found[-1], lambda target, text=drawn[name]: target.write_text(text, encoding="utf-8"))
         else:
             found.append(pictures.write_document(place, name, drawn[name]))
     return found

@@ -1,5 +1,6 @@
 """validation/run pictures: it draws the pictures of the documents; all of them are recorded and shown."""
 
+import json
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from PIL import Image
 from support import called, refused
 
 from bokeh_validation import paths
-from lab.documents import drawings, gallery, pictures_command
+from lab.documents import drawings, frame_graph, gallery, pictures_command
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 DOCUMENT = paths.ROOT / "docs" / "paper.md"
@@ -66,6 +67,16 @@ def test_every_picture_is_drawn_or_kept():
     by_nobody = {Path(name).stem for name, record in pictures_command.recorded().items() if not record["drawn_with"]}
     kept = {"figure_02", "figure_03", "figure_04", "figure_05", "figure_06", "figure_08", "figure_10"}
     assert by_nobody == kept | {"apertures_exact_6", "picture"}
+
+
+def test_frame_graph():
+    """The drawing of the passes is that of the frame as it is now, and has every pass and texture."""
+    kept = (paths.ROOT / "docs/images/frame_graph.svg").read_text(encoding="utf-8")
+    assert frame_graph.draw() == kept, "draw it: validation/run pictures frame_graph"
+    planned = json.loads(frame_graph.FRAME.read_text(encoding="utf-8"))
+    for step in planned["passes"]:
+        assert f"{step['pass']} {frame_graph.title(step['entry'])}<" in kept
+    assert all(f">{texture['name']}</text>" in kept for texture in planned["textures"])
 
 
 def test_older_than_its_shaders(monkeypatch):
