@@ -185,7 +185,7 @@ float SceneDepth(vec2 place)
 	float stored = BokehFetchTexel(slot_1, place).r;
 	vec4 row = parameters.projection;
 	float metres = (stored * row.w - row.y) / (stored * row.z - row.x);
-	return BokehSafe(metres, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
+	return BokehSanitize(metres, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 
 void main()
