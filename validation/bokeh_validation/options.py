@@ -20,7 +20,8 @@ from bokeh_validation.shaders.parameters import PARAMETERS
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
 # What the command line begins with; an option that is not given is left as it is here
-DEFAULT = Settings("layered")
+F_STOP, BOKEH_SCALE = 2.8, 10.0
+DEFAULT = Settings("layered", camera=Camera(Camera.focal_length / F_STOP * BOKEH_SCALE))
 INF, TINY = math.inf, math.ulp(0.0)
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 Needs = tuple[Callable[[Settings], bool], str, str]
@@ -139,6 +140,41 @@ Sets = Annotated[
 ]
 
 
+LENS_OPTIONS = [
+    inspect.Parameter(
+        name,
+        KEYWORD,
+        default=None,
+        annotation=Annotated[float | None, typer.Option(help=f"{text} [default: {default:g}]", show_default=False)],
+    )
+    for name, text, default in (
+        ("f_stop", "Of the lens: its aperture is focal length / f-stop * bokeh scale.", F_STOP),
+        ("bokeh_scale", "How many times wider the blur is than that lens's: 1 is the real lens.", BOKEH_SCALE),
+    )
+]
+
+
+def with_lens(settings: Settings, given: Iterable[Option], f_stop: float | None, bokeh_scale: float | None) -> Settings:
+    """Return the settings with the aperture of an f-stop and a bokeh scale, as every integration sets it.
+
+    given   options that were given beside these two
+    Raises UserError where one is out of range, or where something else says what the aperture is.
+    """
+    wanted = {"--f-stop": (f_stop, TINY), "--bokeh-scale": (bokeh_scale, 0.0)}
+    wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
+    taken = [option.name for option in given if option.name in ("aperture-diameter", "coc")]
+    for name, (value, least) in wanted.items():
+        if not least <= value < INF:
+            raise UserError(f"{name} {value:g}: not allowed. Give {'more than 0' if least else '0 or more'}.")
+        if taken:
+            raise UserError(f"{name} {value:g}: no effect with --{taken[0]}. Leave one of them out.")
+    if taken:
+        return settings
+    scale = BOKEH_SCALE if bokeh_scale is None else bokeh_scale
+    diameter = settings.camera.focal_length / (F_STOP if f_stop is None else f_stop) * scale
+    return replace(settings, camera=replace(settings.camera, aperture_diameter=diameter))
+
+
 def parsed_sets(given: Iterable[str] | None) -> dict[str, float]:
     """Return parameter -> value of --set BokehDepthKind=1. Raises UserError."""
     found = {}
@@ -175,17 +211,22 @@ def with_settings(command: Callable) -> Callable:
     @wraps(command)
     def called(*arguments, **values):
         file = values.pop(PLAN.name, None)
+        lens = [values.pop(option.name, None) for option in LENS_OPTIONS]
         settings, given = DEFAULT if file is None else read_plan(file), []
         for option in TABLE:
             value = values.pop(option.parameter.name, None)
             if value is not None:
                 settings = option.put(settings, value)
                 given.append(option)
+        if file is None or any(value is not None for value in lens):
+            settings = with_lens(settings, given, *lens)
         check(settings, given)
         return command(*arguments, settings=settings, **values)
 
     own = [p.replace(kind=KEYWORD) for name, p in signature.parameters.items() if name != "settings"]
-    called.__signature__ = signature.replace(parameters=[*own, PLAN, *(option.parameter for option in TABLE)])
+    called.__signature__ = signature.replace(
+        parameters=[*own, PLAN, *LENS_OPTIONS, *(option.parameter for option in TABLE)]
+    )
     return called
 
 

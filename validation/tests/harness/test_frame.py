@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support import called, compiled, load
 
-from bokeh_validation import generate, paths, shaders
+from bokeh_validation import generate, options, paths, shaders
 from bokeh_validation import plan as frame
 from bokeh_validation.compilers import dxc, spirv
 from bokeh_validation.errors import UserError
@@ -154,7 +154,7 @@ def test_every_frame_is_whole(method, targets):
 def test_the_command():
     """`validation/run plan` prints frame() as JSON."""
     done = called("plan", "--method", "layered", "--size", "1921x1081")
-    planned = frame.frame(methods.Settings("layered", "hexagon"), (1921, 1081))
+    planned = frame.frame(options.DEFAULT, (1921, 1081))
     assert done.returncode == 0 and json.loads(done.stdout) == json.loads(json.dumps(planned)), done.stderr
 
 

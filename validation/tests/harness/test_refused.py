@@ -11,6 +11,9 @@ from bokeh_validation import paths
 REFUSED = """
 render --depth-channel depth | no depth channel 'depth'; B G R Z
 render --focus-distance 0.05 | --focus-distance 0.05; focal length 0.05
+render --f-stop 0 | --f-stop 0: not allowed; more than 0
+render --bokeh-scale -1 | --bokeh-scale -1: not allowed; 0 or more
+render --f-stop 2 --aperture-diameter 0.1 | --f-stop 2: no effect with --aperture-diameter
 render --coc 0.5 | --coc 0.5; --max-coc
 render --samples 1 | --samples 1; 2 to 1024
 render --samples 200 --method naive | --samples 200; 8192

@@ -5,6 +5,7 @@ import os
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,10 +75,26 @@ def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
 def test_every_option_reaches_the_settings():
     """Each option on the command line does to the passes what its field of the settings does."""
     for option in options.TABLE:
-        settings = option.put(Settings(option.methods[0], "octagon"), VALUES[option.name])
+        base = Settings(option.methods[0], "octagon", camera=methods.Camera(0.2))
+        settings = option.put(base, VALUES[option.name])
         given = ["--method", settings.method, "--aperture", settings.aperture, *option.told(settings).split()]
+        if option.name not in ("aperture-diameter", "coc"):
+            given += ["--aperture-diameter", "0.2"]  # else it follows the f-stop
+        elif option.name == "coc":
+            settings = replace(settings, camera=options.DEFAULT.camera)
         done = called("plan", *given, "--size", "64x48")
         assert json.loads(done.stdout) == json.loads(json.dumps(plan.frame(settings, (64, 48)))), option.name
+
+
+@pytest.mark.parametrize(
+    ("given", "diameter"),
+    [("", 0.05 / 2.8 * 10), ("--f-stop 1.4 --bokeh-scale 20", 0.05 / 1.4 * 20), ("--bokeh-scale 0", 0.0),
+     ("--focal-length 0.07", 0.07 / 2.8 * 10), ("--aperture-diameter 0.1 --focal-length 0.07", 0.1)],
+)  # fmt: skip
+def test_the_lens_is_that_of_the_integrations(given, diameter):
+    """Without options an f-stop of 2.8 and a blur ten times as wide; the aperture follows the focal length."""
+    done = called("plan", *given.split(), "--size", "64x48")
+    assert json.loads(done.stdout)["parameters"]["BokehApertureDiameter"] == pytest.approx(diameter)
 
 
 VALUES = {
