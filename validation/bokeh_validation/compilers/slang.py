@@ -87,7 +87,7 @@ def _built(source: str, stage: str, entry: str, targets: tuple[str, ...]) -> tup
         with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
             file = Path(folder, "bokeh.hlsl")
             file.write_text(source, encoding="ascii")
-            words = [str(file), "-entry", entry, "-stage", STAGES[stage], *SHIFTS]
+            words = [str(file), "-entry", entry, "-fvk-use-entrypoint-name", "-stage", STAGES[stage], *SHIFTS]
             words += [word for target in targets for word in ("-target", target)]
             arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
             status = library.spProcessCommandLineArguments(request, arguments, ctypes.c_int(len(words)))
