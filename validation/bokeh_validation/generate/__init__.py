@@ -11,7 +11,7 @@ import typer
 from bokeh_validation import files, paths, plan, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
-from bokeh_validation.generate import compositor, copies, manifests, samples
+from bokeh_validation.generate import compositor, copies, manifests, results, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -67,6 +67,7 @@ def out_of_date() -> dict[str, str]:
     """
     texts = godot_shaders() | copies.texts() | {"integration/web/shaders.js": web_shaders()}
     texts[f"{PANDA3D}/shaders.py"] = python_shaders()
+    texts[results.CSV] = results.as_csv()
     texts |= {f"integration/{crate}/src/bokeh.wgsl": rust_shaders() for crate in ("bevy", "wgpu")}
     for method, aperture in PLANNED:
         planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
@@ -90,6 +91,11 @@ def rendered() -> Iterator[tuple[str, str]]:
             yield f"integration/{name.removesuffix('.jinja')}", ENVIRONMENT.get_template(name).render(context())
     yield "docs/reference/passes.md", _between("<!-- ", FRAME, passes_page(), " -->")
     yield "docs/start.md", _between("<!-- ", FRAME, choices(), " -->")
+    for page, named in results.tables().items():
+        regions = [
+            _between("<!-- ", f"docs/data, {name}", results.markdown(rows), " -->") for name, rows in named.items()
+        ]
+        yield f"docs/{page}", "".join(regions)
     yield "docs/reference/parameters.md", _between("<!-- ", PARAMETER_LIST, parameter_table(), " -->")
 
 

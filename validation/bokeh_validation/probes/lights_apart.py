@@ -81,7 +81,7 @@ def settings(method: str, aperture: str = "hexagon", **changes) -> methods.Setti
 
 
 METHODS = ("paper", "exact", "layered")
-# Overlap, ripple, light kept of each of METHODS, measured on llvmpipe; docs/results.md has them too
+# Overlap, ripple, light kept of each of METHODS, measured on llvmpipe; docs/results-data.md has them too
 # fmt: off
 RECORDED = {
     "2 px of CoC 20 on a plane of 40": ((0.15, 0.81, 0.72), (0.79, 0.10, 0.97), (0.36, 1.00, 1.04)),

@@ -12,7 +12,7 @@ from bokeh_validation import locks, paths, pictures, shaders, truth
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.truth import ray_traced
 from lab import other_effects
-from lab.documents import figures, frame_graph, gallery
+from lab.documents import chart, figures, frame_graph, gallery
 from lab.documents.likeness import likeness
 from lab.other_effects.effects import EFFECTS
 from lab.rasterised import motion, random_score
@@ -57,6 +57,8 @@ class Drawing:
 PAPER, LAYERED = ("bokeh", "bokeh_paper", "bokeh_passes"), ("bokeh", "bokeh_layers", "bokeh_passes")
 ALL = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 MARKET, CANOPY = ray_traced.MARKET, ray_traced.CANOPY
+# What the chart of all methods is drawn from
+MEASURED = "truth", "peers"
 # Of docs/results.md: seeds of the random scenes
 SEEDS = range(80)
 
@@ -88,6 +90,11 @@ def graph(_: Driver) -> Drawn:
     return {"frame_graph": frame_graph.draw()}
 
 
+def flip_by_method(_: Driver) -> Drawn:
+    """The chart of docs/results.md."""
+    return {"flip_by_method": chart.draw()}
+
+
 def others(_: Driver, name: str) -> Drawn:
     """Other effects beside ours, in Chromium; on the device that they are on."""
     return {f"peers_{name}": other_effects.of_scene(name, list(EFFECTS), anew=False)[1]}
@@ -106,6 +113,7 @@ DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
     *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
     Drawing(("frame_graph",), graph, (), (frame_graph.FRAME,)),
+    Drawing(("flip_by_method",), flip_by_method, (), tuple(paths.ROOT / f"docs/data/{n}.json" for n in MEASURED)),
     Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(

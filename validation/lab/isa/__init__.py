@@ -1,1 +1,1 @@
-"""What the passes cost on a GPU that is not there, by its own compiler: `validation/run isa`, docs/cost.md."""
+"""What the passes cost on a GPU that is not there, by its own compiler: `validation/run isa`, docs/compilers.md."""

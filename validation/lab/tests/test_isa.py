@@ -44,8 +44,8 @@ def test_no_more_than_the_stock(tmp_path):
 
 
 def test_latencies_of_the_document():
-    """docs/cost.md: those of HLSL, GLSL and WGSL are the stock's."""
-    page = (paths.ROOT / "docs/cost.md").read_text(encoding="utf-8")
+    """docs/compilers.md: those of HLSL, GLSL and WGSL are the stock's."""
+    page = (paths.ROOT / "docs/compilers.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\| (\w+) \| (\d+) \| (\d+) \| (\d+) \|$", page, re.MULTILINE)
     stock = numbers(STOCK)
     assert len(shown) == 4

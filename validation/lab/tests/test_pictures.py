@@ -10,7 +10,8 @@ from PIL import Image
 from support import called, refused
 
 from bokeh_validation import paths
-from lab.documents import drawings, frame_graph, gallery, pictures_command
+from bokeh_validation.generate import results
+from lab.documents import chart, drawings, frame_graph, gallery, pictures_command
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 DOCUMENT = paths.ROOT / "docs" / "paper.md"
@@ -77,6 +78,15 @@ def test_frame_graph():
     for step in planned["passes"]:
         assert f"{step['pass']} {frame_graph.title(step['entry'])}<" in kept
     assert all(f">{texture['name']}</text>" in kept for texture in planned["textures"])
+
+
+def test_chart():
+    """The chart has a bar for every method that was measured, and is that of docs/data as it is now."""
+    kept = (paths.ROOT / "docs/images/flip_by_method.svg").read_text(encoding="utf-8")
+    assert chart.draw() == kept, "draw it: validation/run pictures flip_by_method"
+    measured = results.flip_means()
+    assert all(f">{label}</text>" in kept for label in measured) and kept.count("<circle") == 5 * len(measured)
+    assert max(one["flip"] for row in results.ray_traced().values() for one in row.values()) < chart.MOST
 
 
 def test_older_than_its_shaders(monkeypatch):

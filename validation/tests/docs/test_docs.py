@@ -12,6 +12,7 @@ import pytest
 
 from bokeh_validation import paths, plan
 from bokeh_validation.frame import methods
+from bokeh_validation.generate import results
 from bokeh_validation.plan import fetches
 from bokeh_validation.shaders.entries import EXACT
 
@@ -76,7 +77,7 @@ def test_counts_of_all_pages():
 
 
 def test_results_of_the_readme():
-    """The README's FLIP and light kept of its scenes are those of docs/results.md, fetches those of the presets."""
+    """The README's FLIP and light kept of its scenes are those of docs/data, fetches those of the presets."""
 
     def rows(text: str, after: str) -> dict[str, list[str]]:
         lines = re.findall(r"^\| ?([^| -].*?) ?\|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)
@@ -84,18 +85,12 @@ def test_results_of_the_readme():
         return {label: others for label, *others in cells}
 
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    readme, page = (
-        rows(text, "## Compared with other effects"),
-        (paths.ROOT / "docs/results.md").read_text(encoding="utf-8"),
-    )
-    results, columns = rows(page, "## Ray-traced scenes"), re.search(r"^\| \| (market_7 .*) \|$", page, re.MULTILINE)[1]
+    readme, measured = rows(text, "## Compared with other effects"), results.ray_traced()
     shown = re.search(r"^\| \| fetches per pixel \| FLIP: (.*) \| light kept, (\w+) \|$", text, re.MULTILINE)
     assert len(readme) == 8 and rows(text, "## Presets")["`BOKEH_PRESET_MEDIUM`"][1] == readme["layered medium"][0]
     for label, (_, *numbers) in readme.items():
-        (cells,) = [cells for name, cells in results.items() if re.fullmatch(rf"{label}( [\d.]+)?", name)]
-        found = {scene: cell.split("/") for scene, cell in zip(columns.split(" | "), cells, strict=False)}
-        flips, light = [found[scene][0] for scene in shown[1].split(" | ")], found[shown[2]][2]
-        assert numbers == [*flips, light], label
+        flips = [f"{measured[label][scene]['flip']:.4f}" for scene in shown[1].split(" | ")]
+        assert numbers == [*flips, f"{measured[label][shown[2]]['light']:.3f}"], label
 
 
 def test_engines_of_the_readme():

@@ -1,18 +1,21 @@
 """Numbers of the documents are those of docs/data: a digit that is changed on a page alone fails here.
 
 truth.json is what `validation/run truth --json` wrote; test_truth.py measures some of its rows anew. peers.json and
-printed.json say in `source` where theirs come from. README's table is held to docs/results.md by test_docs.py.
+printed.json say in `source` where theirs come from. `validation/run generate` writes the tables. README's table is held
+to docs/data by test_docs.py.
 """
 
 import hashlib
 import json
 import re
+from statistics import mean
 
-from bokeh_validation import paths, truth
+import pytest
+
+from bokeh_validation import generate, paths
+from bokeh_validation.generate import results
 from lab.other_effects.effects import FOUND
 
-PRINTED = ("results.md", "cost.md")
-KNOWN = truth.METHODS
 Table = list[list[str]]
 
 
@@ -53,23 +56,33 @@ def digests() -> dict[str, str]:
     return found
 
 
-def ray_traced() -> Table:
-    """The table of all methods and effects on the ray-traced scenes."""
-    page = (paths.ROOT / "docs/results.md").read_text(encoding="utf-8")
-    (found,) = [table for table in tables(page) if table[0][1:2] == ["market_7"]]
-    return found
+def page_tables(name: str) -> list[Table]:
+    """The tables with numbers of a page of docs."""
+    page = (paths.ROOT / "docs" / name).read_text(encoding="utf-8")
+    return [table for table in tables(page) if numeric(table)]
 
 
-def test_ray_traced_scenes():
-    """Each cell of docs/results.md is truth.json's, or peers.json's, rounded as truth.markdown() does."""
+@pytest.mark.parametrize(("place", "key", "digits"), [(0, "flip", 4), (1, "psnr", 2), (2, "light", 3)])
+def test_ray_traced_scenes(place, key, digits):
+    """The first three tables of docs/results-data.md are truth.json's and peers.json's, rounded."""
     recorded = {(row["label"], row["scene"]): row for name in ("truth", "peers") for row in data(name)["rows"]}
-    (_, *scenes, last), *rows = ray_traced()
-    assert last == "one light" and {label for label, *_ in rows} == {label for label, _ in recorded}
+    (_, *scenes), *rows = page_tables("results-data.md")[place]
+    assert {(label, scene) for label, *_ in rows for scene in scenes} == set(recorded)
     for label, *cells in rows:
-        for scene, cell in zip(scenes, cells[:-1], strict=True):
-            wanted = "{flip:.4f}/{psnr:.2f}/{light:.3f}".format_map(recorded[label, scene])
-            assert cell == wanted, (label, scene)
-    assert {label: cells[-1] for label, *cells in rows if cells[-1]} == data("peers")["one light"]
+        wanted = [f"{recorded[label, scene][key]:.{digits}f}" for scene in scenes]
+        assert cells == wanted, label
+
+
+def test_comparison():
+    """The table of docs/results.md has the FLIP of results-data.md, with the mean, the lowest mean first."""
+    (((_, *scenes, last), *rows),) = page_tables("results.md")
+    ((_, *others), *data_rows) = page_tables("results-data.md")[0]
+    assert scenes == others and last == "mean"
+    assert {label: cells[:-1] for label, *cells in rows} == {label: cells for label, *cells in data_rows}
+    means = [float(cells[-1]) for _, *cells in rows]
+    assert means == sorted(means)
+    for _, *cells in rows:
+        assert mean(map(float, cells[:-1])) == pytest.approx(float(cells[-1]), abs=1e-4)
 
 
 def test_effects_have_the_parameters_that_were_measured():
@@ -77,9 +90,29 @@ def test_effects_have_the_parameters_that_were_measured():
     assert data("peers")["parameters"] == digests()
 
 
-def test_tables():
-    """All other tables with numbers of results.md and cost.md are printed.json's."""
-    for name in PRINTED:
-        page = (paths.ROOT / "docs" / name).read_text(encoding="utf-8")
-        shown = [table for table in tables(page) if numeric(table) and table[0][1:2] != ["market_7"]]
-        assert [[" | ".join(row) for row in table] for table in shown] == data("printed")["tables"][name], name
+@pytest.mark.parametrize("name", ["results.md", "results-data.md", "cost.md", "compilers.md"])
+def test_tables(name):
+    """A page has the tables that follow from docs/data, and no other table with numbers."""
+    assert sorted(page_tables(name)) == sorted(results.tables()[name].values())
+
+
+def test_cells():
+    """A cell of a table of results has one number at most, and docs/data/results.csv has every cell, once."""
+    listed = (paths.ROOT / results.CSV).read_text(encoding="utf-8").splitlines()
+    shown = 0
+    for name, named in results.tables().items():
+        for header, *rows in named.values():
+            labels = 2 if header[1] == "preset" else 1
+            for row in rows:
+                assert all(re.fullmatch(r"-?[\d.]+", cell) for cell in row[labels:]), (name, row)
+                shown += len(row) - labels if name != "results.md" else 0
+    assert len(listed) == shown + 1
+
+
+def test_a_changed_digit_is_found():
+    """A number of any of the pages that is changed by hand is out of date for `generate --check`."""
+    text = (paths.ROOT / "docs/results-data.md").read_text(encoding="utf-8")
+    first = page_tables("results-data.md")[0][1][1]
+    regions = dict(generate.rendered())["docs/results-data.md"]
+    assert generate.replaced("page", text, regions) == text
+    assert generate.replaced("page", text.replace(first, "0.9999", 1), regions) == text

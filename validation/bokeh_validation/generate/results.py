@@ -1,0 +1,86 @@
+"""The tables of measured numbers on the pages, written from docs/data; and docs/data/results.csv, the same as one list.
+
+A page has a pair of markers for each of its tables, with the table's name. To change a number, change docs/data, then
+run `validation/run generate`.
+"""
+
+import csv
+import io
+import json
+from collections.abc import Iterator
+from functools import cache
+from statistics import mean
+
+from bokeh_validation import paths
+from bokeh_validation.probes import lights_apart
+
+Table = list[list[str]]
+CSV = "docs/data/results.csv"
+SCENES = ("market_7", "street_11", "canopy_12", "street_11x3", "canopy_12x3")
+# Measure of truth.json and peers.json -> its name, and how it is rounded
+MEASURES = {"flip": ("FLIP", "{:.4f}"), "psnr": ("PSNR", "{:.2f}"), "light": ("light kept", "{:.3f}")}
+
+
+@cache
+def data(name: str) -> dict:
+    """Return the content of a file of docs/data."""
+    return json.loads((paths.ROOT / f"docs/data/{name}.json").read_text(encoding="utf-8"))
+
+
+def ray_traced() -> dict[str, dict[str, dict]]:
+    """Return method or effect -> scene -> its row in truth.json or peers.json, ours first."""
+    found: dict[str, dict[str, dict]] = {}
+    for name in ("truth", "peers"):
+        for row in data(name)["rows"]:
+            found.setdefault(row["label"], {})[row["scene"]] = row
+    return found
+
+
+def flip_means() -> dict[str, float]:
+    """Return method or effect -> mean FLIP of the five scenes."""
+    return {label: mean(rows[scene]["flip"] for scene in SCENES) for label, rows in ray_traced().items()}
+
+
+def tables() -> dict[str, dict[str, Table]]:
+    """Return page -> name of a table -> its rows, the header first. All tables of measured numbers."""
+    measured = {}
+    for key, (name, rounded) in MEASURES.items():
+        rows = [[label, *(rounded.format(row[scene][key]) for scene in SCENES)] for label, row in ray_traced().items()]
+        measured[f"ray-traced scenes, {name}"] = [["method", *SCENES], *rows]
+    one_light = [[label, *text.split("/")] for label, text in data("peers")["one light"].items()]
+    measured["one light"] = [["method", "overlap", "light kept"], *one_light]
+    for place, name in enumerate(("overlap", "ripple", "light kept")):
+        rows = [[light, *(f"{one[place]:.2f}" for one in cases)] for light, cases in lights_apart.RECORDED.items()]
+        measured[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
+    pages = {page: dict(named) for page, named in data("printed")["tables"].items()}
+    pages["results-data.md"] = measured | pages["results-data.md"]
+    flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]
+    flips.sort(key=lambda row: float(row[-1]))
+    return {"results.md": {"comparison": [["method", *SCENES, "mean"], *flips]}, **pages}
+
+
+def markdown(rows: Table) -> Iterator[str]:
+    """Yield the lines of a table."""
+    header, *others = rows
+    yield f"| {' | '.join(header)} |"
+    yield f"|{'---|' * len(header)}"
+    for cells in others:
+        yield f"| {' | '.join(cells)} |"
+
+
+def as_csv() -> str:
+    """Return docs/data/results.csv: page, table, row, column, value; rows of two names have them with a comma."""
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(("page", "table", "row", "column", "value"))
+    pages = tables()
+    # it repeats results-data.md
+    del pages["results.md"]
+    for page, named in pages.items():
+        for table, (header, *rows) in named.items():
+            labels = 2 if header[1] == "preset" else 1
+            for row in rows:
+                label = ", ".join(filter(None, row[:labels]))
+                cells = zip(header[labels:], row[labels:], strict=True)
+                writer.writerows((page, table, label.replace("`", ""), column, cell) for column, cell in cells)
+    return target.getvalue()
