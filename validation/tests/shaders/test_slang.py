@@ -9,10 +9,13 @@ from dataclasses import replace
 import pytest
 from support import needed
 from support_cases import within
+from support_inputs import COMPILED, inputs
 
 from bokeh_validation.compilers import dxc, slang, spirv
 from bokeh_validation.drivers.webgpu import DXC
 from bokeh_validation.truth import ray_traced
+
+pytestmark = inputs(*COMPILED, "validation/tests/shaders/test_slang.py")
 
 # a part of the ray-traced scene with something in focus, near and far
 PART = (slice(206, 270), slice(264, 344))
