@@ -1,4 +1,4 @@
-// Builds the page as one HTML file, with the data and the pictures in it.
+// Builds the page for a static host, or with --mode file as one HTML file with the data and the pictures in it.
 
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
@@ -6,8 +6,9 @@ import { viteSingleFile } from "vite-plugin-singlefile";
 
 const repository = fileURLToPath(new URL("../..", import.meta.url));
 
-export default defineConfig({
-  plugins: [viteSingleFile()],
+export default defineConfig(({ mode }) => ({
+  base: "./", // it works in any folder of a host
+  plugins: mode === "file" ? [viteSingleFile()] : [],
   resolve: {
     // the page draws with the code that the validation draws with, and compares with the effects that it compares with
     alias: { "@validation": `${repository}validation` },
@@ -15,4 +16,4 @@ export default defineConfig({
     dedupe: ["three", "postprocessing"],
   },
   server: { fs: { allow: [repository] } },
-});
+}));

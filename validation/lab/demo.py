@@ -1,7 +1,8 @@
 """A page to try the methods on, live, in a browser: the work behind `validation/run demo`.
 
-The page is a web project, integration/demo, which Vite builds as one HTML file. Here its data is written: the passes of
-methods.plan and the scenes. The page draws them with the code of the browser drivers (browser/page).
+The page is a web project, integration/demo, which Vite builds for a static host or as one HTML file. Here its data is
+written: the passes of methods.plan and the scenes. The page draws them with the code of the browser drivers
+(browser/page).
 """
 
 import json
@@ -14,6 +15,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+import OpenEXR
 import typer
 
 from bokeh_validation import browser, files, paths, process, shaders, terminal
@@ -30,7 +33,16 @@ PROJECT = paths.ROOT / "integration" / "demo"
 READ = (browser.PAGE, effects.PAGE, paths.ROOT / "integration/web/test")
 BUILD_LIMIT = 300.0  # seconds; it takes 3
 OTHERS = ("BokehPass", "DepthOfFieldEffect")
-SCENES = (ray_traced.MARKET, ray_traced.STREET, ray_traced.CANOPY)
+# What the page calls a scene
+SCENES = {
+    "Night market": ray_traced.MARKET,
+    "Street lights": ray_traced.STREET,
+    "Canopy": ray_traced.CANOPY,
+}
+BOKEH_SCALE = 10.0  # with which the page begins, as every integration does
+PACKAGE = paths.ROOT / "integration/web/package.json"
+# Text of a link -> file of the repository
+LINKS = {"source": "", "guide": "docs/start.md", "results": "docs/results.md", "engines": "integration/README.md"}
 # of the plans: the page puts in its own
 SIZE = (960, 540)
 HOST = "127.0.0.1"
@@ -50,17 +62,36 @@ def data() -> dict:
     """What src/main.js works on, ready for JSON."""
     glsl = shaders.text("glsl")
     plans = {name: methods.plan(chosen, SIZE).passes for name, chosen in settings().items()}
+    # presets and polygons have many passes in common
+    passes: dict[str, dict] = {}
+    numbers = {}
+    for name, items in plans.items():
+        texts = [(json.dumps(made, sort_keys=True), made) for made in (_pass(item, glsl) for item in items)]
+        passes.update(texts)
+        numbers[name] = [list(passes).index(text) for text, _ in texts]
+    address = json.loads(PACKAGE.read_text(encoding="utf-8")).get("repository", {}).get("url", "")
     return {
-        "plans": {name: [_pass(item, glsl) for item in passes] for name, passes in plans.items()},
+        "plans": numbers,
+        "passes": list(passes.values()),
+        "install": "npm install polygonal-bokeh three"
+        if address
+        else "npm install --install-links PATH/integration/web three",
+        "links": links(address),
         "apertures": {sides: aperture for aperture, sides in EXACT.items()},
         "presets": list(methods.PRESETS),
         "glsl": glsl,
-        "vertex": shaders.glsl("BokehFullScreen", "300es"),
+        "vertex": shaders.glsl("BokehFullScreen", "300es").removesuffix(glsl),
         "sensor": ray_traced.MARKET.camera.sensor_height,
         "maxCoC": ray_traced.MARKET.camera.max_coc,
         "others": {name: effects.title(name) for name in OTHERS},
-        "scenes": [_scene(scene) for scene in SCENES],
+        "scenes": [_scene(name, scene) for name, scene in SCENES.items()],
     }
+
+
+def links(address: str) -> list[tuple[str, str]]:
+    """Return (text, address) of the page's links into the repository at `address`; none without one."""
+    page = address.removeprefix("git+").removesuffix(".git")
+    return [(text, f"{page}/blob/main/{file}" if file else page) for text, file in LINKS.items()] if page else []
 
 
 def _pass(item: Pass, glsl: str) -> dict:
@@ -72,11 +103,12 @@ def _pass(item: Pass, glsl: str) -> dict:
     return {"head": head, "inputs": inputs, "targets": item.outputs, "scale": item.scale, "values": values}
 
 
-def _scene(scene: ray_traced.SceneFile) -> dict:
+def _scene(name: str, scene: ray_traced.SceneFile) -> dict:
     camera = scene.camera
     return {
-        "name": scene.name,
-        "stop": camera.focal_length / camera.aperture_diameter,
+        "name": name,
+        "file": scene.name,
+        "traced": camera.focal_length / camera.aperture_diameter * BOKEH_SCALE,  # f-stop of the truth
         "focal": camera.focal_length,
         "focus": camera.focus_distance,
         "exposure": EXPOSURE.get(scene.name, 1.0),
@@ -84,12 +116,26 @@ def _scene(scene: ray_traced.SceneFile) -> dict:
     }
 
 
+def shown_depth(scene: ray_traced.SceneFile) -> np.ndarray:
+    """Return the depth of a scene as the page has it, metres: 16-bit floats, which make the file a third smaller."""
+    return ray_traced.picture(scene).depth.astype(np.float16)
+
+
+def _write_pinhole(scene: ray_traced.SceneFile, target: Path) -> None:
+    """Write what the page blurs: colour and depth."""
+    color = ray_traced.picture(scene).color.astype(np.float16)
+    channels = {name: np.ascontiguousarray(color[..., i]) for i, name in enumerate("RGB")}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with OpenEXR.File(header, channels | {"Z": shown_depth(scene)}) as file:
+        file.write(str(target))
+
+
 def write_data(folder: Path) -> None:
     """Write what the page is built with: page.json, and of each scene the input and the ray-traced truth."""
     (folder / "page.json").write_text(json.dumps(data()), encoding="utf-8")
-    for scene in SCENES:
+    for scene in SCENES.values():
         truth = paths.SCENES / f"{scene.name}_{ray_traced.TRUTHS['hexagon']}.exr"
-        shutil.copy(scene.source, folder / f"{scene.name}_pinhole.exr")
+        _write_pinhole(scene, folder / f"{scene.name}_pinhole.exr")
         shutil.copy(truth, folder / f"{scene.name}_truth.exr")
 
 
@@ -102,13 +148,17 @@ def copied(repository: Path) -> Path:
     return pages.copied(PROJECT, repository, READ)
 
 
-def page() -> str:
-    """Build the page and return the whole file. Raises Unavailable where npm is missing."""
+@contextmanager
+def built(mode: str) -> Iterator[Path]:
+    """Build the page and yield the folder that has it. Raises Unavailable where npm is missing.
+
+    mode  "host": index.html with its scripts and pictures beside it; "file": index.html with all of them in it
+    """
     with tempfile.TemporaryDirectory(prefix="bokeh-") as repository:
         project = copied(Path(repository))
         write_data(paths.ensured(project / "data"))
-        process.run(["npm", "run", "build"], BUILD_LIMIT, project)
-        return (project / "dist" / "index.html").read_text(encoding="utf-8")
+        process.run(["npm", "run", "build", "--", "--mode", mode], BUILD_LIMIT, project)
+        yield project / "dist"
 
 
 class _Handler(SimpleHTTPRequestHandler):
@@ -121,8 +171,7 @@ class _Handler(SimpleHTTPRequestHandler):
 @contextmanager
 def server(port: int) -> Iterator[ThreadingHTTPServer]:
     """What serves the page to this machine alone; port 0 takes a free one. Raises UserError."""
-    with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
-        Path(folder, "index.html").write_text(page(), encoding="utf-8")
+    with built("host") as folder:
         try:
             serving = ThreadingHTTPServer((HOST, port), partial(_Handler, directory=folder))
         except (OSError, OverflowError) as error:
@@ -131,9 +180,16 @@ def server(port: int) -> Iterator[ThreadingHTTPServer]:
             yield serving
 
 
+def _write_host(target: Path) -> None:
+    """Write the page for a static host into a folder."""
+    with built("host") as folder:
+        shutil.copytree(folder, target, dirs_exist_ok=True)
+
+
 def demo(
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="Write the page, and do not serve it.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="FOLDER or FILE.html", help="Write the page, and do not serve it."),
     ] = None,
     port: Annotated[int, typer.Option(help="To serve it on; 0: any that is free.")] = 8015,
     data_folder: Annotated[
@@ -145,11 +201,16 @@ def demo(
         files.check_folder("--data", data_folder)
         write_data(data_folder)
         return
-    if output is not None:
+    if output is not None and output.suffix.lower() in (".html", ".htm"):
         terminal.check_writable(output)
-        text = page()
+        with built("file") as folder:
+            text = (folder / "index.html").read_text(encoding="utf-8")
         files.whole(output, lambda partial: partial.write_text(text, encoding="utf-8"))
         terminal.tell(f"{output}: {len(text) / 1e6:.1f} MB; open it in a browser with WebGL 2")
+        return
+    if output is not None:
+        files.new_folder("--output", output, _write_host)
+        terminal.tell(f"{output}: copy it to a static host; index.html does not open from disk")
         return
     with server(port) as serving:
         terminal.tell(f"http://{HOST}:{serving.server_address[1]}/  (Ctrl+C ends it)")

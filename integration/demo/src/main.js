@@ -1,13 +1,15 @@
 // The page: its controls and state, what it draws when, and what pointer and keys do.
 
-import * as others from "./others.js";
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
+import { median, steady } from "./steady.js";
 import * as view from "./view.js";
 import data from "../data/page.json";
 
 const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
 const SIDES = ["left", "right"];
+const IDLE = 500; // milliseconds without a change, after which it is measured how long a frame takes
+const LENS = { stop: 2.8, scale: 10 }; // that of every integration
 const byId = (id) => document.getElementById(id);
 
 const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced", ...data.others };
@@ -17,6 +19,7 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 // state may lie between the steps
 const SLIDERS = {
   stop: ["f-stop", -1.6, 4, 0.05, Math.log2, power, (v) => `f/${v.toFixed(v < 10 ? 2 : 1)}`],
+  scale: ["bokeh scale", 0, 20, 0.5, Number, Number, (v) => v.toFixed(v % 1 ? 1 : 0)],
   focus: ["focus", -1, 6, 0.01, Math.log2, power, (v) => `${v.toPrecision(3)} m`],
   focal: ["focal", 24, 135, 1, (v) => 1000 * v, (x) => x / 1000, (v) => `${(1000 * v).toFixed(0)} mm`],
   rotation: ["rotation", 0, 90, 1, Number, Number, (v) => `${v.toFixed(0)}\u00b0`],
@@ -30,6 +33,7 @@ let work = Promise.resolve(); // what is drawn and loaded, one after the other
 let scheduled = false; // whether a picture is on its way
 let current = null; // the scene's pictures
 let pointer = null; // texel under it
+let measuring = 0; // the timer of a measurement that is due
 let pull = null; // where focus is pulled to, metres
 
 // Change the state; resolves when everything is drawn, a pull of focus to its end.
@@ -66,6 +70,23 @@ async function drawBoth() {
   for (const side of SIDES) await render(side);
   view.show(drawn.left.name, drawn.right.name, state.split, state.exposure);
   tell();
+  clearTimeout(measuring);
+  measuring = setTimeout(() => after(measure), IDLE);
+}
+
+// How long a frame of each side takes, told where it is steady: drawn again some times while nothing else happens.
+async function measure() {
+  for (const side of SIDES) {
+    const made = drawn[side];
+    if (!made.passes || made.milliseconds) continue;
+    const times = [];
+    for (let i = 0; i < 12 && !scheduled && !steady(times); i++) {
+      times.push(view.run(side, made.passes));
+      await new Promise(requestAnimationFrame);
+    }
+    if (steady(times)) made.milliseconds = median(times);
+  }
+  tell();
 }
 
 // Focus goes a part of its way; a slow device sees some of it too.
@@ -78,31 +99,36 @@ function pullFocus(seconds) {
 
 // Draw a side where its settings are others than those it has been drawn with.
 async function render(side) {
-  const { [side]: method, stop, focal, focus, blades, rotation, squeeze, preset } = state;
+  const { [side]: method, stop, scale, focal, focus, blades, rotation, squeeze, preset } = state;
+  if (method === "truth" && !current.truth) {
+    current.truth = await current.loadTruth();
+    view.put("truth", current.truth);
+  }
   if (method === "input" || method === "truth") {
     drawn[side] = { name: method === "input" ? "color" : "truth", facts: method === "truth" ? ofTruth() : "" };
     return;
   }
-  const settings = { method, stop, focal, focus, blades, rotation, squeeze, preset };
+  const settings = { method, stop, scale, focal, focus, blades, rotation, squeeze, preset };
   const key = JSON.stringify(settings);
   if (drawn[side]?.key === key) return;
   if (method in data.others) {
-    const camera = { aperture: focal / stop, focal, focus, sensor: data.sensor };
-    const { image, milliseconds } = await others.draw(method, camera, current);
-    view.put(`${side} ${method}`, image);
-    drawn[side] = { key, name: method, facts: `a disc, ${milliseconds.toFixed(1)} ms and reading it back` };
+    const camera = { aperture: (focal / stop) * scale, focal, focus, sensor: data.sensor };
+    const others = await import("./others.js");
+    view.put(`${side} ${method}`, await others.draw(method, camera, current));
+    drawn[side] = { key, name: method, facts: "a disc" };
     return;
   }
   const passes = frame(data, settings, current.color.size);
-  const milliseconds = view.run(side, passes);
-  drawn[side] = { key, name: "result", facts: `${passes.length} passes, ${milliseconds.toFixed(1)} ms` };
+  view.run(side, passes);
+  drawn[side] = { key, name: "result", passes, facts: `${passes.length} passes` };
 }
 
 // Show the state beside what is drawn.
 function tell() {
   for (const side of SIDES) {
     byId(side).value = state[side];
-    byId(`${side}Facts`).textContent = drawn[side].facts;
+    const { facts, milliseconds } = drawn[side];
+    byId(`${side}Facts`).textContent = milliseconds ? `${facts}, ${milliseconds.toFixed(milliseconds < 100 ? 1 : 0)} ms` : facts;
     byId(`${side}Facts`).className = state[side] === "truth" ? "note" : "";
   }
   byId("divider").style.left = `${100 * state.split}%`;
@@ -133,17 +159,21 @@ function tellUnder() {
 
 // The lens that a scene was ray traced with, where the controls have another.
 function ofTruth() {
-  const { stop, focal, focus, rotation } = scenes[state.scene];
-  const traced = { stop, focal, focus, rotation, blades: 6, squeeze: 1 };
+  const traced = tracedLens();
   const same = Object.entries(traced).every(([name, value]) => state[name] === value);
-  return same ? "" : `ray traced at f/${stop.toFixed(2)}, ${focus} m, 6 blades only`;
+  return same ? "" : `ray traced at f/${traced.stop.toFixed(1)}, scale ${traced.scale}, ${traced.focus} m, 6 blades only`;
 }
 
-// Show a scene of the list with the lens that it comes with.
+function tracedLens() {
+  const { traced, focal, focus, rotation } = scenes[state.scene];
+  return { stop: traced, scale: LENS.scale, focal, focus, rotation, squeeze: 1, blades: 6 };
+}
+
+// Show a scene of the list.
 async function choose(index) {
   const scene = scenes[index];
   say("");
-  const pictures = scene.color ? scene : await embedded(scene.name);
+  const pictures = scene.color ? scene : await embedded(scene.file);
   if (Math.max(...pictures.color.size) > view.largest()) throw new Error("this picture is larger than a texture here");
   await after(() => take(index, pictures));
   await reset();
@@ -156,21 +186,28 @@ function take(index, pictures) {
   byId("under").textContent = "point at the picture";
   for (const side of SIDES) {
     delete drawn[side];
-    byId(side).querySelector("[value=truth]").disabled = !pictures.truth;
-    if (!pictures.truth && state[side] === "truth") state[side] = "layered";
+    byId(side).querySelector("[value=truth]").disabled = !pictures.loadTruth;
+    if (!pictures.loadTruth && state[side] === "truth") state[side] = "layered";
   }
   const [width, height] = pictures.color.size;
-  byId("picture").style.setProperty("--wide", width);
-  byId("picture").style.setProperty("--high", height);
+  byId("frame").style.setProperty("--wide", width);
+  byId("frame").style.setProperty("--high", height);
+  byId("traced").disabled = !pictures.loadTruth;
   state.scene = index;
   // something to look at while programs are compiled
   view.show("color", "color", state.split, 1);
 }
 
 function reset() {
-  const { stop, focal, focus, rotation, exposure } = scenes[state.scene];
+  const { focal, focus, exposure } = scenes[state.scene];
   pull = null;
-  return change({ stop, focal, focus, rotation, squeeze: 1, blades: 6, exposure });
+  return change({ ...LENS, focal, focus, rotation: 0, squeeze: 1, blades: 6, exposure });
+}
+
+// The lens that the truth of a scene was ray traced with
+function traced() {
+  pull = null;
+  return change(current.loadTruth ? tracedLens() : {});
 }
 
 // Take files that were dropped or chosen.
@@ -221,10 +258,11 @@ function key(event) {
     b: () => change({ blades: sides[(sides.indexOf(state.blades) + 1) % sides.length] }),
     h: () => document.body.classList.toggle("bare"),
     0: reset,
+    t: traced,
   };
   const digit = /^Digit([1-7])$/.exec(event.code);
   const method = digit && Object.keys(METHODS)[digit[1] - 1];
-  if (method && (method !== "truth" || current.truth)) change({ [event.shiftKey ? "right" : "left"]: method });
+  if (method && (method !== "truth" || current.loadTruth)) change({ [event.shiftKey ? "right" : "left"]: method });
   else if (event.key in actions) actions[event.key]();
   else return;
   event.preventDefault();
@@ -253,8 +291,16 @@ function listen() {
     });
   }
   byId("reset").addEventListener("click", reset);
+  byId("traced").addEventListener("click", traced);
+  byId("copy").addEventListener("click", copy);
   byId("own").addEventListener("click", () => byId("file").click());
   byId("file").addEventListener("change", ({ target }) => open(target.files));
+}
+
+async function copy() {
+  await navigator.clipboard.writeText(data.install);
+  byId("copy").textContent = "copied";
+  setTimeout(() => (byId("copy").textContent = "copy"), 2000);
 }
 
 function labelled(text, id, input) {
@@ -270,6 +316,8 @@ function list(select, options, chosen) {
 }
 
 async function begin() {
+  byId("install").firstElementChild.textContent = data.install;
+  byId("links").replaceChildren(...data.links.map(([textContent, href]) => Object.assign(document.createElement("a"), { textContent, href })));
   view.open(byId("canvas"), data);
   const select = (name) => labelled(name, name, document.createElement("select"));
   list(select("scene"), [], (index) => choose(Number(index)).catch(say));
@@ -290,4 +338,4 @@ async function begin() {
 const ready = begin();
 ready.catch(say);
 // For the browser's console, and for the tests in ../test
-window.bokeh = { ready, state, change, choose, open, picture: view.picture };
+window.bokeh = { ready, state, change, choose, open, traced, measure: () => after(measure), picture: view.picture };

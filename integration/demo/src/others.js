@@ -24,7 +24,7 @@ const MAPPED = {
 
 const opened = new Map(); // name -> { pictures, effect }
 
-// { image as job.js has it, milliseconds } of an effect on pictures; camera: { aperture, focal, focus, sensor }, metres
+// The image, as job.js has it, of an effect on pictures; camera: { aperture, focal, focus, sensor }, metres
 export async function draw(name, camera, pictures) {
   if (opened.get(name)?.pictures !== pictures) {
     opened.get(name)?.effect.close();
@@ -33,11 +33,8 @@ export async function draw(name, camera, pictures) {
   const { effect } = opened.get(name);
   const { size } = pictures.color;
   effect.set(MAPPED[name](camera, size));
-  const before = performance.now();
   effect.draw();
-  const rows = await effect.read();
-  const milliseconds = performance.now() - before;
-  return { image: { size, format: "rgba16float", data: upsideDown(rows, { height: size[1] }) }, milliseconds };
+  return { size, format: "rgba16float", data: upsideDown(await effect.read(), { height: size[1] }) };
 }
 
 // As peers.js hands a scene over

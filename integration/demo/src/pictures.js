@@ -10,14 +10,14 @@ const FAR = 100; // metres, of black in a depth picture; white is 1 metre
 const FILES = import.meta.glob("../data/*.exr", { query: "?url", import: "default", eager: true });
 const TOGETHER = [4, 8, 9]; // PIZ, DWAA, DWAB
 
-// { color, depth, truth } of a scene in the page: images as in job.js.
+// { color, depth, truth: null, loadTruth() } of a scene of the page: images as in job.js. The truth is as large as the
+// picture, so it is loaded when it is asked for.
 export async function embedded(name) {
   const read = async (kind) => {
     const file = await fetch(FILES[`../data/${name}_${kind}.exr`]);
     return readExr(new Uint8Array(await file.arrayBuffer()));
   };
-  const [pinhole, truth] = await Promise.all([read("pinhole"), read("truth")]);
-  return { ...pinhole, truth: truth.color };
+  return { ...(await read("pinhole")), truth: null, loadTruth: async () => (await read("truth")).color };
 }
 
 // The same of files, with a lens for what comes without: an EXR with R G B Z, or two pictures, the one whose name has
@@ -35,7 +35,7 @@ export async function dropped(files) {
   }
   const middle = metres.data[(height >> 1) * width + (width >> 1)];
   const focus = Math.min(Math.max(middle || 5, 0.5), 64);
-  const lens = { stop: 1.4, focal: 0.05, focus, exposure: 1, rotation: 0 };
+  const lens = { focal: 0.05, focus, exposure: 1 };
   return { name: file.name, color, depth: metres, truth: null, ...lens };
 }
 

@@ -1,12 +1,12 @@
 // The passes of a frame: those of the harness (methods.plan, written into the page), with the controls in place of what
 // the page was made with.
 
-// settings: { method, blades, preset, rotation (degrees), squeeze, stop, focal, focus (metres) }
+// settings: { method, blades, preset, rotation (degrees), squeeze, stop, scale, focal, focus (metres) }
 // Returns [{ fragment, inputs, targets, size, values }].
-export function frame({ plans, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
+export function frame({ plans, passes, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
   const name = `${settings.method} ${apertures[settings.blades]}`;
   const lens = {
-    BokehApertureDiameter: settings.focal / settings.stop,
+    BokehApertureDiameter: (settings.focal / settings.stop) * settings.scale,
     BokehFocalLength: settings.focal,
     BokehFocusDistance: settings.focus,
     BokehSensorHeight: sensor,
@@ -17,7 +17,7 @@ export function frame({ plans, apertures, glsl, sensor, maxCoC }, settings, [wid
     BokehSqueeze: settings.squeeze,
   };
   // paper has no presets
-  return (plans[`${name} ${settings.preset}`] ?? plans[name]).map((pass) => ({
+  return (plans[`${name} ${settings.preset}`] ?? plans[name]).map((number) => passes[number]).map((pass) => ({
     ...pass,
     fragment: pass.head + glsl,
     size: [width, height].map((side) => Math.ceil(side / pass.scale)),

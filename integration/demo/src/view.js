@@ -27,7 +27,7 @@ const images = new Map(); // color, depth, truth of the scene, and "side name" -
 
 export function open(element, data) {
   canvas = element;
-  ({ vertex } = data);
+  vertex = data.vertex + data.glsl;
   gl = start(canvas);
 }
 

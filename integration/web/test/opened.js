@@ -12,7 +12,7 @@ export const MODULES = `${dirname(dirname(fileURLToPath(import.meta.resolve('pla
 
 // WebGPU is for secure pages only
 const ADDRESS = 'https://bokeh.invalid/';
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.png': 'image/png' };
+const TYPES = { '.css': 'text/css', '.html': 'text/html', '.js': 'text/javascript', '.png': 'image/png' };
 const START_LIMIT = 60_000; // milliseconds; it takes 2000
 const CALL_LIMIT = 240_000; // of a call; the longest takes 30000
 

@@ -18,7 +18,7 @@ from support import called, load, needed, refused
 from support_inputs import inputs
 from support_node import assert_passes, files
 
-from bokeh_validation import metrics, pictures
+from bokeh_validation import metrics, paths, pictures
 from bokeh_validation.drivers.base import STORAGE, Driver
 from bokeh_validation.engines import pages
 from bokeh_validation.frame import methods
@@ -30,7 +30,7 @@ from lab.other_effects import effects
 
 CAMERA = methods.Camera(0.2, 0.06, 4.0, 0.024, 0.15)
 # the same lens in the page's controls
-LENS = {"stop": 0.3, "focal": 0.06, "focus": 4.0, "squeeze": 0.6, "rotation": 17.0}
+LENS = {"stop": 0.3, "scale": 1.0, "focal": 0.06, "focus": 4.0, "squeeze": 0.6, "rotation": 17.0}
 METHODS = [
     ("paper", "square"), ("exact", "hexagon"), ("exact", "decagon"), ("layered", "octagon"), ("layered", "hexagon"),
 ]  # fmt: skip
@@ -79,7 +79,7 @@ def write_given(folder: Path) -> None:
         (folder / f"{name}.EXR").write_bytes(own(compression=compression, kind=np.float32))
     Image.fromarray(GREY).save(folder / "a depth.png")
     Image.fromarray(np.dstack([GREY, GREY[:, ::-1], GREY])).save(folder / "a.png")
-    ray_traced.picture(ray_traced.MARKET).depth.astype(np.float32).tofile(folder / "market_7 depth.f32")
+    demo.shown_depth(ray_traced.MARKET).astype(np.float32).tofile(folder / "market_7 depth.f32")
     cases = []
     for method, aperture in METHODS:
         passes = methods.plan(settings_of(method, aperture), demo.SIZE).passes
@@ -95,13 +95,14 @@ def write_given(folder: Path) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Where page.html is, what --output writes; given/ and drawn/. The name has a space in it."""
+    """Where page.html and site/ are, what --output writes; given/ and drawn/. The name has a space in it."""
     made = tmp_path_factory.mktemp("a page")
     with needed("npm"):
         pages.check_node()
         pages.installed(demo.PROJECT)
-    done = called("demo", "--output", made / "page.html")
-    assert done.returncode == 0, done.stderr
+    for name in ("page.html", "site"):
+        done = called("demo", "--output", made / name)
+        assert done.returncode == 0, done.stderr
     for name in ("given", "drawn"):
         (made / name).mkdir()
     write_given(made / "given")
@@ -115,6 +116,16 @@ def worked(folder, tmp_path_factory) -> Path:
     (tests,) = files(demo.PROJECT)
     assert_passes(project, tests, {"BOKEH_PAGE": str(folder)})
     return folder
+
+
+def test_links():
+    """Into the repository, where its address is known; each leads to a file that is there."""
+    assert demo.links("") == []
+    found = demo.links("git+https://example.com/owner/name.git")
+    assert found[0] == ("source", "https://example.com/owner/name")
+    for _, address in found[1:]:
+        page, _, file = address.partition("/blob/main/")
+        assert page == "https://example.com/owner/name" and (paths.ROOT / file).is_file(), address
 
 
 def test_page_by_hand(worked):
@@ -170,6 +181,8 @@ def test_shows_the_reference(worked, method, aperture):
 def test_scene(worked):
     """market_7 in full: layered to the bit as the driver, the lens's picture, and the canvas with both of them."""
     case = ray_traced.scene_case(ray_traced.MARKET, "layered", "hexagon")
+    # the page's depth has 16 bits
+    case = replace(case, depth=demo.shown_depth(ray_traced.MARKET).astype(np.float32))
     expected = load("webgl2").run(case.plan.passes, case.textures(), case.size)["result"]
     result, lens, color = Drawn(worked, "market_7").pictures(case.size, "result", "truth", "color")
     np.testing.assert_array_equal(result, expected)
@@ -187,7 +200,8 @@ def beside():
     """market_7 on the page of validation/run peers."""
     picture = ray_traced.picture(ray_traced.MARKET)
     with effects.Page(list(demo.OTHERS)) as opened:
-        opened.load(picture.color, picture.depth, ray_traced.MARKET.camera)
+        depth = demo.shown_depth(ray_traced.MARKET).astype(np.float32)
+        opened.load(picture.color, depth, ray_traced.MARKET.camera)
         yield opened
 
 
@@ -225,6 +239,6 @@ def test_served(folder):
         host, port = serving.server_address
         assert host == "127.0.0.1"
         with urllib.request.urlopen(f"http://{host}:{port}/") as answer:
-            assert answer.read() == (folder / "page.html").read_bytes()
+            assert answer.read() == (folder / "site/index.html").read_bytes()
         refused(called("demo", "--port", port), [f"--port {port}", "cannot be used"])
         serving.shutdown()
