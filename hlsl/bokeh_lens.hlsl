@@ -2,10 +2,13 @@
 //
 // The character of a lens, HLSL. Version 0.3.0. Put it after bokeh.hlsl.
 //
-//   Curved blades and a cat's eye are functions from polygon to polygon: what they return goes
-//   wherever a BokehPolygon goes, in `exact` and in the layers. A focus that artists can bend is
-//   another CoC in the map; a steady map is a pass after the map, lateral colour one over the
-//   finished picture. Axial colour is a recipe: docs/methods/character.md.
+//   BokehWithRoundness, BokehWithCatsEye   change a BokehPolygon; pass the result to any function
+//                                          of `exact` or `layered` that takes a polygon
+//   BokehFocusedCoC                        computes the CoC of a focus that artists can bend
+//   BokehStableMap                         is a pass after the CoC map, for temporal anti-aliasing
+//   BokehLateralColor                      is a pass after the finished image
+//
+//   Axial colour needs no function: docs/methods/character.md has a recipe.
 //   Functions only: no bindings, no entry points.
 
 #ifndef BOKEH_VIEWPORT
@@ -16,7 +19,7 @@
 // -------------------------------------------------------------------------------------------------
 // [15] apertures
 
-// Lens: a polygon whose lengths have changed, with what follows from them
+// Lens: recomputes the corner, mean and area of a polygon whose lengths have changed
 BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
 {
     BokehPolygon closed = polygon;
@@ -33,15 +36,15 @@ BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
         closed.area += begin.x * edge.y - begin.y * edge.x;
         begin += edge;
     }
-    // the outline's other half leads back: the middle is half-way
+    // the other half of the outline leads back, so the centre is half-way
     closed.corner = begin * -0.5;
     closed.mean += closed.corner;
     return closed;
 }
 
-// Lens: curved blades, of an octagon; other polygons stay as they are
-//   Its corners stay on the circle. (fxc for shader model 3 drops a max around a sin.)
-//   roundness     0 a square, 1 regular, between them a square with corners cut off
+// Lens: curves the blades of an octagon; returns any other polygon unchanged
+//   The corners stay on the circle of confusion. (fxc for shader model 3 drops a max around a sin.)
+//   roundness     0: a square; 1: a regular octagon; between: a square with its corners cut off
 BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
 {
     BokehPolygon result = polygon;
@@ -56,8 +59,8 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
     return result;
 }
 
-// Lens: distance of edge k from the middle of a polygon
-//   along         the cut: by how much of that distance the edge moves to the middle, as a vector
+// Lens: returns the distance of edge k from the centre of a polygon, in units of the CoC
+//   along         cut as a vector: the fraction of that distance by which the edge moves inwards
 float BokehHalfWidth(int k, BokehPolygon polygon, float2 along)
 {
     float width = 0.0;
@@ -68,14 +71,14 @@ float BokehHalfWidth(int k, BokehPolygon polygon, float2 along)
     return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(float(k), polygon))));
 }
 
-// Lens: length of edge k between the lines of all other edges
+// Lens: returns the length of edge k between the lines of all other edges, in units of the CoC
 //
 //      before after
-//      ,---+---,   edge k is on a line half a width from the middle; on both sides it ends where
-//     /    |    '  the nearest of the other lines crosses that one
+//      ,---+---,   Edge k lies on a line half a width away from the centre. On each side it ends
+//     /    |    '  where the nearest of the other lines crosses it.
 //
 //   widths        a polygon whose lengths are the half widths of the edges
-//   returns       0.001 where nothing is left, so that no weights add up to 0
+//   returns       at least 0.001, so that no weights add up to 0
 float BokehCutLength(int k, BokehPolygon widths)
 {
     float halfWidth = BokehEdgeLength(k, widths);
@@ -91,12 +94,12 @@ float BokehCutLength(int k, BokehPolygon widths)
     return max(ends.x + ends.y, 0.001);
 }
 
-// Lens: cat's eye: the polygon cut by the lens barrel, more towards the corners of the image
-//   The front and rear rims of the barrel are two copies of the polygon, shifted apart; the bokeh
-//   is where they overlap. So the middle stays where it is, near and far are alike, and what is
-//   left has the same edges, some of them shorter.
-//   amount        0 .. 0.9: share of the width, from the middle of the image outwards, that is gone
-//                 in its corners; half-way to them half as much
+// Lens: cuts a polygon as the lens barrel does, more towards the corners of the image
+//   The front and the rear rim of the barrel are two copies of the polygon, shifted apart, and the
+//   bokeh is their overlap. So its centre does not move, near and far blur look the same, and the
+//   result has the same edges, some of them shorter.
+//   amount        0 .. 0.9: fraction of the width that is missing in the corners of the image; half
+//                 of it is missing half-way to them
 BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize, float amount)
 {
     // uv * 2.0 - 1.0 leaves fxc with -1 among its constants, of which it makes breaks never taken
@@ -104,7 +107,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
     float2 along = BokehRotated(place, float2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
         0.9);
     BokehPolygon whole = polygon;
-    // an edge of the least length stands for none
+    // an edge of the minimum length stands for no edge
     whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, float4(0.0, 0.0, 0.0, 0.0),
         float4(1.0, 1.0, 1.0, 1.0));
     BokehPolygon widths = polygon;
@@ -119,13 +122,13 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
 }
 
 // -------------------------------------------------------------------------------------------------
-// [16] the map, and the finished picture
+// [16] the CoC map, and the finished image
 
-// Lens: what artists ask of the focus; x in front of it, y behind it
-//   sharpRange    metres from the focus distance that stay sharp; the CoC grows from the ends of
-//                 this range as from a focus distance there
-//   sideScale     factors of the CoC; 0 turns a side off
-//   sideMaxCoC    limits of their own, fraction of the image height
+// Lens: lets artists bend the focus; x is in front of the focus distance, y behind it
+//   sharpRange    metres that stay in focus; the CoC grows from the ends of this range as it does
+//                 from a focus distance there
+//   sideScale     factors of the CoC; 0 turns the blur of a side off
+//   sideMaxCoC    limits of the CoC, fractions of the image height
 struct BokehFocus
 {
     float2 sharpRange;
@@ -133,7 +136,10 @@ struct BokehFocus
     float2 sideMaxCoC;
 };
 
-// Lens: BokehSignedCoC with a BokehFocus; BokehPackCoC puts it beside the colour
+// Lens: computes the signed CoC as BokehSignedCoC does, with a BokehFocus
+//   Pass the result to BokehPackCoC.
+//   depth         metres
+//   returns       fraction of the image height, below 0 in front of the focus
 float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
 {
     float middle = min(lens.focusDistance, BOKEH_MAX_DEPTH);
@@ -144,18 +150,21 @@ float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
         -focus.sideMaxCoC.x, focus.sideMaxCoC.y);
 }
 
-// Lens: the map made steady, where temporal anti-aliasing has resolved colour but depth jitters
-//   A pixel that was nearer stays so while one of the 3 x 3 around it is, and forgets it slowly;
-//   what is nearer now counts at once: resolved colour holds some of it in every frame.
+// Lens: makes the CoC map steady where temporal anti-aliasing resolves colour while depth jitters
+//   A pixel that was nearer in the last frame stays nearer as long as one of its 3 x 3 neighbours
+//   is, and forgets it slowly. A pixel that becomes nearer changes at once, because resolved colour
+//   has some of the near object in every frame.
 //
-//      o  last frame         velocity: from o to x, uv of this frame minus uv of the last, without
-//       '--> x  this frame   jitter; negate it where an engine stores the reverse (Godot)
-//   MapSamp       from BokehSignedCoCMap; VelocitySamp: rg = velocity; both read texel by texel
-//   HistorySamp   what this returned in the last frame, of which a is read; linear filter, clamp
-//   blend         share of this frame, 0.05 (docs/taa.md); 1 starts anew: in the first frame,
-//                 after a cut, where the viewport has changed
-//   returns       the map; a is between the nearest of the 3 x 3 and the pixel's own CoC, which
-//                 stays where the last frame did not show the place
+//      o  last frame         velocity points from o to x: uv of this frame minus uv of the last,
+//       '--> x  this frame   without jitter. Negate it if your engine stores the reverse (Godot).
+//   MapSamp       from BokehSignedCoCMap, read texel by texel
+//   HistorySamp   what this function returned in the last frame (a is read); linear filter, clamp
+//   VelocitySamp  rg = velocity, uv; read texel by texel
+//   imageSize     width and height, pixels
+//   blend         weight of this frame, 0.05 (docs/taa.md); 1 starts anew: use it in the first
+//                 frame, after a cut, and when the viewport has changed
+//   returns       the map; a lies between the nearest CoC of the 3 x 3 and the pixel's own, and is
+//                 the pixel's own where the last frame did not show this point
 float4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXTURE VelocitySamp,
     float2 uv, float2 imageSize, float blend BOKEH_SAMPLER)
 {
@@ -170,7 +179,7 @@ float4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TE
         }
     }
     float2 velocity = BokehFetchTexel(VelocitySamp, BokehToTexture(uv)).rg;
-    // NaN leaves the image
+    // NaN becomes an offset that leaves the image
     float2 before = uv - float2(BokehSanitize(velocity.x, -2.0, 2.0), BokehSanitize(velocity.y,
         -2.0, 2.0));
     float history = BokehSanitize(BokehFetch(HistorySamp, before BOKEH_LINEAR).a, nearest, pixel.a);
@@ -181,12 +190,12 @@ float4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TE
     return pixel;
 }
 
-// Lens: lateral colour: the red of a finished picture drawn larger than the green, the blue smaller
-//   The last pass after any method; bloom and tone mapping come after it.
-//   PictureSamp   linear filter, clamp
-//   amount        -0.1 .. 0.1: share of its size that red is larger by, and blue smaller; below 0
-//                 the reverse. 0.001 is about a pixel in the corners of 1920 x 1080.
-//   returns       green and a are those of this pixel
+// Lens: draws lateral colour: the red of a finished image larger than the green, the blue smaller
+//   Draw it after any method, and before bloom and tone mapping.
+//   PictureSamp   the finished image; linear filter, clamp
+//   amount        -0.1 .. 0.1: fraction by which red is larger and blue is smaller, reversed below
+//                 0; 0.001 is about one pixel in the corners of 1920 x 1080
+//   returns       red and blue of other pixels; green and alpha of this one
 float4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, float2 uv, float amount BOKEH_SAMPLER)
 {
     float larger = clamp(amount, -0.1, 0.1);
